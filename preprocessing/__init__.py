@@ -1,0 +1,1 @@
+"""From an airfoil file to the reduced model of its flexible skin."""

@@ -1,0 +1,1 @@
+"""Flexible multibody dynamics with exact design sensitivities: the runtime."""

@@ -1,0 +1,344 @@
+"""The reduced model of one flexible body, and its HDF5 file: the only thing the two halves of the project share."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from toolkit.errors import InputError, ModelFileError
+
+SCHEMA = "ffrf-reduced-model"
+SCHEMA_VERSION = 1
+
+
+@dataclass(frozen=True)
+class Invariants:
+    """Invariants of a planar body, theory section 1, with Z = [xi, Psi] and n_f elastic coordinates.
+
+        m     = t_a^T M_aa t_a             N[a, :] = t_a^T M_aa Z
+        G     = Z^T (M_11 + M_22) Z        H       = Z^T (M_12 - M_21) Z
+        K     = Psi^T K_fe Psi             D       = Psi^T D_fe Psi
+
+    `stress_operator` maps the elastic coordinates to the stress at every stress point.
+    """
+
+    mass: np.ndarray  # ()
+    first_moment: np.ndarray  # (2, 1 + n_f)
+    inertia: np.ndarray  # G (1 + n_f, 1 + n_f), symmetric
+    gyroscopic: np.ndarray  # H (1 + n_f, 1 + n_f), antisymmetric
+    stiffness: np.ndarray  # (n_f, n_f)
+    damping: np.ndarray  # (n_f, n_f)
+    stress_operator: np.ndarray  # (n_stress, n_f)
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """Exact dependence of one invariant on the parameters p, relative to their nominal values p0.
+
+        value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+    """
+
+    exponents: np.ndarray  # e (n_terms, n_parameters), whole numbers
+    coefficients: np.ndarray  # C (n_terms, *shape of the invariant)
+
+    def __call__(self, ratio: np.ndarray) -> np.ndarray:
+        """Value at the parameter ratios p / p0, shape (n_parameters,), real or complex."""
+        weights = np.prod(ratio ** self.exponents.astype(int), axis=1)
+        return np.tensordot(weights, self.coefficients, axes=1)
+
+
+@dataclass(frozen=True)
+class InterfacePoint:
+    """A point where joints and loads may grip, as polynomials of its arc length s along the body.
+
+        Z_P(s) = sum_k position[k] (s - arc_length)^k        position of the point: Z_P [1; q_f]
+        T_P(s) = sum_k rotation[k] (s - arc_length)^k        its rotation: T_P [1; q_f]
+
+    The polynomials hold for arc lengths inside `arc_length_range` (one finite element). At a node the range is that one
+    point and only k = 0 exists: the discretised curve has a kink there and no derivative by s.
+    """
+
+    arc_length: np.ndarray  # ()
+    arc_length_range: np.ndarray  # (2,)
+    position: np.ndarray  # (n_powers, 2, 1 + n_f)
+    rotation: np.ndarray  # (n_powers, 1 + n_f)
+
+    def at(self, arc_length: float | complex) -> tuple[np.ndarray, np.ndarray]:
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range."""
+        low, high = self.arc_length_range
+        if not low <= np.real(arc_length) <= high or (low == high and np.imag(arc_length) != 0):
+            raise InputError(
+                f"arc length {np.real(arc_length):g} of an interface point is outside [{low:g}, {high:g}], where its "
+                "derivative holds (a node has none). Rerun preprocessing with the point at the wanted place, off a node."
+            )
+        powers = (arc_length - self.arc_length) ** np.arange(len(self.position))
+        return np.tensordot(powers, self.position, axes=1), np.tensordot(powers, self.rotation, axes=1)
+
+
+@dataclass(frozen=True)
+class StressPoints:
+    """Where each row of the stress operator is: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""
+
+    element: np.ndarray  # (n_stress,)
+    end: np.ndarray  # (n_stress,)
+    fibre: np.ndarray  # (n_stress,)
+
+
+@dataclass(frozen=True)
+class Shape:
+    """Points whose distance to a target shape is of interest; their position is `position @ [1; q_f]`."""
+
+    position: np.ndarray  # (n_points, 2, 1 + n_f)
+    target: np.ndarray  # (n_points, 2)
+    arc_length: np.ndarray  # (n_points,)
+
+
+@dataclass(frozen=True)
+class Mesh:
+    """The finite-element mesh, for pictures only; nodal coordinates are `recovery @ [1; q_f]`, per node x, y, rotation."""
+
+    nodes: np.ndarray  # (n_nodes, 2), undeformed
+    connectivity: np.ndarray  # (n_elements, 2)
+    recovery: np.ndarray  # (3 n_nodes, 1 + n_f)
+    outline: np.ndarray  # (n_rows, 2), the whole undeformed contour
+    target_outline: np.ndarray  # (n_rows, 2), the whole target contour
+
+
+@dataclass(frozen=True)
+class ReducedModel:
+    """Everything the runtime knows about one flexible body, in the units of its file.
+
+    The derivatives of the invariants are the analytical ones of the preprocessing, at the nominal design. Where an invariant is
+    a polynomial of the parameters, `affine` holds it exactly for every value; the runtime prefers it. Parts that `load` was
+    not asked for are None.
+    """
+
+    dimension: int
+    units: str  # name of the unit system, "mm-t-s" or "m-kg-s"
+    reference_condition: str
+    basis: str  # "frozen" or "differentiated", with what it consists of
+    nominal: dict[str, float]  # parameter -> value
+    nominal_units: dict[str, str]
+    input_hash: str
+    writers: dict[str, str]  # program -> version
+    invariants: Invariants
+    derivatives: dict[str, dict[str, np.ndarray]] | None = None  # parameter -> invariant -> derivative
+    affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of all parameters
+    interfaces: dict[str, InterfacePoint] | None = None
+    stress: StressPoints | None = None
+    shape: Shape | None = None
+    mesh: Mesh | None = None
+    path: Path | None = field(default=None, compare=False)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the design parameters, in the order of the columns of `Polynomial.exponents`."""
+        return tuple(self.nominal)
+
+    @property
+    def n_f(self) -> int:
+        """Number of elastic coordinates."""
+        return len(self.invariants.stiffness)
+
+    def evaluate(self, values: Mapping[str, Any] | None = None) -> Invariants:
+        """Invariants at other parameter values, real or complex; nominal where no value is given.
+
+        Raises
+        ------
+        InputError
+            A parameter is unknown, or it has only a derivative at the nominal design and its value is moved away from there.
+        """
+        values = {**self.nominal, **(values or {})}
+        for name in set(values) - set(self.nominal):
+            raise InputError(
+                f"reduced model {self._label} has no parameter {name!r}; available: {', '.join(self.parameters)}. "
+                f"Rerun preprocessing with {name!r} in its design list."
+            )
+        ratio = np.array([values[p] / self.nominal[p] for p in self.parameters])
+        return Invariants(**{item.name: self._evaluate(item.name, values, ratio) for item in fields(Invariants)})
+
+    def _evaluate(self, name: str, values: Mapping[str, Any], ratio: np.ndarray) -> np.ndarray:
+        if self.affine is not None and name in self.affine:
+            return self.affine[name](ratio)
+        value = getattr(self.invariants, name)
+        for parameter, derivative in (self.derivatives or {}).items():
+            if name in derivative:
+                step = values[parameter] - self.nominal[parameter]
+                if np.real(step) != 0:
+                    raise InputError(
+                        f"{parameter!r} of reduced model {self._label} is fixed at {self.nominal[parameter]:g}: the file holds "
+                        f"its derivative there, not {name} at other values. Rerun preprocessing with the wanted value."
+                    )
+                value = value + step * derivative[name]
+        return value
+
+    @property
+    def _label(self) -> str:
+        return repr(self.path.name) if self.path else "(not from a file)"
+
+    def save(self, path: str | Path) -> None:
+        """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
+        path = Path(path)
+        check(self, path)
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
+        os.close(handle)
+        try:
+            with h5py.File(temporary, "w") as file:
+                file.attrs.update({"schema": SCHEMA, "schema_version": SCHEMA_VERSION})
+                for item in fields(self):
+                    if item.name != "path":
+                        _write(file, item.name, getattr(self, item.name))
+            os.replace(temporary, path)
+        finally:
+            Path(temporary).unlink(missing_ok=True)
+
+
+PARTS: dict[str, Any] = {
+    "invariants": Invariants,
+    "derivatives": "arrays",
+    "affine": Polynomial,
+    "interfaces": InterfacePoint,
+    "stress": StressPoints,
+    "shape": Shape,
+    "mesh": Mesh,
+}
+"""Groups of the file; those that hold several named objects are `derivatives`, `affine` and `interfaces`."""
+_NAMED = ("derivatives", "affine", "interfaces")
+
+
+def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedModel:
+    """Read a reduced model, only the named parts of it (`invariants` always).
+
+    Raises
+    ------
+    ModelFileError
+        The file is missing, no HDF5 file, foreign, of another schema version, incomplete, or its numbers are not physical.
+    """
+    path = Path(path)
+    try:
+        with h5py.File(path, "r") as file:
+            _check_schema(file, path)
+            content = {name: _read_part(file, name, path) for name in PARTS if name in parts or name == "invariants"}
+            attributes = {f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs}
+            maps = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")}
+    except FileNotFoundError:
+        raise ModelFileError(
+            f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."
+        ) from None
+    except (OSError, KeyError) as error:
+        raise ModelFileError(
+            f"{str(path)!r} cannot be read as a reduced model ({error}); it is damaged, incomplete or not an HDF5 file. "
+            "Build it again with ffrf-preprocess."
+        ) from error
+    model = ReducedModel(**attributes, **maps, **content, path=path)
+    check(model, path)
+    return model
+
+
+def _check_schema(file: h5py.File, path: Path) -> None:
+    schema, version = file.attrs.get("schema"), file.attrs.get("schema_version")
+    if schema != SCHEMA:
+        raise ModelFileError(
+            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
+            "Give a file written by ffrf-preprocess."
+        )
+    if version != SCHEMA_VERSION:
+        raise ModelFileError(
+            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
+            "Build it again with the ffrf-preprocess of this version."
+        )
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _write(group: h5py.Group, name: str, value: Any) -> None:
+    if value is None:
+        return
+    if isinstance(value, (str, int, float)):
+        group.attrs[name] = value
+    elif isinstance(value, np.ndarray):
+        options = {"compression": "gzip", "shuffle": True} if value.size > 64 else {}
+        group.create_dataset(name, data=value, **options)
+    else:
+        below = group.create_group(name, track_order=True)
+        items = value.items() if isinstance(value, Mapping) else ((f.name, getattr(value, f.name)) for f in fields(value))
+        for key, item in items:
+            _write(below, key, item)
+
+
+def _read_part(file: h5py.File, name: str, path: Path) -> Any:
+    if name not in file:
+        if name == "invariants":
+            raise ModelFileError(f"{str(path)!r} has no group 'invariants'. Build it again with ffrf-preprocess.")
+        return None
+    kind, group = PARTS[name], file[name]
+    if name in _NAMED:
+        return {key: _read_object(kind, group[key], path) for key in group}
+    return _read_object(kind, group, path)
+
+
+def _read_object(kind: Any, group: h5py.Group, path: Path) -> Any:
+    names = list(group) if kind == "arrays" else [f.name for f in fields(kind)]
+    arrays = {}
+    for name in names:
+        if name not in group:
+            raise ModelFileError(
+                f"{str(path)!r}: group {group.name!r} lacks the dataset {name!r}. Build it again with ffrf-preprocess."
+            )
+        arrays[name] = group[name][()] if group[name].ndim else np.asarray(group[name][()])
+        if not np.all(np.isfinite(arrays[name])):
+            raise ModelFileError(
+                f"{str(path)!r}: {group.name}/{name} holds values that are not finite. Build it again with ffrf-preprocess."
+            )
+    return arrays if kind == "arrays" else kind(**arrays)
+
+
+def check(model: ReducedModel, path: Path) -> None:
+    """Refuse a model whose shapes disagree or whose matrices are not physical, naming the file and the group."""
+    inv, n = model.invariants, len(model.invariants.stiffness)
+    shapes = {
+        "mass": (),
+        "first_moment": (2, 1 + n),
+        "inertia": (1 + n, 1 + n),
+        "gyroscopic": (1 + n, 1 + n),
+        "stiffness": (n, n),
+        "damping": (n, n),
+        "stress_operator": (len(inv.stress_operator), n),
+    }
+    for name, shape in shapes.items():
+        if getattr(inv, name).shape != shape:
+            _refuse(path, name, f"has shape {getattr(inv, name).shape} instead of {shape}")
+    for name, sign in (("inertia", 1), ("gyroscopic", -1), ("stiffness", 1), ("damping", 1)):
+        matrix = getattr(inv, name)
+        if np.abs(matrix - sign * matrix.T).max(initial=0) > 1e-9 * np.abs(matrix).max(initial=0):
+            _refuse(path, name, "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
+    if n and np.linalg.eigvalsh(generalized_mass(inv)).min() <= 0:
+        _refuse(path, "inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
+
+
+def generalized_mass(inv: Invariants) -> np.ndarray:
+    """Mass matrix of the undeformed, unrotated body in (r, theta, q_f), theory section 1, scaled to a unit diagonal."""
+    n = len(inv.stiffness)
+    m = np.zeros((3 + n, 3 + n))
+    m[0, 0] = m[1, 1] = inv.mass
+    m[2, 0], m[2, 1] = -inv.first_moment[1, 0], inv.first_moment[0, 0]
+    m[2, 2] = inv.inertia[0, 0]
+    m[3:, :2] = inv.first_moment[:, 1:].T
+    m[3:, 2] = inv.gyroscopic[0, 1:]
+    m[3:, 3:] = inv.inertia[1:, 1:]
+    m = np.tril(m) + np.tril(m, -1).T
+    scale = 1 / np.sqrt(np.diag(m).clip(np.finfo(float).tiny))
+    return scale[:, None] * m * scale
+
+
+def _refuse(path: Path, name: str, problem: str) -> None:
+    raise ModelFileError(f"{str(path)!r}: invariants/{name} {problem}. Build it again with ffrf-preprocess.")

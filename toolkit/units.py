@@ -1,0 +1,22 @@
+"""Unit systems by name: the numbers are the user's, the labels come from here."""
+
+from toolkit.errors import InputError
+
+_LABELS = {
+    "mm-t-s": {
+        "length": "mm", "time": "s", "mass": "t", "force": "N", "stress": "MPa", "density": "t/mm^3", "torque": "N mm",
+        "energy": "mJ", "angle": "rad", "area": "mm^2", "none": "",
+    },
+    "m-kg-s": {
+        "length": "m", "time": "s", "mass": "kg", "force": "N", "stress": "Pa", "density": "kg/m^3", "torque": "N m",
+        "energy": "J", "angle": "rad", "area": "m^2", "none": "",
+    },
+}  # fmt: skip
+UNIT_SYSTEMS = tuple(_LABELS)
+
+
+def unit(system: str, quantity: str) -> str:
+    """Label of a quantity, for example `unit("mm-t-s", "stress")` is "MPa"."""
+    if system not in _LABELS:
+        raise InputError(f"unknown unit system {system!r}; available: {', '.join(UNIT_SYSTEMS)}.")
+    return _LABELS[system][quantity]
