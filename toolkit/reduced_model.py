@@ -342,3 +342,8 @@ def generalized_mass(inv: Invariants) -> np.ndarray:
 
 def _refuse(path: Path, name: str, problem: str) -> None:
     raise ModelFileError(f"{str(path)!r}: invariants/{name} {problem}. Build it again with ffrf-preprocess.")
+
+
+def generalized_lengths(inv: Invariants) -> np.ndarray:
+    """RMS displacement of the whole body per unit of each elastic coordinate, sqrt(G_ii / m), shape (n_f,)."""
+    return np.sqrt(np.diag(inv.inertia)[1:] / inv.mass)

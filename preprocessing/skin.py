@@ -1,0 +1,133 @@
+"""The skin: the portion of a contour from F round the nose to G, its stations, and their places on a target shape."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from preprocessing.contour import Contour
+from toolkit.errors import InputError
+
+SPACINGS = ("equal", "curvature")
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """Portion of a contour from F (arc length `start` of the contour) to G (`end`); its own arc length s counts from F."""
+
+    contour: Contour
+    start: float
+    end: float
+
+    def __post_init__(self) -> None:
+        for name, s in (("F", self.start), ("G", self.end)):
+            if not 0 <= s <= self.contour.length:
+                raise InputError(f"{name} at arc length {s:g} is off the contour, which runs from 0 to {self.contour.length:g}.")
+        if self.start >= self.end:
+            raise InputError(
+                f"F (arc length {self.start:g}) does not come before G ({self.end:g}) along the loop trailing edge, upper side, "
+                "leading edge, lower side. Exchange F and G: F belongs to the upper side, G to the lower."
+            )
+
+    @property
+    def length(self) -> float:
+        return self.end - self.start
+
+    def position(self, s) -> np.ndarray:
+        """Points (..., 2) at arc lengths s (...) from F."""
+        return self.contour.position(self.start + self._on_skin(s))
+
+    def tangent_angle(self, s) -> np.ndarray:
+        """Continuous tangent angle (...) at arc lengths s (...) from F."""
+        return self.contour.tangent_angle(self.start + self._on_skin(s))
+
+    def curvature(self, s) -> np.ndarray:
+        """Signed curvature (...) at arc lengths s (...) from F."""
+        return self.contour.curvature(self.start + self._on_skin(s))
+
+    def stations(self, n_elements: int, spacing: str = "equal", grading: float = 1.0) -> np.ndarray:
+        """Arc lengths (n_elements + 1,) of the nodes, from 0 at F to the length at G.
+
+        "equal" spaces them evenly, "curvature" with node density 1 + grading sqrt(|kappa| L), where kappa is the
+        curvature and L the length of the skin; `grading` has no unit, 0 gives equal spacing.
+        """
+        if n_elements != int(n_elements) or n_elements < 1:
+            raise InputError(f"number of elements {n_elements!r} must be a whole number of at least 1.")
+        if spacing not in SPACINGS:
+            raise InputError(f"spacing {spacing!r} is unknown; available: {', '.join(SPACINGS)}.")
+        if not (np.isfinite(grading) and grading >= 0):
+            raise InputError(f"grading {grading!r} must be zero or positive, for example 1.0.")
+        even = np.linspace(0.0, self.length, int(n_elements) + 1)
+        if spacing == "equal":
+            return even
+        s = np.linspace(0.0, self.length, 100 * len(self.contour.curve.point_s) + 1)
+        density = 1 + grading * np.sqrt(np.abs(self.curvature(s)) * self.length)
+        count = np.concatenate([[0.0], np.cumsum((density[1:] + density[:-1]) / 2)])
+        return np.interp(even / self.length, count / count[-1], s)
+
+    def locate(
+        self,
+        *,
+        arc_length: float | None = None,
+        x: float | None = None,
+        side: str | None = None,
+        node: int | None = None,
+        stations: np.ndarray | None = None,
+    ) -> float:
+        """Arc length from F of a point named by its arc length, by x and side, or by a node of `stations`.
+
+        Raises
+        ------
+        InputError
+            None or several of the three ways, or a point off the skin (the message states what is admissible).
+        """
+        if sum(way is not None for way in (arc_length, x, node)) != 1:
+            raise InputError("name a point of the skin in exactly one way: arc_length, x with side, or node with stations.")
+        if arc_length is not None:
+            return float(self._on_skin(arc_length))
+        if x is not None:
+            if side is None:
+                raise InputError(f"x = {x:g} needs side='upper' or side='lower'.")
+            return float(self._on_skin(self.contour.at_x(x, side) - self.start, f"x = {x:g} on the {side} side, "))
+        if node is None or stations is None or not 0 <= node < len(stations):
+            given = "no stations were given" if stations is None else f"nodes count from 0 (F) to {len(stations) - 1} (G)"
+            raise InputError(f"node {node} is not on the skin: {given}.")
+        return float(self._on_skin(stations[node]))
+
+    def target_positions(self, target: Contour, s: np.ndarray) -> np.ndarray:
+        """Points (..., 2) of the target shape that belong to the skin's points at arc lengths s (...) from F.
+
+        The skin keeps its length and F its place, so material point s lies at the same arc length from F on the
+        target. G slides: cutting the target at the abscissa of G would be wrong.
+
+        Raises
+        ------
+        InputError
+            The target does not pass through F, or ends before the skin does.
+        """
+        s = self._on_skin(s)
+        place = self.contour.position(self.start)
+        start = target.nearest(place)
+        miss = float(np.linalg.norm(target.position(start) - place))
+        if miss > 1e-4 * self.contour.length:
+            raise InputError(
+                f"the target shape passes F ({place[0]:g}, {place[1]:g}) at a distance of {miss:g}. Both shapes need the same "
+                "frame and chord: do not normalise or scale the target on its own."
+            )
+        if start + np.max(s) > target.length:
+            raise InputError(
+                f"the target shape ends at arc length {target.length - start:g} from F, before the skin's {np.max(s):g}. "
+                "Complete its lower side."
+            )
+        return target.position(start + s)
+
+    def _on_skin(self, s, what: str = "") -> np.ndarray:
+        """s itself, with round-off at the ends removed; an error if it is off the skin."""
+        s = np.asarray(s, dtype=float)
+        outside = ~((s >= -1e-9 * self.length) & (s <= (1 + 1e-9) * self.length))
+        if np.any(outside):
+            raise InputError(
+                f"{what}arc length {s[outside].flat[0]:g} from F is off the skin; admissible: 0 (F) to {self.length:g} (G)."
+            )
+        return np.clip(s, 0.0, self.length)

@@ -1,0 +1,144 @@
+"""The file skin.toml: everything that preprocessing needs to know about one skin, checked key by key."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+
+from toolkit.errors import InputError
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Airfoil(_Table):
+    """The undeformed and the wanted section, files in one common frame, and the length of their chord."""
+
+    file: str  # relative to skin.toml
+    target: str
+    chord: Positive  # length
+    units: Literal["chord", "percent", "mm", "m"] | None = None  # of both files, fractions of the chord if not given
+
+
+class ContourPoint(_Table):
+    """Where a side of the contour has one x."""
+
+    x: FiniteFloat  # length
+    side: Literal["upper", "lower"]
+
+
+class SkinCut(_Table):
+    """The part of the contour that is the skin, from F (start) round the nose to G (end), and its elements."""
+
+    start: ContourPoint
+    end: ContourPoint
+    elements: Annotated[int, Field(ge=2, le=500)]
+    spacing: Literal["equal", "curvature"] = "equal"
+    grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
+    clamp: Literal["F", "G"] = "F"  # the end that the body's frame is tied to
+
+
+class SectionTable(_Table):
+    """Rectangular section: thickness in the plane of the airfoil, width along the span."""
+
+    thickness: Positive  # length
+    width: Positive  # length
+
+
+class Material(_Table):
+    """Linear elastic material. Beams in plane stress do not use Poisson's ratio; it is kept as information."""
+
+    youngs_modulus: Positive  # stress
+    density: Positive  # mass / length^3
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None
+
+
+class Damping(_Table):
+    """Rayleigh damping D = mass M + stiffness K."""
+
+    mass: NonNegative = 0.0  # 1 / time
+    stiffness: NonNegative = 0.0  # time
+
+
+class Place(_Table):
+    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side."""
+
+    node: Annotated[int, Field(ge=0)] | None = None
+    arc_length: FiniteFloat | None = None
+    x: FiniteFloat | None = None
+    side: Literal["upper", "lower"] | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Place:
+        given = set(self.where)
+        if given not in ({"node"}, {"arc_length"}, {"x", "side"}):
+            raise ValueError(f"give either node, or arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+        return self
+
+    @property
+    def where(self) -> dict[str, Any]:
+        """The keys that are given, as arguments of `Skin.locate`."""
+        return self.model_dump(exclude_none=True)
+
+
+class SkinFile(_Table):
+    """Schema of skin.toml; all numbers in the units of the named system."""
+
+    units: Literal["mm-t-s", "m-kg-s"]
+    airfoil: Airfoil
+    skin: SkinCut
+    section: SectionTable
+    material: Material
+    damping: Damping = Damping()
+    interface_points: dict[str, Place] = {}
+
+
+def read_skin_file(path: str | Path) -> SkinFile:
+    """Read and check skin.toml.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+    """
+    path = Path(path)
+    try:
+        content = tomllib.loads(path.read_bytes().decode())
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a skin.toml.") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{str(path)!r} is not a TOML file: {error}. Mend that line.") from error
+    try:
+        return SkinFile.model_validate(content)
+    except ValidationError as error:
+        problems = "\n".join(f"  {_explain(item)}" for item in error.errors())
+        raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error
+
+
+def _explain(item: Any) -> str:
+    """One line on one wrong key: where it is, what is wrong, what would be right."""
+    location = item["loc"]
+    key = ".".join(str(part) for part in location)
+    if item["type"] == "extra_forbidden":
+        return f"{key}: unknown key; allowed here: {', '.join(_keys(location[:-1]))}."
+    if item["type"] == "missing":
+        return f"{key}: this key is missing; add it."
+    reason = item["msg"].removeprefix("Value error, ")
+    value = "" if isinstance(item["input"], dict) else f" (got {item['input']!r})"
+    return f"{key}: {reason[0].lower()}{reason[1:]}{value}."
+
+
+def _keys(location: tuple[str | int, ...]) -> list[str]:
+    """Keys of the table at a location of the schema."""
+    table: Any = SkinFile
+    for part in location:
+        of_mapping = get_args(table)  # (str, Place) of dict[str, Place]
+        table = of_mapping[1] if of_mapping else table.model_fields[str(part)].annotation
+    return list(table.model_fields)

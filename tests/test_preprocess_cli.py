@@ -1,0 +1,247 @@
+"""The command `ffrf-preprocess`: what it writes, when it has nothing to do, and what it says about wrong inputs."""
+
+import shutil
+import sys
+import tomllib
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from preprocessing.build import WRITER_VERSION, build
+from preprocessing.cli import main
+from toolkit.reduced_model import load
+
+ROOT = Path(__file__).parents[1]
+MODELS = ROOT / "models" / "morphing_wing"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """A copy of the example's inputs."""
+    for name in ("high_speed.dat", "low_speed.dat", "skin.toml"):
+        shutil.copyfile(MODELS / name, tmp_path / name)
+    return tmp_path
+
+
+@pytest.fixture
+def run(monkeypatch, capsys, folder):
+    """Run the command on the copy: exit code, standard output, standard error."""
+
+    def command(*options: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["ffrf-preprocess", str(folder / "skin.toml"), *options])
+        with pytest.raises(SystemExit) as caught:
+            main()
+        output = capsys.readouterr()
+        return caught.value.code or 0, output.out, output.err
+
+    return command
+
+
+def edit(path: Path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+
+def arrays(model) -> dict[str, np.ndarray]:
+    """All arrays of a model by the path of their names."""
+
+    def walk(name, value):
+        if isinstance(value, dict):
+            for key, item in value.items():
+                yield from walk(f"{name}/{key}", item)
+        elif isinstance(value, np.ndarray):
+            yield name, value
+
+    return dict(walk("", {k: v for k, v in asdict(replace(model, path=None)).items()}))
+
+
+def test_model_is_written_next_to_the_toml_and_read_by_the_runtime(run, folder):
+    code, out, err = run()
+    assert (code, err) == (0, "")
+    assert "skin.h5 written: 90 elastic coordinates, interface points C, E, G." in out
+    model = load(folder / "skin.h5")
+    assert model.nominal == {"youngs_modulus": 70000.0, "density": 2.7e-9, "thickness": 1.5, "width": 1000.0}
+    assert model.nominal_units == {"youngs_modulus": "MPa", "density": "t/mm^3", "thickness": "mm", "width": "mm"}
+    assert set(model.writers) == {"ffrf-toolkit", "gmsh", "numpy"}
+    assert sorted(p.name for p in folder.iterdir()) == ["high_speed.dat", "low_speed.dat", "skin.h5", "skin.toml"]
+
+
+def test_second_run_with_unchanged_inputs_does_nothing(run, folder):
+    run()
+    before = (folder / "skin.h5").stat()
+    code, out, _ = run()
+    after = (folder / "skin.h5").stat()
+    assert code == 0
+    assert "is up to date: its inputs are unchanged. Use --force" in out
+    assert (before.st_ino, before.st_mtime_ns) == (after.st_ino, after.st_mtime_ns)
+
+
+def test_force_builds_again(run, folder):
+    run()
+    before = (folder / "skin.h5").stat().st_ino
+    assert "written" in run("--force")[1]
+    assert (folder / "skin.h5").stat().st_ino != before  # written anew and renamed
+
+
+@pytest.mark.parametrize("name", ["skin.toml", "high_speed.dat", "low_speed.dat"])
+def test_change_of_any_input_builds_again(run, folder, name):
+    run()
+    with (folder / name).open("ab") as file:
+        file.write(b"\n")
+    assert "written" in run()[1]
+
+
+def test_damaged_model_is_reported_and_replaced(run, folder):
+    (folder / "skin.h5").write_bytes(b"not HDF5")
+    code, out, err = run()
+    assert code == 0
+    assert "cannot be read as a reduced model" in err
+    assert "written" in out
+
+
+def test_output_goes_where_it_is_asked_for(run, folder):
+    run("--output", str(folder / "other.h5"))
+    assert (folder / "other.h5").exists()
+    assert not (folder / "skin.h5").exists()
+
+
+def test_output_never_overwrites_the_toml(run, folder):
+    code, _, err = run("--output", str(folder / "skin.toml"), "--force")
+    assert code == 1
+    assert "would be overwritten by its own reduced model" in err
+
+
+def test_two_builds_are_equal_to_the_last_bit(folder):
+    one, two = arrays(build(folder / "skin.toml")), arrays(build(folder / "skin.toml"))
+    assert one.keys() == two.keys()
+    for name, value in one.items():
+        assert np.array_equal(value, two[name]), name
+
+
+def test_committed_model_is_what_its_inputs_give():
+    committed, fresh = load(MODELS / "skin.h5"), build(MODELS / "skin.toml")
+    assert committed.input_hash == fresh.input_hash
+    assert committed.nominal == fresh.nominal
+    ours, theirs = arrays(committed), arrays(fresh)
+    assert ours.keys() == theirs.keys()
+    for name, value in ours.items():
+        # other versions of numpy and scipy may round differently; the splines amplify that a little
+        np.testing.assert_allclose(value, theirs[name], rtol=0, atol=1e-9 * np.abs(value).max(), err_msg=name)
+
+
+def test_writer_version_is_the_version_of_the_distribution():
+    assert tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"] == WRITER_VERSION
+
+
+def crossing(folder: Path) -> None:
+    """Lift the lower side above the upper in the middle of the section."""
+    lines = (folder / "high_speed.dat").read_text().splitlines()
+    rows = [line.split() for line in lines[1:]]
+    nose = min(range(len(rows)), key=lambda i: float(rows[i][0]))
+    for row in rows[nose:]:
+        if 0.4 < float(row[0]) < 0.6:
+            row[1] = str(float(row[1]) + 0.15)
+    (folder / "high_speed.dat").write_text("\n".join([lines[0], *(" ".join(row) for row in rows)]) + "\n")
+
+
+def swapped(folder: Path) -> None:
+    edit(folder / "skin.toml", 'start = { x = 137.5, side = "upper" }', 'start = { x = 137.5, side = "lower" }')
+    edit(folder / "skin.toml", 'end = { x = 137.5, side = "lower" }', 'end = { x = 137.5, side = "upper" }')
+
+
+WRONG = {
+    "missing airfoil": (
+        lambda folder: (folder / "low_speed.dat").unlink(),
+        ["skin.toml', airfoil.target:", "low_speed.dat' cannot be read (No such file or directory)", "Mend the path"],
+    ),
+    "unknown key": (
+        lambda folder: edit(folder / "skin.toml", "width = 1000.0", "witdh = 1000.0"),
+        ["skin.toml'", "section.witdh: unknown key; allowed here: thickness, width"],
+    ),
+    "thickness not positive": (
+        lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 0.0"),
+        ["section.thickness: input should be greater than 0 (got 0.0)"],
+    ),
+    "point off the skin by arc length": (
+        lambda folder: edit(folder / "skin.toml", "{ node = 10 }", "{ arc_length = 300.0 }"),
+        ["interface_points.C: ", "arc length 300 from F is off the skin; admissible: 0 (F) to 291.55"],
+    ),
+    "point off the skin by x": (
+        lambda folder: edit(folder / "skin.toml", "{ node = 10 }", '{ x = 200.0, side = "upper" }'),
+        ["interface_points.C: ", "x = 200 on the upper side", "is off the skin"],
+    ),
+    "point off the skin by node": (
+        lambda folder: edit(folder / "skin.toml", "{ node = 10 }", "{ node = 31 }"),
+        ["interface_points.C: ", "node 31 is not on the skin: nodes count from 0 (F) to 30 (G)"],
+    ),
+    "F and G swapped": (swapped, ["skin.start, skin.end: ", "Exchange F and G"]),
+    "self-crossing contour": (crossing, ["airfoil.file: ", "high_speed.dat", "crosses itself"]),
+    "x beyond the section": (
+        lambda folder: edit(folder / "skin.toml", "start = { x = 137.5", "start = { x = 600.0"),
+        ["skin.start: ", "the upper side does not reach x = 600"],
+    ),
+    "file in percent": (
+        lambda folder: edit(folder / "skin.toml", "chord = 550.0", 'chord = 550.0\nunits = "percent"'),
+        ["airfoil.file: ", "high_speed.dat", "units='percent'"],
+    ),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_wrong_input_is_one_plain_message_and_exit_code_1(run, folder, case):
+    spoil, texts = WRONG[case]
+    spoil(folder)
+    code, out, err = run()
+    assert (code, out) == (1, "")
+    assert "Traceback" not in err
+    for text in texts:
+        assert text in err
+    assert not (folder / "skin.h5").exists()
+
+
+def test_airfoils_in_millimetres_give_the_same_model(folder):
+    reference = build(folder / "skin.toml")
+    for name in ("high_speed.dat", "low_speed.dat"):
+        title, *rows = (folder / name).read_text().splitlines()
+        scaled = [" ".join(f"{550 * float(number):.12f}" for number in row.split()) for row in rows]
+        (folder / name).write_text("\n".join([title, *scaled]) + "\n")
+    edit(folder / "skin.toml", "chord = 550.0", 'chord = 550.0\nunits = "mm"')
+    # twelve decimals of a mm are kept; checks the conversion of units, not the last digits
+    np.testing.assert_allclose(build(folder / "skin.toml").mesh.nodes, reference.mesh.nodes, rtol=1e-10, atol=1e-8)
+
+
+def test_warnings_about_the_airfoil_are_shown(run, folder):
+    edit(folder / "high_speed.dat", " 0.993046456  0.001038224", " 0.993046456  0.001038224\n 0.993046456  0.001038224")
+    code, _, err = run()
+    assert code == 0
+    assert "high_speed.dat: " in err
+
+
+def test_folder_that_cannot_be_written_is_reported(run, folder):
+    code, _, err = run("--output", str(folder / "none" / "skin.h5"))
+    assert code == 1
+    assert "cannot be written" in err
+    assert "--output" in err
+
+
+def test_built_file_holds_only_known_groups(run, folder):
+    run()
+    with h5py.File(folder / "skin.h5") as file:
+        groups = {name for name, item in file.items() if isinstance(item, h5py.Group)}
+    names = {
+        "invariants",
+        "derivatives",
+        "affine",
+        "interfaces",
+        "stress",
+        "shape",
+        "mesh",
+        "nominal",
+        "nominal_units",
+        "writers",
+    }
+    assert groups == names

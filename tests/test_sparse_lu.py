@@ -1,0 +1,288 @@
+"""Sparse LU of saddle-point matrices without pivoting, and its dense fallback."""
+
+import numpy as np
+import pytest
+
+from toolkit.errors import InputError
+from toolkit.kernel import plain
+from toolkit.solvers import dense_lu, sparse_lu
+
+EPS = np.finfo(float).eps
+TOLERANCE = 1e-12  # as recommended in sparse_lu
+
+
+def mechanism(rng, n_bodies=7, n_beam=8):
+    """Unsymmetric saddle-point matrix (dense): a chain of planar bodies, two constraints per joint, that ends on a banded beam."""
+    n_q = 3 * (n_bodies + n_beam)
+    matrix = np.zeros((n_q + 2 * n_bodies, n_q + 2 * n_bodies))
+    for first in range(0, 3 * n_bodies, 3):
+        add_definite(rng, matrix, slice(first, first + 3))
+    for first in range(3 * n_bodies, n_q - 3, 3):
+        add_definite(rng, matrix, slice(first, first + 6))
+    for joint in range(n_bodies):
+        rows = slice(n_q + 2 * joint, n_q + 2 * joint + 2)
+        for first in (3 * joint, 3 * joint + 3):  # the last joint ties the first node of the beam
+            jacobian = rng.normal(size=(2, 3))
+            matrix[rows, first : first + 3] = jacobian
+            matrix[first : first + 3, rows] = jacobian.T * (1 + 0.01 * rng.normal(size=(3, 2)))
+    return matrix, n_q
+
+
+def add_definite(rng, matrix, block):
+    """A block with positive definite symmetric part and some gyroscopic terms."""
+    size = block.stop - block.start
+    factor, gyroscopic = rng.normal(size=(2, size, size))
+    matrix[block, block] += factor @ factor.T + np.eye(size) + 0.1 * (gyroscopic - gyroscopic.T)
+
+
+def csr(matrix):
+    """CSR arrays on the symmetric pattern with full diagonal."""
+    pattern = (matrix != 0) | (matrix.T != 0) | np.eye(len(matrix), dtype=bool)
+    row, column = np.nonzero(pattern)
+    indptr = np.searchsorted(row, np.arange(len(matrix) + 1))
+    return indptr.astype(np.int32), column.astype(np.int32), matrix[row, column]
+
+
+def factorized(matrix, n_q, run=lambda function: function):
+    """status, plan, lu by the compiled kernel, or by `run(kernel)`."""
+    indptr, indices, values = csr(matrix)
+    plan = sparse_lu.analyse(indptr, indices, n_q)
+    lu, work = np.full(plan.row_start[-1], np.nan, values.dtype), np.full(len(matrix), np.nan, values.dtype)
+    return run(sparse_lu.factor)(plan, values, lu, work, TOLERANCE), plan, lu
+
+
+def solved(matrix, n_q, rhs, run=lambda function: function):
+    status, plan, lu = factorized(matrix, n_q, run)
+    assert status == -1
+    x = rhs.astype(lu.dtype)
+    solve = sparse_lu.solve if rhs.ndim == 1 else sparse_lu.solve_block
+    run(solve)(plan, lu, x, np.full_like(x, np.nan))
+    return x
+
+
+def dense_solved(matrix, rhs, run=lambda function: function):
+    n = len(matrix)
+    a, pivots, x = matrix.copy(), np.zeros(n, dtype=np.int64), rhs.astype(matrix.dtype)
+    assert run(dense_lu.dense_factor)(a, pivots, np.empty((3, n)), 1e-14) == -1
+    solve = dense_lu.dense_solve if rhs.ndim == 1 else dense_lu.dense_solve_block
+    run(solve)(a, pivots, x)
+    return x
+
+
+def round_off(matrix):
+    """Relative error to expect of a solution: the condition number times eps, times 100 for the growth without pivoting."""
+    return 100 * EPS * np.linalg.cond(matrix)
+
+
+def error(x, reference):
+    return np.linalg.norm(x - reference) / np.linalg.norm(reference)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_solution_agrees_with_pivoted_lapack(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=len(matrix))
+    assert error(solved(matrix, n_q, rhs), np.linalg.solve(matrix, rhs)) < round_off(matrix)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_units_that_differ_by_1e18_cost_no_digits(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=len(matrix))
+    row_unit, column_unit = 10.0 ** rng.uniform(-9, 9, size=(2, len(matrix)))
+    scaled = row_unit[:, None] * matrix * column_unit
+    reference = np.linalg.solve(matrix, rhs)  # before scaling, where the condition number means something
+    assert error(column_unit * solved(scaled, n_q, row_unit * rhs), reference) < round_off(matrix)
+    assert error(column_unit * dense_solved(scaled, row_unit * rhs), reference) < round_off(matrix)
+
+
+def test_units_that_are_powers_of_two_change_no_bit():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=len(matrix))
+    row_unit, column_unit = 2.0 ** rng.integers(-30, 30, size=(2, len(matrix)))
+    scaled = row_unit[:, None] * matrix * column_unit
+    assert np.array_equal(column_unit * solved(scaled, n_q, row_unit * rhs), solved(matrix, n_q, rhs))
+
+
+def test_tiny_mass_beside_stiff_spring_and_constraint_is_not_refused():
+    # two masses of 1e-9 and 2e-9 on a spring of 1e7, the second one held by a constraint with entries of 1
+    mass, stiffness, step = np.array([1e-9, 2e-9]), 1e7, 1e-4
+    matrix = np.array([[stiffness, -stiffness, 0.0], [-stiffness, stiffness, 1.0], [0.0, 1.0, 0.0]])
+    matrix[[0, 1], [0, 1]] += mass / step**2
+    x = solved(matrix, 2, np.array([3.0, 0.0, 0.5]))
+    q_1 = (3.0 + stiffness * 0.5) / (mass[0] / step**2 + stiffness)
+    # q_2 is given and q_1 a quotient of sums without cancellation: a few eps
+    assert np.allclose(x[:2], [q_1, 0.5], rtol=1e-14, atol=0)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_multiplier_follows_all_coordinates_that_it_couples_to(seed):
+    matrix, n_q = mechanism(np.random.default_rng(seed))
+    shuffle = np.random.default_rng(seed).permutation(n_q)
+    shuffle = np.append(shuffle, np.arange(n_q, len(matrix)))
+    indptr, indices, _ = csr(matrix[np.ix_(shuffle, shuffle)])
+    order = sparse_lu.analyse(indptr, indices, n_q).order
+    position = np.argsort(order)
+    assert np.array_equal(np.sort(order), np.arange(len(matrix)))
+    for multiplier in range(n_q, len(matrix)):
+        row = indices[indptr[multiplier] : indptr[multiplier + 1]]
+        assert position[row[row < n_q]].max() < position[multiplier]
+
+
+def test_factors_multiply_to_the_permuted_matrix():
+    matrix, n_q = mechanism(np.random.default_rng(0))
+    _, plan, lu = factorized(matrix, n_q)
+    n = len(matrix)
+    full = np.zeros((n, n))
+    full[np.repeat(np.arange(n), np.diff(plan.row_start)), plan.column] = lu
+    lower, upper = np.tril(full, -1) + np.eye(n), np.triu(full, 1) + np.diag(1 / full.diagonal())
+    # n eps |L| |U| bounds the rounding of an elimination (Higham 2002, theorem 9.3)
+    assert np.all(abs(lower @ upper - matrix[np.ix_(plan.order, plan.order)]) <= n * EPS * (abs(lower) @ abs(upper)))
+
+
+def test_tridiagonal_pattern_has_no_fill():
+    n = 50
+    indptr, indices, values = csr(np.eye(n) + np.eye(n, k=1) + np.eye(n, k=-1))
+    assert sparse_lu.analyse(indptr, indices, n).row_start[-1] == len(values)
+
+
+def test_fill_of_a_chain_of_bodies_grows_linearly():
+    fill = []
+    for n_bodies in (10, 20, 40):
+        indptr, indices, values = csr(mechanism(np.random.default_rng(0), n_bodies)[0])
+        fill.append(sparse_lu.analyse(indptr, indices, 3 * (n_bodies + 8)).row_start[-1] - len(values))
+    assert fill[2] - fill[1] <= 2 * (fill[1] - fill[0]) + 12  # 12: a block of one joint more or less
+
+
+@pytest.mark.parametrize("n_f", [1, 3, 4, 5, 30])
+def test_dense_body_with_constraints_is_solved(n_f):
+    rng = np.random.default_rng(n_f)
+    matrix = np.zeros((n_f + 1, n_f + 1))
+    add_definite(rng, matrix, slice(0, n_f))
+    matrix[n_f, :n_f] = matrix[:n_f, n_f] = rng.normal(size=n_f)
+    rhs = rng.normal(size=n_f + 1)
+    assert error(solved(matrix, n_f, rhs), np.linalg.solve(matrix, rhs)) < round_off(matrix)
+
+
+@pytest.mark.parametrize("n_x", [0, 1, 3, 4, 5, 8, 11])
+def test_block_solution_is_the_solution_of_each_column(n_x):
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=(len(matrix), n_x))
+    block, dense_block = solved(matrix, n_q, rhs), dense_solved(matrix, rhs)
+    for x in range(n_x):
+        assert error(block[:, x], solved(matrix, n_q, rhs[:, x])) < round_off(matrix)
+        assert error(dense_block[:, x], dense_solved(matrix, rhs[:, x])) < round_off(matrix)
+
+
+@pytest.mark.parametrize("n_x", [None, 5])
+def test_plain_python_solves_complex_systems(n_x):
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng, n_bodies=3, n_beam=3)
+    matrix = matrix * (1 + 0.1j * rng.normal(size=matrix.shape))
+    rhs = rng.normal(size=(len(matrix), *([n_x] if n_x else []))) + 1j
+    reference = np.linalg.solve(matrix, rhs)
+    assert error(solved(matrix, n_q, rhs, plain), reference) < round_off(matrix)
+    assert error(dense_solved(matrix, rhs, plain), reference) < round_off(matrix)
+
+
+def test_complex_step_gives_the_derivative_of_the_solution():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng, n_bodies=3, n_beam=3)
+    rhs, direction = rng.normal(size=len(matrix)), matrix * rng.normal(size=matrix.shape)
+    dx = solved(matrix + 1e-30j * direction, n_q, rhs, plain).imag / 1e-30
+    reference = -np.linalg.solve(matrix, direction @ np.linalg.solve(matrix, rhs))
+    assert error(dx, reference) < round_off(matrix)
+
+
+def held_by_joint_only():
+    """Springs and masses; coordinate 2 has neither, but multiplier 5 ties it to coordinate 3, so all is determined."""
+    matrix = np.diag([2.0, 2.0, 0.0, 1.0, 3.0, 0.0])
+    matrix[0, 1] = matrix[1, 0] = matrix[3, 4] = matrix[4, 3] = -1.0
+    matrix[2, 5] = matrix[5, 2] = 1.0
+    matrix[3, 5] = matrix[5, 3] = -1.0
+    return matrix
+
+
+def test_coordinate_without_stiffness_is_named_and_the_dense_fallback_solves():
+    matrix, rhs = held_by_joint_only(), np.arange(1.0, 7.0)
+    status, *_ = factorized(matrix, 5)
+    assert status == 2
+    assert error(dense_solved(matrix, rhs), np.linalg.solve(matrix, rhs)) < round_off(matrix)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_redundant_constraint_is_named_by_one_of_its_multipliers(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng)
+    matrix[n_q + 4], matrix[:, n_q + 4] = 3.0 * matrix[n_q + 5], 0.5 * matrix[:, n_q + 5]
+    unit = 10.0 ** rng.uniform(-9, 9, size=len(matrix))
+    assert factorized(unit[:, None] * matrix * unit, n_q)[0] in (n_q + 4, n_q + 5)
+
+
+def test_dense_factor_names_the_unknown_that_no_equation_determines():
+    matrix = np.random.default_rng(0).normal(size=(6, 6))
+    matrix[:, 4] = 0.0
+    assert dense_lu.dense_factor(matrix, np.zeros(6, dtype=np.int64), np.empty((3, 6)), 1e-14) == 4
+
+
+def test_value_that_is_not_a_number_is_refused():
+    matrix, n_q = mechanism(np.random.default_rng(0))
+    matrix[4, 4] = np.nan
+    assert factorized(matrix, n_q)[0] >= 0
+    n = len(matrix)
+    assert dense_lu.dense_factor(matrix, np.zeros(n, dtype=np.int64), np.empty((3, n)), 1e-14) >= 0
+
+
+def backward_error(matrix, x, rhs):
+    indptr, indices, values = csr(matrix)
+    return sparse_lu.backward_error(indptr, indices, values, x, rhs)
+
+
+def test_multiply_and_to_dense_agree_with_the_matrix():
+    rng = np.random.default_rng(0)
+    matrix, _ = mechanism(rng)
+    x, y, a = rng.normal(size=len(matrix)), np.full(len(matrix), np.nan), np.full(matrix.shape, np.nan)
+    indptr, indices, values = csr(matrix)
+    sparse_lu.multiply(indptr, indices, values, x, y)
+    dense_lu.to_dense(indptr, indices, values, a)
+    assert np.array_equal(a, matrix)
+    assert np.allclose(y, matrix @ x, rtol=0, atol=len(x) * EPS * (abs(matrix) @ abs(x)).max())  # another order of summation
+
+
+def test_backward_error_is_the_same_in_all_units():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    rhs, wrong = rng.normal(size=len(matrix)), rng.normal(size=len(matrix))
+    unit, column_unit = 2.0 ** rng.integers(-30, 30, size=(2, len(matrix)))  # powers of two: exact
+    expected = (abs(rhs - matrix @ wrong) / (abs(matrix) @ abs(wrong) + abs(rhs))).max()
+    assert np.isclose(backward_error(matrix, wrong, rhs), expected, rtol=1e-12)  # another order of summation
+    scaled = unit[:, None] * matrix * column_unit
+    assert backward_error(scaled, wrong / column_unit, unit * rhs) == backward_error(matrix, wrong, rhs)
+    assert backward_error(matrix, np.full(len(rhs), np.nan), rhs) == np.inf
+    # a solution by a stable elimination: n eps, times 100 for the growth without pivoting
+    assert backward_error(matrix, solved(matrix, n_q, rhs), rhs) < 100 * len(rhs) * EPS
+
+
+def test_backward_error_shows_the_growth_that_the_pivot_test_cannot_see():
+    matrix, rhs = np.array([[1e-20, 1.0], [1.0, 1.0]]), np.array([1.0, 3.0])
+    assert backward_error(matrix, solved(matrix, 2, rhs), rhs) > 0.1
+    assert backward_error(matrix, dense_solved(matrix, rhs), rhs) < 4 * EPS
+
+
+def test_pattern_without_a_diagonal_entry_is_refused():
+    with pytest.raises(InputError, match="row 1 of the pattern has no diagonal"):
+        sparse_lu.analyse(np.array([0, 2, 3]), np.array([0, 1, 0]), 1)
+
+
+def test_unsymmetric_pattern_is_refused():
+    with pytest.raises(InputError, match=r"entry \(0, 1\) but not \(1, 0\)"):
+        sparse_lu.analyse(np.array([0, 2, 3]), np.array([0, 1, 1]), 2)
+
+
+def test_unsorted_pattern_is_refused():
+    with pytest.raises(InputError, match="do not ascend"):
+        sparse_lu.analyse(np.array([0, 2, 4]), np.array([1, 0, 0, 1]), 2)

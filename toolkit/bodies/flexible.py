@@ -1,0 +1,144 @@
+"""Flexible bodies from a reduced-model file, with a moving frame or grounded."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, FiniteFloat
+
+from toolkit.bodies.body import Body, ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
+from toolkit.description import Pair
+from toolkit.errors import InputError
+from toolkit.planar import rotation
+from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths
+
+
+class Flexible(Body):
+    """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
+
+    Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
+    `velocity` = (v_x, v_y, omega) of the moving frame's origin.
+    """
+
+    kind = "flexible"
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, FiniteFloat]
+
+    model: str
+    frame: Literal["grounded", "moving"] = "grounded"
+    position: Pair = (0.0, 0.0)
+    angle: FiniteFloat = 0.0
+    velocity: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+
+    @property
+    def has_frame(self) -> bool:
+        """Only a moving frame has coordinates."""
+        return self.frame == "moving"
+
+    def model_values(self) -> Mapping[str, Any]:
+        """Parameters that the scene sets."""
+        return self.model_extra or {}
+
+    def invariants(self, scene: Placed) -> Invariants:
+        """Invariants at the scene's parameter values."""
+        return scene.model(self.model).evaluate(self.model_values())
+
+    def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points."""
+        written, model = scene.interface(point), scene.model(self.model)
+        if getattr(written, "body", None) != name:
+            raise InputError(
+                f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
+                f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {", ".join(model.interfaces or {})}.'
+            )
+        interface = find_interface(model, written.interface, name)
+        return interface.at(interface.arc_length if written.arc_length is None else written.arc_length)
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """Elastic coordinates by number, after the frame."""
+        elastic = [f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f)]
+        return ["x", "y", "rotation", *elastic] if self.has_frame else elastic
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Undeformed at its place, given velocity of the frame."""
+        elastic = np.zeros(scene.model(self.model).n_f)
+        if not self.has_frame:
+            return elastic, elastic
+        return np.concatenate([[*self.position, self.angle], elastic]), np.concatenate([self.velocity, elastic])
+
+    def coordinate_lengths(self, scene: Placed) -> np.ndarray:
+        """RMS displacement of the body per unit elastic coordinate."""
+        elastic = generalized_lengths(scene.model(self.model).invariants)
+        return np.concatenate([[1.0, 1.0, np.nan], elastic]) if self.has_frame else elastic
+
+    def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
+        """An interface point; the placement of a grounded body is part of its Z."""
+        position, angle = self.point(scene, point, name)
+        model = scene.model(self.model)
+        pattern = interface_pattern(find_interface(model, scene.interface(point).interface, name))
+        columns = np.flatnonzero(pattern[1:])
+        shape = np.column_stack([position[:, 1 + columns].T, angle[1 + columns]])
+        if self.has_frame:
+            frame = np.zeros((3, 3))
+            z0 = [*position[:, 0], angle[0] - self.angle]
+            return MarkerNumbers(np.array(z0), np.concatenate([np.arange(3), 3 + columns]), np.vstack([frame, shape]))
+        A = rotation(self.angle)
+        z0 = [*(np.array(self.position) + A @ position[:, 0]), angle[0]]
+        return MarkerNumbers(np.array(z0), columns, np.column_stack([shape[:, :2] @ A.T, shape[:, 2]]))
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Damping and stiffness always; mass and weight only of a grounded body."""
+        inv, pattern = self.invariants(scene), matrix_pattern(scene.model(self.model))
+        if self.has_frame:
+            row, column = np.nonzero(pattern[1])
+            return ConstantNumbers(
+                3 + row, 3 + column, np.zeros(len(row)), inv.damping[row, column], inv.stiffness[row, column],
+                np.zeros(3 + len(inv.stiffness)),
+            )  # fmt: skip
+        row, column = np.nonzero(pattern[0][1:, 1:] | pattern[1])
+        weight = inv.first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
+        mass = inv.inertia[1:, 1:][row, column]
+        return ConstantNumbers(row, column, mass, inv.damping[row, column], inv.stiffness[row, column], weight)
+
+    def floating(self, scene: Placed) -> FloatingNumbers | None:
+        """Invariants of a body with a moving frame."""
+        if not self.has_frame:
+            return None
+        inv, (pattern, _) = self.invariants(scene), matrix_pattern(scene.model(self.model))
+        row, column = np.nonzero(pattern)
+        return FloatingNumbers(
+            inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column]
+        )
+
+
+def find_interface(model: ReducedModel, interface: str, body: str) -> InterfacePoint:
+    """The interface point of that name, or an error that lists those that exist."""
+    found = (model.interfaces or {}).get(interface)
+    if found is None:
+        raise InputError(
+            f"flexible body {body!r} has no interface point {interface!r}; available: {', '.join(model.interfaces or {})}. "
+            "Add it to the interface points of the skin file and run preprocessing again."
+        )
+    return found
+
+
+def interface_pattern(interface: InterfacePoint) -> np.ndarray:
+    """Which entries of [1; q_f] the point feels at any arc length of its range, shape (1 + n_f,)."""
+    return np.any(interface.position != 0, axis=(0, 1)) | np.any(interface.rotation != 0, axis=0)
+
+
+def matrix_pattern(model: ReducedModel) -> tuple[np.ndarray, np.ndarray]:
+    """Where G or H (1 + n_f, 1 + n_f), and K or D (n_f, n_f), can differ from zero for any parameter value."""
+
+    def nonzero(name: str) -> np.ndarray:
+        pattern = getattr(model.invariants, name) != 0
+        if model.affine is not None and name in model.affine:
+            pattern = pattern | np.any(model.affine[name].coefficients != 0, axis=0)
+        for derivative in (model.derivatives or {}).values():
+            if name in derivative:
+                pattern = pattern | (derivative[name] != 0)
+        return pattern | pattern.T
+
+    return nonzero("inertia") | nonzero("gyroscopic"), nonzero("stiffness") | nonzero("damping")

@@ -1,0 +1,146 @@
+"""The equations of a whole scene at one state: residual in two groups, their derivatives by state and by design.
+
+Unknowns are [a; lam]; q and v are padded with zeros to the same length, so that one pattern and one matrix serve all:
+
+    inertial(q, acc)            M a, joint forces, phi_q a in the constraint rows
+    applied(q, v, t)            D v + K q - f_ext - f_v, and - f_c in the constraint rows
+    I_acc, I_q, A_q, A_v        their derivatives, values on the common sparsity pattern
+    I_x, A_x                    their partial derivatives by the design, (n, n_x)
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
+from toolkit.bodies.floating_kernel import (
+    Floating,
+    FloatingWork,
+    floating_design,
+    floating_jacobian,
+    floating_residual,
+    floating_work,
+)
+from toolkit.bodies.marker_kernel import MarkerState, Markers, marker_state, update_marker_designs, update_markers
+from toolkit.joints.joint_kernel import Joints, JointWork, evaluate_joint, joint_design, joint_jacobian, joint_residual, joint_work
+from toolkit.kernel import kernel
+from toolkit.loads.load_kernel import LoadWork, Loads, evaluate_load, load_design, load_jacobian, load_residual, load_work
+
+
+class Plan(NamedTuple):
+    """The compiled scene: flat arrays only, which never change."""
+
+    n_q: int
+    n: int  # coordinates and multipliers
+    n_x: int
+    indptr: np.ndarray  # sparsity pattern of the Jacobian, compressed rows
+    indices: np.ndarray
+    constant: Constant
+    floating: Floating
+    markers: Markers
+    joints: Joints
+    loads: Loads
+    curve_index: np.ndarray  # (n_d,) which time curve depends on the design
+    curve_variable: np.ndarray  # (n_d,) on which variable
+
+
+class Terms(NamedTuple):
+    """What `evaluate` fills."""
+
+    inertial: np.ndarray  # (n,)
+    applied: np.ndarray  # (n,)
+    I_acc: np.ndarray  # (n_entries,)
+    I_q: np.ndarray
+    A_q: np.ndarray
+    A_v: np.ndarray
+    I_x: np.ndarray  # (n, n_x)
+    A_x: np.ndarray
+
+
+class Work(NamedTuple):
+    """Scratch memory of `evaluate`."""
+
+    markers: MarkerState
+    scratch: np.ndarray
+    joint: JointWork
+    load: LoadWork
+    floating: FloatingWork
+
+
+class Inputs(NamedTuple):
+    """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels."""
+
+    curves: np.ndarray  # (n_curves, 3)
+    curves_x: np.ndarray  # (n_d, 3)
+    scale: float
+    levels: np.ndarray  # (k_2, k_1, k_0), see joint_kernel
+
+
+def allocate_terms(plan: Plan, dtype: type) -> Terms:
+    """Memory for the result."""
+    entries = len(plan.indices)
+    return Terms(*(np.zeros(s, dtype) for s in [plan.n] * 2 + [entries] * 4 + [(plan.n, plan.n_x)] * 2))
+
+
+def allocate_work(plan: Plan, dtype: type) -> Work:
+    """Scratch memory."""
+    columns = max(np.diff(plan.markers.start), default=0)
+    return Work(
+        marker_state(plan.markers, dtype),
+        np.zeros((3, 3), dtype),
+        joint_work(2 * int(columns), dtype),
+        load_work(dtype),
+        floating_work(int(max(plan.floating.n_f, default=0)), dtype),
+    )
+
+
+@kernel
+def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
+    """Both groups of the residual, and if `linearize` their derivatives by the state."""
+    terms.inertial[:] = 0
+    terms.applied[:] = 0
+    update_markers(plan.markers, work.markers, q, v, acc, work.scratch)
+    constant_residual(plan.constant, q, v, acc, inputs.scale, terms.inertial, terms.applied)
+    floating_residual(plan.floating, q, v, acc, inputs.scale, work.floating, terms.inertial, terms.applied)
+    if linearize:
+        for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
+            values[:] = 0
+        constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
+        floating_jacobian(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
+    for j in range(len(plan.joints.family)):
+        evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
+        joint_residual(
+            plan.joints, j, plan.markers, work.markers, inputs.curves, inputs.levels, work.joint, terms.inertial, terms.applied
+        )
+        if linearize:
+            joint_jacobian(
+                plan.joints, j, plan.markers, work.markers, inputs.levels, work.joint,
+                terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
+            )  # fmt: skip
+    for k in range(len(plan.loads.family)):
+        evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
+        load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
+        if linearize:
+            load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
+
+
+@kernel
+def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
+    """Partial derivatives of the residual by the design, at the state of the last evaluation."""
+    terms.I_x[:] = 0
+    terms.A_x[:] = 0
+    update_marker_designs(plan.markers, work.markers, q, v, acc, work.scratch)
+    constant_design(plan.constant, q, v, acc, inputs.scale, terms.I_x, terms.A_x)
+    floating_design(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_x, terms.A_x)
+    for j in range(len(plan.joints.family)):
+        evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
+        joint_design(
+            plan.joints, j, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
+            inputs.levels, work.joint, terms.I_x, terms.A_x,
+        )  # fmt: skip
+    for k in range(len(plan.loads.family)):
+        evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
+        load_design(
+            plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
+            inputs.scale, work.load, terms.A_x,
+        )  # fmt: skip

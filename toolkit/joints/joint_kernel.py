@@ -1,0 +1,264 @@
+"""All joints in the compiled loop: chain rule, acceleration level and stabilization, the same for every kind of joint.
+
+A joint is g(z) - f(t) = 0 with z = (pose of marker a, pose of marker b, parameters). Its kind supplies g and the derivatives
+g_z, g_zz and d(w^T g_zz w)/dz for the rates w = z' (zero for parameters). Its rows of the residual are
+
+    inertial:   k_2 g_z B a
+    applied:    k_2 (g_z b + w^T g_zz w - f'') + k_1 (g_z w - f') + k_0 (g - f)
+
+with (k_2, k_1, k_0) = (1, 2 damping, stiffness^2) in dynamics (Baumgarte), (0, 0, 1) in statics; the forces g_z^T lam enter the
+inertial group. Coordinates and design variables are treated alike: each is a direction with its derivatives of y, B v, B a, b.
+"""
+
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from toolkit.bodies.marker_kernel import add_force, add_force_design, add_geometric_stiffness
+from toolkit.kernel import kernel
+
+ROWS, ARGUMENTS = 3, 12
+"""Most rows of a joint, and most arguments z: two poses and six parameters."""
+
+_f8 = numba.float64
+SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, :, ::1], _f8[:, ::1])
+"""g(z, w, phi, phi_z, phi_zz, phi_zww); the last four are zero on entry and are filled."""
+
+
+class Joints(NamedTuple):
+    """What never changes."""
+
+    family: np.ndarray  # (n_j,) which function
+    curved: np.ndarray  # (n_j,) 1 if g_zz is not zero
+    marker: np.ndarray  # (n_j, 2)
+    row: np.ndarray  # (n_j,) number of its first multiplier among all unknowns
+    n_rows: np.ndarray  # (n_j,)
+    parameter: np.ndarray  # (n_j, ARGUMENTS - 6)
+    curve: np.ndarray  # (n_j,) time curve that its last row follows, or -1
+    design_start: np.ndarray  # (n_j + 1,) into the next three
+    design_variable: np.ndarray
+    design_parameter: np.ndarray  # which parameter
+    design_value: np.ndarray  # its derivative
+    position_start: np.ndarray  # (n_j,) into the next
+    position: np.ndarray  # where local entries are stored: coordinates x coordinates, rows x coordinates, transposed
+
+
+class JointWork(NamedTuple):
+    """Scratch memory for one joint."""
+
+    z: np.ndarray
+    w: np.ndarray
+    phi: np.ndarray
+    phi_z: np.ndarray
+    phi_zz: np.ndarray
+    phi_zww: np.ndarray
+    along: np.ndarray  # (ROWS, 3, ARGUMENTS): g_zz w, g_zz (B a), g_zz b + d(w g_zz w)/dz
+    stiffness: np.ndarray  # lam . g_zz
+    force: np.ndarray  # g_z^T lam
+    dforce: np.ndarray
+    directions: np.ndarray  # (4, 3) one direction's derivatives of y, B v, B a, b
+    row: np.ndarray  # (2, ROWS) inertial and applied part of one direction
+    phi_q: np.ndarray  # (n_columns of all markers, ROWS) g_z B of one joint's two markers
+
+
+def joint_work(n_columns: int, dtype: type) -> JointWork:
+    """Memory for joints whose markers have at most n_columns columns."""
+    r, z = ROWS, ARGUMENTS
+    shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (2, r), (n_columns, r)]
+    return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
+
+
+@kernel
+def evaluate_joint(functions, joints, j, markers, state, acc, work):
+    """g and its derivatives at the poses of the two markers, and their contractions with rates and multipliers."""
+    z, w = work.z, work.w
+    for side in range(2):
+        m = joints.marker[j, side]
+        for i in range(3):
+            z[3 * side + i] = state.y[m, i]
+            w[3 * side + i] = state.rate[m, i]
+    for i in range(ARGUMENTS - 6):
+        z[6 + i] = joints.parameter[j, i]
+    work.phi[:] = 0
+    work.phi_z[:] = 0
+    work.phi_zz[:] = 0
+    work.phi_zww[:] = 0
+    functions[joints.family[j]](z, w, work.phi, work.phi_z, work.phi_zz, work.phi_zww)
+    row = joints.row[j]
+    for k in range(ARGUMENTS):
+        work.force[k] = 0
+        for i in range(joints.n_rows[j]):
+            work.force[k] += work.phi_z[i, k] * acc[row + i]
+    if joints.curved[j]:
+        contract_curvature(joints, j, state, acc, work)
+
+
+@kernel
+def contract_curvature(joints, j, state, acc, work):
+    """The products of g_zz that all directions share."""
+    a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]
+    work.stiffness[:] = 0
+    for i in range(joints.n_rows[j]):
+        for k in range(ARGUMENTS):
+            rates, accelerations, centripetal = 0 * work.z[0], 0 * work.z[0], work.phi_zww[i, k]
+            for c in range(3):
+                g_a, g_b = work.phi_zz[i, k, c], work.phi_zz[i, k, 3 + c]
+                rates += g_a * work.w[c] + g_b * work.w[3 + c]
+                accelerations += g_a * state.acceleration[a, c] + g_b * state.acceleration[b, c]
+                centripetal += g_a * state.centripetal[a, c] + g_b * state.centripetal[b, c]
+            work.along[i, 0, k], work.along[i, 1, k], work.along[i, 2, k] = rates, accelerations, centripetal
+            for c in range(ARGUMENTS):
+                work.stiffness[k, c] += acc[row + i] * work.phi_zz[i, k, c]
+
+
+@kernel
+def joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
+    """Constraint rows, and constraint forces on both bodies."""
+    a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]
+    k2, k1, k0 = levels[0], levels[1], levels[2]
+    for i in range(joints.n_rows[j]):
+        rows_a, total, rate = 0 * work.z[0], 0 * work.z[0], 0 * work.z[0]
+        for c in range(3):
+            g_a, g_b = work.phi_z[i, c], work.phi_z[i, 3 + c]
+            rows_a += g_a * state.acceleration[a, c] + g_b * state.acceleration[b, c]
+            total += g_a * state.centripetal[a, c] + g_b * state.centripetal[b, c]
+            rate += g_a * work.w[c] + g_b * work.w[3 + c]
+            if joints.curved[j]:
+                total += work.along[i, 0, c] * work.w[c] + work.along[i, 0, 3 + c] * work.w[3 + c]
+        inertial[row + i] += k2 * rows_a
+        applied[row + i] += k2 * total + k1 * rate + k0 * work.phi[i]
+    if joints.curve[j] >= 0:
+        f = curves[joints.curve[j]]
+        applied[row + joints.n_rows[j] - 1] -= k2 * f[2] + k1 * f[1] + k0 * f[0]
+    add_force(markers, state, a, work.force[:3], 1, inertial)
+    add_force(markers, state, b, work.force[3:6], 1, inertial)
+
+
+@kernel
+def direction_rows(joints, j, first, size, levels, work):
+    """Derivative of the constraint rows in one direction, whose z-entries are first : first + size."""
+    y, rate, acceleration, centripetal = work.directions
+    k2, k1, k0 = levels[0], levels[1], levels[2]
+    for i in range(joints.n_rows[j]):
+        inertial, total, velocity, position = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
+        for c in range(size):
+            g = work.phi_z[i, first + c]
+            inertial += g * acceleration[c]
+            total += g * centripetal[c]
+            velocity += g * rate[c]
+            position += g * y[c]
+        if joints.curved[j]:
+            for c in range(size):
+                k = first + c
+                inertial += work.along[i, 1, k] * y[c]
+                total += work.along[i, 2, k] * y[c] + 2 * work.along[i, 0, k] * rate[c]
+                velocity += work.along[i, 0, k] * y[c]
+        work.row[0, i] = k2 * inertial
+        work.row[1, i] = k2 * total + k1 * velocity + k0 * position
+
+
+@kernel
+def direction_force(first, size, work):
+    """Derivative of g_z^T lam in one direction at constant lam."""
+    y = work.directions[0]
+    for k in range(6):
+        work.dforce[k] = 0
+        for c in range(size):
+            work.dforce[k] += work.stiffness[k, first + c] * y[c]
+
+
+@kernel
+def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v):
+    """Derivatives of the residual by q, v, a and lam, scattered into the pattern."""
+    a, b = joints.marker[j, 0], joints.marker[j, 1]
+    n_a = markers.start[a + 1] - markers.start[a]
+    n = n_a + markers.start[b + 1] - markers.start[b]
+    rows = joints.n_rows[j]
+    position = joints.position[joints.position_start[j] :]
+    by_row, by_column = position[n * n :], position[n * n + rows * n :]
+    for side in range(2):
+        m = joints.marker[j, side]
+        for k in range(markers.start[m], markers.start[m + 1]):
+            local = k - markers.start[m] + side * n_a
+            column_rows(joints, j, side, k, state, levels, work)
+            for i in range(rows):
+                phi_q, g_Bv, along = 0 * work.z[0], 0 * work.z[0], 0 * work.z[0]
+                for c in range(3):
+                    phi_q += work.phi_z[i, 3 * side + c] * state.B[k, c]
+                    g_Bv += work.phi_z[i, 3 * side + c] * state.B_v[k, c]
+                    along += work.along[i, 0, 3 * side + c] * state.B[k, c]
+                at, transposed = by_row[i * n + local], by_column[local * rows + i]
+                I_acc[at] += levels[0] * phi_q
+                I_acc[transposed] += phi_q
+                I_q[at] += work.row[0, i]
+                A_q[at] += work.row[1, i]
+                A_v[at] += levels[1] * phi_q + 2 * levels[0] * g_Bv
+                if joints.curved[j]:
+                    A_v[at] += 2 * levels[0] * along
+            if joints.curved[j]:
+                direction_force(3 * side, 3, work)
+                curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q)
+        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1, position, n, side * n_a, I_q)
+
+
+@kernel
+def column_rows(joints, j, side, k, state, levels, work):
+    """Constraint rows' derivative by the coordinate of marker column k."""
+    for c in range(3):
+        work.directions[0, c] = state.B[k, c]
+        work.directions[1, c] = state.B_v[k, c]
+        work.directions[2, c] = state.B_a[k, c]
+        work.directions[3, c] = state.b_q[k, c]
+    direction_rows(joints, j, 3 * side, 3, levels, work)
+
+
+@kernel
+def curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q):
+    """B^T (lam . g_zz) B, one column."""
+    for side in range(2):
+        m = joints.marker[j, side]
+        for k in range(markers.start[m], markers.start[m + 1]):
+            entry = 0 * work.z[0]
+            for c in range(3):
+                entry += state.B[k, c] * work.dforce[3 * side + c]
+            I_q[position[(k - markers.start[m] + side * n_a) * n + local]] += entry
+
+
+@kernel
+def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curve_x, levels, work, I_x, A_x):
+    """Partial derivatives of the residual by the design: markers, parameters, time curve."""
+    for side in range(2):
+        m = joints.marker[j, side]
+        frame = markers.frame[m]
+        c, s = (np.cos(q[frame + 2]), np.sin(q[frame + 2])) if frame >= 0 else (1 + 0 * q[0], 0 * q[0])
+        for d in range(markers.design_start[m], markers.design_start[m + 1]):
+            for i in range(3):
+                work.directions[0, i] = state.y_x[d, i]
+                work.directions[1, i] = state.rate_x[d, i]
+                work.directions[2, i] = state.acceleration_x[d, i]
+                work.directions[3, i] = state.centripetal_x[d, i]
+            add_direction(joints, j, markers, state, 3 * side, 3, markers.design_variable[d], levels, work, I_x, A_x)
+            add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], 1, c, s, I_x)
+    work.directions[:] = 0
+    for d in range(joints.design_start[j], joints.design_start[j + 1]):
+        work.directions[0, 0] = joints.design_value[d]
+        add_direction(joints, j, markers, state, 6 + joints.design_parameter[d], 1, joints.design_variable[d], levels, work, I_x, A_x)
+    last = joints.row[j] + joints.n_rows[j] - 1
+    for d in range(len(curve_index)):
+        if curve_index[d] == joints.curve[j]:
+            f = curve_x[d]
+            A_x[last, curve_variable[d]] -= levels[0] * f[2] + levels[1] * f[1] + levels[2] * f[0]
+
+
+@kernel
+def add_direction(joints, j, markers, state, first, size, x, levels, work, I_x, A_x):
+    """Rows and forces of one design direction."""
+    direction_rows(joints, j, first, size, levels, work)
+    for i in range(joints.n_rows[j]):
+        I_x[joints.row[j] + i, x] += work.row[0, i]
+        A_x[joints.row[j] + i, x] += work.row[1, i]
+    if joints.curved[j]:
+        direction_force(first, size, work)
+        for side in range(2):
+            add_force(markers, state, joints.marker[j, side], work.dforce[3 * side : 3 * side + 3], 1, I_x[:, x])

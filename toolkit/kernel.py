@@ -1,0 +1,44 @@
+"""One source, two ways to run: formulas compiled by numba, and the same formulas as plain Python on complex arrays."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+import numba
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.core.registry import CPUDispatcher
+from numba.core.types.function_type import CompileResultWAP
+
+kernel = numba.njit(cache=True, error_model="numpy")
+"""Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels."""
+
+SLOTS = 16
+"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
+
+
+def family(signature: Any) -> Callable[[Callable], CPUDispatcher]:
+    """Decorator of a formula that the loop receives as an argument: all formulas of one signature are interchangeable."""
+    return numba.njit(signature, cache=True, error_model="numpy")
+
+
+def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
+    """The functions as the fixed-length tuple of one type that the compiled loop accepts."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        wrapped = [CompileResultWAP(function.get_compile_result(signature)) for function in functions]
+    return tuple((wrapped * SLOTS)[:SLOTS])
+
+
+@cache
+def plain(function: CPUDispatcher) -> FunctionType:
+    """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
+    source = function.py_func
+    names = {name: value for name, value in source.__globals__.items() if name in source.__code__.co_names}
+    called = {name: plain(value) for name, value in names.items() if isinstance(value, CPUDispatcher) and value is not function}
+    result = FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
+    result.__doc__ = source.__doc__
+    return result

@@ -1,0 +1,1 @@
+"""Loads: forces between two markers, and the time curves that scale them."""

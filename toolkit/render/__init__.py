@@ -1,0 +1,1 @@
+"""Pictures; the only place that imports pyvista and matplotlib."""

@@ -1,0 +1,1 @@
+"""Responses: the numbers that a design is judged by, with their derivatives."""

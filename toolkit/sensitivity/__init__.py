@@ -1,0 +1,1 @@
+"""Design sensitivities of a whole run, and the numerical methods that judge them."""

@@ -1,0 +1,1 @@
+"""Solvers: time integration, statics, frequencies, consistent starts, linear systems."""
