@@ -12,7 +12,7 @@ TOLERANCE = 1e-12  # as recommended in sparse_lu
 
 
 def mechanism(rng, n_bodies=7, n_beam=8):
-    """Unsymmetric saddle-point matrix (dense): a chain of planar bodies, two constraints per joint, that ends on a banded beam."""
+    """Unsymmetric saddle-point matrix (dense): a chain of planar bodies, two constraints per joint, with a beam at its end."""
     n_q = 3 * (n_bodies + n_beam)
     matrix = np.zeros((n_q + 2 * n_bodies, n_q + 2 * n_bodies))
     for first in range(0, 3 * n_bodies, 3):
@@ -118,18 +118,43 @@ def test_tiny_mass_beside_stiff_spring_and_constraint_is_not_refused():
     assert np.allclose(x[:2], [q_1, 0.5], rtol=1e-14, atol=0)
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_every_multiplier_follows_all_coordinates_that_it_couples_to(seed):
-    matrix, n_q = mechanism(np.random.default_rng(seed))
-    shuffle = np.random.default_rng(seed).permutation(n_q)
-    shuffle = np.append(shuffle, np.arange(n_q, len(matrix)))
-    indptr, indices, _ = csr(matrix[np.ix_(shuffle, shuffle)])
+def assert_multipliers_come_late(matrix, n_q):
+    indptr, indices, _ = csr(matrix)
     order = sparse_lu.analyse(indptr, indices, n_q).order
-    position = np.argsort(order)
     assert np.array_equal(np.sort(order), np.arange(len(matrix)))
+    position = np.argsort(order)
     for multiplier in range(n_q, len(matrix)):
         row = indices[indptr[multiplier] : indptr[multiplier + 1]]
         assert position[row[row < n_q]].max() < position[multiplier]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_every_multiplier_follows_all_coordinates_that_it_couples_to(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng)
+    shuffle = np.append(rng.permutation(n_q), np.arange(n_q, len(matrix)))
+    assert_multipliers_come_late(matrix[np.ix_(shuffle, shuffle)], n_q)
+
+
+@pytest.mark.parametrize("n_tied", [1, 2, 3])
+def test_multiplier_of_few_coordinates_waits_although_its_degree_is_smallest(n_tied):
+    matrix = np.ones((9, 9))
+    matrix[8, n_tied:] = matrix[n_tied:, 8] = 0.0
+    assert_multipliers_come_late(matrix, 8)
+
+
+def test_multiplier_between_particle_and_flexible_body_waits_for_the_body():
+    matrix = np.ones((9, 9))
+    matrix[0, 1:8] = matrix[1:8, 0] = 0.0  # coordinate 0 is the particle: once it is gone, the multiplier has degree 1
+    matrix[8, 2:8] = matrix[2:8, 8] = 0.0
+    assert_multipliers_come_late(matrix, 8)
+
+
+def test_multiplier_does_not_wait_for_bodies_that_it_does_not_tie():
+    matrix, n_q = mechanism(np.random.default_rng(0))
+    indptr, indices, _ = csr(matrix)
+    position = np.argsort(sparse_lu.analyse(indptr, indices, n_q).order)
+    assert position[n_q] < position[:n_q].max()
 
 
 def test_factors_multiply_to_the_permuted_matrix():

@@ -33,17 +33,21 @@ class Description(BaseModel):
 
 
 class Registered(Description):
-    """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file."""
+    """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file.
+
+    `kinds` of a base lists all that were defined below it.
+    """
 
     kind: ClassVar[str] = ""
     kinds: ClassVar[dict[str, type]] = {}
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
-        if Registered in cls.__bases__:
+        if not cls.kind:
             cls.kinds = {}
-        elif cls.kind:
-            cls.kinds[cls.kind] = cls
+        for base in cls.__mro__:
+            if cls.kind and "kinds" in vars(base):
+                vars(base)["kinds"][cls.kind] = cls
 
 
 def _numbers(path: str, value: Any) -> Iterator[tuple[str, Any]]:

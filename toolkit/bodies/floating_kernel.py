@@ -168,7 +168,7 @@ def add_border_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v
     for i in range(1, 1 + n):
         moment = part.moment[part.moment_start[b] + i]
         tx, ty = c * moment[0] - s * moment[1], s * moment[0] + c * moment[1]
-        Gz, Gdz, Hz, Hdz, Ha = (work.products[j, i] for j in (0, 1, 3, 4, 5))
+        Gz, Gdz, _, Hz, Hdz, Ha = work.products[:, i]
         x_row, y_row, turn_row = at[2 + i], at[w + 2 + i], at[2 * w + 2 + i]
         x_col, y_col, turn_col = at[3 * w + 3 * (i - 1)], at[3 * w + 3 * (i - 1) + 1], at[3 * w + 3 * (i - 1) + 2]
         for place in (x_row, x_col):

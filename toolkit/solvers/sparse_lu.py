@@ -30,7 +30,7 @@ from toolkit.errors import InputError
 from toolkit.kernel import kernel
 
 SHORTEST_RUN = 4
-"""Length from which a run of neighbouring entries is updated as a slice; shorter ones go entry by entry, which is measured to be no slower."""
+"""Length from which a run of neighbouring entries is updated as a slice, not entry by entry (measured on a beam)."""
 
 
 class LUPlan(NamedTuple):

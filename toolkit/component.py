@@ -1,0 +1,52 @@
+"""The one protocol of joints and loads: which bodies they grip where, their parameters, and their compiled formula."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numba.core.registry import CPUDispatcher
+
+from toolkit.description import Registered
+from toolkit.loads.profile import Curve
+
+
+class Skeleton(Protocol):
+    """What a component may ask of its scene: where the points are in the undeformed configuration."""
+
+    def position(self, point: str) -> np.ndarray:
+        """Undeformed global position of a point, shape (2,)."""
+
+
+class Component(Registered):
+    """Base of joints and loads.
+
+    `formula` is the compiled law of this kind with all its derivatives; a subclass without one cannot be created. Its parameters
+    enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's.
+    """
+
+    formula: ClassVar[CPUDispatcher]
+
+    @property
+    @abstractmethod
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """(body, point) of marker a and of marker b."""
+
+    @abstractmethod
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """Numbers behind the two poses in the formula's arguments, real or complex."""
+
+    @property
+    def time_curve(self) -> Curve | None:
+        """The time curve that drives or scales the component."""
+        return None
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        super().__pydantic_init_subclass__(**kwargs)
+        if cls.kind and not hasattr(cls, "formula"):
+            raise TypeError(
+                f"{cls.__name__} has no `formula`: state the law and all its derivatives as one compiled function, "
+                "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
+            )

@@ -1,0 +1,79 @@
+"""Drivers: the relative angle, or the position along an axis, follows a time curve."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.component import Skeleton
+from toolkit.joints.joint import PointJoint
+from toolkit.joints.joint_kernel import SIGNATURE
+from toolkit.joints.slider import AlongAxis, offset_along
+from toolkit.kernel import family
+from toolkit.loads.profile import Curve, is_smooth
+from toolkit.planar import unit_vector
+
+
+@family(SIGNATURE)
+def relative_angle(z, w, phi, phi_z, phi_zz, phi_zww):
+    """phi = angle_a - angle_b."""
+    phi[0] = z[2] - z[5]
+    phi_z[0, 2], phi_z[0, 5] = 1, -1
+
+
+def smooth(curve: Curve) -> Curve:
+    """Refuse a curve without second derivative: the acceleration of what it drives would not exist."""
+    if not is_smooth(curve):
+        raise ValueError("a driver needs a curve with a second derivative; use interpolation = 'cubic' or a smooth-step")
+    return curve
+
+
+class AngleDriver(PointJoint):
+    """phi = angle_a - angle_b - f(t): the relative rotation since the undeformed configuration follows the curve."""
+
+    kind = "angle-driver"
+    formula = relative_angle
+    curved = False
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def row_names(self) -> list[str]:
+        """The rotation."""
+        return ["rotation"]
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """None."""
+        return []
+
+
+class PositionDriver(AlongAxis):
+    """phi = e . (r_a - r_b) - f(t): the offset along the axis e fixed in body b follows the curve."""
+
+    kind = "position-driver"
+    formula = offset_along
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def row_names(self) -> list[str]:
+        """The axis."""
+        return ["axis"]
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The axis."""
+        return list(unit_vector(np.array(self.axis)))

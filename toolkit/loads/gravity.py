@@ -1,0 +1,13 @@
+"""Gravity: one uniform acceleration on every body."""
+
+from __future__ import annotations
+
+from toolkit.description import Pair, Registered
+
+
+class Gravity(Registered):
+    """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none."""
+
+    kind = "gravity"
+
+    acceleration: Pair

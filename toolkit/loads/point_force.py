@@ -1,0 +1,54 @@
+"""Force at a point of a body: fixed in space, or following the body's rotation."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+
+from toolkit.component import Skeleton
+from toolkit.description import Pair
+from toolkit.kernel import family
+from toolkit.loads.load import Load
+from toolkit.loads.load_kernel import CURVE, SIGNATURE
+from toolkit.loads.profile import Constant, Curve
+
+
+@family(SIGNATURE)
+def point_force(z, w, force, force_z, force_w):
+    """f_a = s A(k angle_a) (p_0, p_1), k = p_2: 0 for a force fixed in space, 1 for one that follows the body."""
+    follow = z[8]
+    c, s = np.cos(follow * z[2]), np.sin(follow * z[2])
+    x, y = c * z[6] - s * z[7], s * z[6] + c * z[7]
+    force[0], force[1] = z[CURVE] * x, z[CURVE] * y
+    force_z[0, 6], force_z[0, 7] = z[CURVE] * c, -z[CURVE] * s
+    force_z[1, 6], force_z[1, 7] = z[CURVE] * s, z[CURVE] * c
+    force_z[0, CURVE], force_z[1, CURVE] = x, y
+    force_z[0, 2], force_z[1, 2] = -follow * z[CURVE] * y, follow * z[CURVE] * x
+
+
+class PointForce(Load):
+    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point."""
+
+    kind = "point-force"
+    formula = point_force
+
+    body: str
+    point: str
+    force: Pair
+    frame: Literal["space", "body"] = "space"
+    curve: Curve = Constant()
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """The body; nothing reacts but the ground."""
+        return (self.body, self.point), ("ground", self.point)
+
+    @property
+    def time_curve(self) -> Curve:
+        """s(t)."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The force, and whether it follows."""
+        return [*self.force, 1.0 if self.frame == "body" else 0.0]

@@ -1,0 +1,48 @@
+"""Torque on a body, and its reaction on another."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydantic import FiniteFloat
+
+from toolkit.component import Skeleton
+from toolkit.kernel import family
+from toolkit.loads.load import Load
+from toolkit.loads.load_kernel import CURVE, SIGNATURE
+from toolkit.loads.profile import Constant, Curve
+
+
+@family(SIGNATURE)
+def torque(z, w, force, force_z, force_w):
+    """f = [0, 0, M s, 0, 0, -M s] with the torque M and the curve's value s."""
+    force[2], force[5] = z[6] * z[CURVE], -z[6] * z[CURVE]
+    force_z[2, 6], force_z[5, 6] = z[CURVE], -z[CURVE]
+    force_z[2, CURVE], force_z[5, CURVE] = z[6], -z[6]
+
+
+class Torque(Load):
+    """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`."""
+
+    kind = "torque"
+    formula = torque
+
+    body: str
+    point: str
+    torque: FiniteFloat
+    curve: Curve = Constant()
+    reaction: str = "ground"
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """The same point on both bodies."""
+        return (self.body, self.point), (self.reaction, self.point)
+
+    @property
+    def time_curve(self) -> Curve:
+        """s(t)."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The torque."""
+        return [self.torque]

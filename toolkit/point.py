@@ -1,0 +1,22 @@
+"""Points: the skeleton of a scene, in the undeformed global configuration."""
+
+from __future__ import annotations
+
+from pydantic import FiniteFloat
+
+from toolkit.description import Description
+
+
+class Point(Description):
+    """A point given by its coordinates."""
+
+    x: FiniteFloat
+    y: FiniteFloat
+
+
+class BodyPoint(Description):
+    """An interface point of a flexible body; `arc_length` moves it along the body, within the element it was made for."""
+
+    body: str
+    interface: str
+    arc_length: FiniteFloat | None = None

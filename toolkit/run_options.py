@@ -1,0 +1,37 @@
+"""How a scene is to be solved; every number can be overridden by its path."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from toolkit.description import Description, Positive
+
+Count = Annotated[int, Field(ge=1)]
+
+
+class Baumgarte(Description):
+    """Constraint stabilization Phi'' + 2 damping Phi' + stiffness^2 Phi = 0; by default damping = 1/step, stiffness = sqrt(2)/step."""
+
+    damping: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    stiffness: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+
+
+class RunOptions(Description):
+    """Options of transient and static analysis.
+
+    scheme : "arnold-bruels", second order for every rho_inf, or "paper", the weights of its eqs. 16-23, first order for rho_inf < 1
+    rho_inf : spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve
+    tolerance : Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad)
+    load_steps : number of equal load steps of a static analysis to begin with; a step that fails is halved
+    """
+
+    end_time: Positive = 1.0
+    step: Positive = 0.01
+    scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
+    rho_inf: Annotated[float, Field(ge=0, le=1)] = 0.5
+    baumgarte: Baumgarte = Baumgarte()
+    tolerance: Annotated[float, Field(gt=1e-14, lt=1e-2)] = 1e-10
+    max_iterations: Count = 20
+    load_steps: Count = 10

@@ -1,0 +1,175 @@
+"""A scene: points, bodies, joints, loads, design variables, wanted responses; what a user writes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from toolkit.bodies.body import Body
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.ground import Ground
+from toolkit.component import Component
+from toolkit.design import Design, DesignVariable
+from toolkit.description import Description, Registered
+from toolkit.errors import InputError
+from toolkit.joints.joint import Joint
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.load import Load
+from toolkit.planar import rotation
+from toolkit.point import BodyPoint, Point
+from toolkit.reduced_model import ReducedModel, load
+from toolkit.run_options import RunOptions
+
+
+class Scene(Description):
+    """A multibody scene.
+
+    points : name -> Point or BodyPoint; rods run between them, joints sit at them
+    bodies, joints, loads, responses : name -> description; the body `ground` is always there
+    design : short name -> path of a number of points, bodies, joints or loads
+    directory : folder that paths of reduced models start from
+    """
+
+    units: Literal["mm-t-s", "m-kg-s"]
+    points: dict[str, Point | BodyPoint] = Field(default_factory=dict)
+    bodies: dict[str, Body]
+    joints: dict[str, Joint] = Field(default_factory=dict)
+    loads: dict[str, Load | Gravity] = Field(default_factory=dict)
+    design: dict[str, str] = Field(default_factory=dict)
+    responses: dict[str, Registered] = Field(default_factory=dict)
+    solver: RunOptions = RunOptions()
+    directory: Path = Path()
+
+    @model_validator(mode="after")
+    def _known_names(self) -> Self:
+        for group, components in (("joints", self.joints), ("loads", self.loads)):
+            for name, component in components.items():
+                if isinstance(component, Component):
+                    for body, point in component.grips:
+                        self._known(body, {**self.bodies, "ground": None}, f"{group}.{name}", "body", "bodies")
+                        self._known(point, self.points, f"{group}.{name}", "point", "points")
+        for name, point in self.points.items():
+            if isinstance(point, BodyPoint):
+                self._known(point.body, self.bodies, f"points.{name}", "body", "bodies")
+        return self
+
+    @staticmethod
+    def _known(name: str, known: dict, user: str, kind: str, kinds: str) -> None:
+        if name not in known:
+            raise InputError(f"{user} names {kind} {name!r}, which does not exist; {kinds} of the scene: {', '.join(known)}.")
+
+    def all_bodies(self) -> dict[str, Body]:
+        """The bodies and the ground."""
+        return {"ground": Ground(), **self.bodies}
+
+    def body(self, name: str) -> Body:
+        """One body, or an error that lists all."""
+        self._known(name, {**self.bodies, "ground": None}, "the scene", "body", "bodies")
+        return self.all_bodies()[name]
+
+    def interface(self, point: str) -> Point | BodyPoint:
+        """The point as it was written."""
+        self._known(point, self.points, "the scene", "point", "points")
+        return self.points[point]
+
+    def position(self, point: str) -> np.ndarray:
+        """Undeformed global position of a point, shape (2,)."""
+        written = self.interface(point)
+        if isinstance(written, Point):
+            return np.array([written.x, written.y])
+        body = self.bodies[written.body]
+        if not isinstance(body, Flexible):
+            raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
+        local = body.point(self, point, written.body)[0][:, 0]
+        return np.array(body.position) + rotation(body.angle) @ local
+
+    def model(self, path: str, *parts: str) -> ReducedModel:
+        """Parts of a reduced model, relative to the scene's folder; by default what the equations of motion need."""
+        full = self.directory / path
+        changed = full.stat().st_mtime_ns if full.exists() else 0
+        return _load(full, parts or ("affine", "derivatives", "interfaces"), changed)
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Sum of all gravity loads, shape (2,)."""
+        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, Gravity)]
+        return sum(found, np.zeros(2))
+
+    @property
+    def size(self) -> float:
+        """Extent of the scene, the length that displacements are compared with."""
+        positions = np.real([self.position(point) for point in self.points])
+        extent = float(np.ptp(positions, axis=0).max()) if len(positions) else 0.0
+        return extent or float(np.abs(positions).max(initial=0)) or 1.0
+
+    def number(self, path: str) -> Any:
+        """The number at a path; a flexible body's parameter that the scene does not set has its nominal value."""
+        written = dict(self.numbers())
+        if path in written:
+            return written[path]
+        nominal = self.model_parameters()
+        if path not in nominal:
+            raise InputError(
+                f"there is no number {path!r} in the scene; available: {', '.join(self.available_paths())}. "
+                "Design variables and overrides are paths of such numbers."
+            )
+        return nominal[path]
+
+    def model_parameters(self) -> dict[str, float]:
+        """Paths of the numbers that come from reduced models: parameters, and arc lengths of interface points."""
+        found: dict[str, float] = {}
+        for name, body in self.bodies.items():
+            if isinstance(body, Flexible):
+                found |= {f"bodies.{name}.{parameter}": value for parameter, value in self.model(body.model).nominal.items()}
+        for name, point in self.points.items():
+            body = self.bodies[point.body] if isinstance(point, BodyPoint) else None
+            if isinstance(point, BodyPoint) and isinstance(body, Flexible):
+                interfaces = self.model(body.model).interfaces or {}
+                if point.interface in interfaces:
+                    found[f"points.{name}.arc_length"] = float(interfaces[point.interface].arc_length)
+        return found
+
+    def available_paths(self) -> list[str]:
+        """Paths of all numbers that can be design variables."""
+        written = [path for path, _ in self.numbers() if path.split(".")[0] in ("points", "bodies", "joints", "loads")]
+        return list(dict.fromkeys([*written, *self.model_parameters()]))
+
+    def with_number(self, path: str, value: Any) -> Self:
+        """A copy in which one number has another value, real or complex."""
+        if path not in dict(self.numbers()):
+            self.number(path)
+            group, name, key = path.split(".")
+            owner = getattr(self, group)
+            changed = owner[name].model_copy(update={key: value}) if group == "points" else _with_extra(owner[name], key, value)
+            return self.model_copy(update={group: {**owner, name: changed}})
+        return super().with_number(path, value)
+
+    def design_variables(self, names: list[str] | None = None) -> Design:
+        """The design variables by short name or path; all that the scene declares by default."""
+        variables = []
+        for name in self.design if names is None else names:
+            path = self.design.get(name, name)
+            if path not in self.available_paths():
+                raise InputError(
+                    f"unknown design variable {name!r}"
+                    + (f" (path {path!r})" if path != name else "")
+                    + f"; short names of the scene: {', '.join(self.design) or 'none'}; "
+                    f"paths: {', '.join(self.available_paths())}."
+                )
+            variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
+        return Design(tuple(variables))
+
+
+def _with_extra(body: Body, key: str, value: Any) -> Body:
+    changed = body.model_copy()
+    object.__setattr__(changed, "__pydantic_extra__", {**body.model_values(), key: value})
+    return changed
+
+
+@lru_cache(maxsize=32)
+def _load(path: Path, parts: tuple[str, ...], _changed: int) -> ReducedModel:
+    return load(path, parts)
