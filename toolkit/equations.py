@@ -21,10 +21,18 @@ from toolkit.bodies.floating_kernel import (
     floating_residual,
     floating_work,
 )
-from toolkit.bodies.marker_kernel import MarkerState, Markers, marker_state, update_marker_designs, update_markers
-from toolkit.joints.joint_kernel import Joints, JointWork, evaluate_joint, joint_design, joint_jacobian, joint_residual, joint_work
+from toolkit.bodies.marker_kernel import Markers, MarkerState, marker_state, update_marker_designs, update_markers
+from toolkit.joints.joint_kernel import (
+    Joints,
+    JointWork,
+    evaluate_joint,
+    joint_design,
+    joint_jacobian,
+    joint_residual,
+    joint_work,
+)
 from toolkit.kernel import kernel
-from toolkit.loads.load_kernel import LoadWork, Loads, evaluate_load, load_design, load_jacobian, load_residual, load_work
+from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 
 
 class Plan(NamedTuple):

@@ -33,6 +33,13 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
     return tuple((wrapped * SLOTS)[:SLOTS])
 
 
+def call(function: Callable, *arguments: Any) -> Any:
+    """Call a kernel with `slots` among its arguments, without numba's note that such arguments are experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        return function(*arguments)
+
+
 @cache
 def plain(function: CPUDispatcher) -> FunctionType:
     """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""

@@ -53,8 +53,13 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     return Numbering(first, row, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q)
 
 
-def coordinate_weights(scene: Scene) -> np.ndarray:
-    """Weight of each coordinate in the convergence criterion: displacement over the scene's size, or angle; free of units."""
+def weights(scene: Scene) -> np.ndarray:
+    """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
+
+    For a coordinate it scales its change, for a multiplier the violation of its constraint row.
+    """
     size = scene.size
     lengths = np.concatenate([body.coordinate_lengths(scene) for body in scene.all_bodies().values()])
-    return np.where(np.isnan(lengths), 1.0, np.real(lengths) / size)
+    rows = [np.nan if name == "rotation" else 1.0 for joint in scene.joints.values() for name in joint.row_names]
+    lengths = np.concatenate([np.real(lengths), rows])
+    return np.where(np.isnan(lengths), 1.0, lengths / size)

@@ -65,7 +65,11 @@ def _pattern(scene, numbering, values, constant_rows, frames, columns) -> Patter
         both, markers = _both(scene, numbering, columns, joint)
         rows = numbering.row[name] + np.arange(len(joint.row_names))
         entries += [block(rows, both)]
-        entries += [block(both, both)] if joint.curved else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
+        entries += (
+            [block(both, both)]
+            if joint.curved
+            else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
+        )
     for load in loads_of(scene):
         both, _ = _both(scene, numbering, columns, load)
         entries += [block(both, both)]

@@ -78,7 +78,12 @@ def _parameters(scene: Scene, components: list, width: int) -> np.ndarray:
 def derivative(scene: Scene, numbering: Numbering, path: str) -> Quantities:
     """Derivative of all numbers by the number at one path; curves stay complex, they are differentiated where they are evaluated."""
     stepped = evaluate_quantities(scene.with_number(path, scene.number(path) + 1j * STEP), numbering)
-    return Quantities(**{f.name: getattr(stepped, f.name) if f.name == "curves" else _imag(getattr(stepped, f.name)) for f in fields(Quantities)})
+    return Quantities(
+        **{
+            f.name: getattr(stepped, f.name) if f.name == "curves" else _imag(getattr(stepped, f.name))
+            for f in fields(Quantities)
+        }
+    )
 
 
 def _imag(value):

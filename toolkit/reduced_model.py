@@ -42,7 +42,7 @@ class Invariants:
 class Polynomial:
     """Exact dependence of one invariant on the parameters p, relative to their nominal values p0.
 
-        value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+    value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
     """
 
     exponents: np.ndarray  # e (n_terms, n_parameters), whole numbers

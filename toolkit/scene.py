@@ -13,8 +13,8 @@ from toolkit.bodies.body import Body
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.ground import Ground
 from toolkit.component import Component
-from toolkit.design import Design, DesignVariable
 from toolkit.description import Description, Registered
+from toolkit.design import Design, DesignVariable
 from toolkit.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity

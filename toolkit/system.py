@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numba.core.registry import CPUDispatcher
+from scipy.sparse import csr_array
 
 from toolkit.design import Design
-from toolkit.equations import Inputs, Plan
+from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate, evaluate_design
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
-from toolkit.kernel import plain, slots
+from toolkit.kernel import call, plain, slots
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
-from toolkit.numbering import Numbering, coordinate_weights, number
+from toolkit.numbering import Numbering, number, weights
 from toolkit.plan import build_plan, families
 from toolkit.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
 from toolkit.scene import Scene
@@ -23,8 +26,8 @@ from toolkit.scene import Scene
 class System:
     """A scene made ready to be solved.
 
-    Real systems run compiled; a system whose scene holds a complex number (see `sensitivity.numerical`) runs the same formulas as plain
-    Python. `functions` are the formulas of the joints and loads that the scene uses.
+    Real systems run compiled; a system whose scene holds a complex number (see `sensitivity.numerical`) runs the same formulas
+    as plain Python. `functions` are the formulas of the joints and loads that the scene uses.
     """
 
     scene: Scene
@@ -35,7 +38,7 @@ class System:
     derivatives: list[Quantities]
     functions: tuple
     dtype: type
-    weights: np.ndarray  # (n_q,) see `coordinate_weights`
+    weights: np.ndarray  # (n,) see `numbering.weights`
 
     @property
     def n_q(self) -> int:
@@ -57,16 +60,32 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
-    def kernel(self, function):
-        """A kernel as it has to be called for this system: compiled, or as plain Python."""
-        return function if self.compiled else plain(function)
+    def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
+        """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
+        return call(function, *arguments) if self.compiled else plain(function)(*arguments)
+
+    def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
+        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
+        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+        self.run(evaluate, self.plan, self.functions, inputs, q, v, acc, True, terms, work)
+        if design:
+            self.run(evaluate_design, self.plan, self.functions, inputs, q, v, acc, terms, work)
+        return terms
+
+    def matrix(self, values: np.ndarray) -> csr_array:
+        """Values on the common pattern as a sparse matrix (n, n)."""
+        return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Undeformed coordinates, given velocities, and their design derivatives (n_q, n_x)."""
-        d = self.derivatives
-        dq = np.stack([np.zeros(self.n_q), *(each.q0 for each in d)], axis=1)[:, 1:]
-        dv = np.stack([np.zeros(self.n_q), *(each.v0 for each in d)], axis=1)[:, 1:]
-        return self.values.q0.astype(self.dtype), self.values.v0.astype(self.dtype), dq, dv
+        """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
+
+        def padded(of: Quantities, name: str) -> np.ndarray:
+            return np.concatenate([getattr(of, name), np.zeros(self.n - self.n_q)])
+
+        dq, dv = (np.zeros((self.n, self.n_x)) for _ in range(2))
+        for x, change in enumerate(self.derivatives):
+            dq[:, x], dv[:, x] = padded(change, "q0"), padded(change, "v0")
+        return padded(self.values, "q0").astype(self.dtype), padded(self.values, "v0").astype(self.dtype), dq, dv
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
@@ -104,4 +123,4 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
         functions = slots(joint_formulas, JOINT_SIGNATURE), slots(load_formulas, LOAD_SIGNATURE)
     else:
         functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
-    return System(scene, variables, numbering, plan, values, derivatives, functions, dtype, coordinate_weights(scene))
+    return System(scene, variables, numbering, plan, values, derivatives, functions, dtype, weights(scene))

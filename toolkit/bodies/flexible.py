@@ -108,9 +108,7 @@ class Flexible(Body):
             return None
         inv, (pattern, _) = self.invariants(scene), matrix_pattern(scene.model(self.model))
         row, column = np.nonzero(pattern)
-        return FloatingNumbers(
-            inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column]
-        )
+        return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])
 
 
 def find_interface(model: ReducedModel, interface: str, body: str) -> InterfacePoint:

@@ -74,5 +74,3 @@ class Rod(RigidBody):
         square = (end - start) @ (end - start)
         mass = self.density * self.area * np.sqrt(square)
         return mass, (start + end) / 2, mass * square / 12
-
-

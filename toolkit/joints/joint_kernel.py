@@ -243,7 +243,9 @@ def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curv
     work.directions[:] = 0
     for d in range(joints.design_start[j], joints.design_start[j + 1]):
         work.directions[0, 0] = joints.design_value[d]
-        add_direction(joints, j, markers, state, 6 + joints.design_parameter[d], 1, joints.design_variable[d], levels, work, I_x, A_x)
+        add_direction(
+            joints, j, markers, state, 6 + joints.design_parameter[d], 1, joints.design_variable[d], levels, work, I_x, A_x
+        )
     last = joints.row[j] + joints.n_rows[j] - 1
     for d in range(len(curve_index)):
         if curve_index[d] == joints.curve[j]:

@@ -1,0 +1,55 @@
+"""Base of all responses: a number of a solution, with its partial derivatives by the states and by the design."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from toolkit.description import Registered
+from toolkit.solution import Solution
+
+
+class Partials(NamedTuple):
+    """A response's value and its partial derivatives; None stands for zero. With the states' design derivatives
+
+        dvalue = sum over time (value_q . dq + value_v . dv + value_lam . dlam) + value_x
+
+    An undefined derivative is nan.
+    """
+
+    value: Any
+    q: np.ndarray | None = None  # (n_t, n_q)
+    v: np.ndarray | None = None  # (n_t, n_q)
+    multipliers: np.ndarray | None = None  # (n_t, n_lam)
+    design: np.ndarray | None = None  # (n_x,)
+
+
+class Response(Registered):
+    """Base of all responses; a new one is one subclass with `partials`."""
+
+    quantity: ClassVar[str] = "none"
+    """What it is, for its unit: a key of `toolkit.units`."""
+
+    @abstractmethod
+    def partials(self, solution: Solution) -> Partials:
+        """Value and partial derivatives; complex-safe in the value."""
+
+    def markers(self) -> tuple[tuple[str, str], ...]:
+        """(body, point) pairs that the response looks at, so that the compilation provides them."""
+        return ()
+
+    def value(self, solution: Solution) -> Any:
+        """The number."""
+        return self.partials(solution).value
+
+    def gradient(self, solution: Solution) -> np.ndarray:
+        """Total design derivative, shape (n_x,)."""
+        partials = self.partials(solution)
+        total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
+        pairs = ((partials.q, solution.dq), (partials.v, solution.dv), (partials.multipliers, solution.dmultipliers))
+        for partial, derivative in pairs:
+            if partial is not None:
+                total = total + np.einsum("ti,tix->x", partial, derivative)
+        return total

@@ -1,0 +1,168 @@
+"""Scenes in TOML: the same objects as in Python, with errors that name the file, the key and what would be right."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+import toolkit.bodies.flexible
+import toolkit.bodies.ground
+import toolkit.bodies.rigid
+import toolkit.joints.distance
+import toolkit.joints.driver
+import toolkit.joints.revolute
+import toolkit.joints.rigid_joint
+import toolkit.joints.slider
+import toolkit.loads.point_force
+import toolkit.loads.spring_damper
+import toolkit.loads.torque  # noqa: F401  (importing a kind is what makes it known)
+from toolkit.bodies.body import Body
+from toolkit.description import Description
+from toolkit.errors import InputError
+from toolkit.joints.joint import Joint
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.load import Load
+from toolkit.point import BodyPoint, Point
+from toolkit.responses.catalogue import Response
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+
+
+def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
+    """Read a scene file; `changes` replaces values by their path, each given as in TOML (`{"points.A.x": "73"}`).
+
+    Raises
+    ------
+    InputError
+        The file is missing, is no TOML, or a key or value is wrong; all wrong keys are reported at once.
+    """
+    path = Path(path)
+    try:
+        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except FileNotFoundError:
+        raise InputError(f"there is no scene file {str(path)!r}. Give the path of a scene in TOML.") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, IsADirectoryError) as error:
+        raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
+    for key, text in (changes or {}).items():
+        _change(table, key, text, path)
+    return scene_from_table(table, path)
+
+
+def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
+    """A scene from nested tables; `path` is the file they came from."""
+    problems: list[str] = []
+    groups = {name: _group(table.get(name, {}), name, problems) for name in ("points", "bodies", "joints", "loads", "responses")}
+    parsed: dict[str, Any] = {name: {} for name in groups}
+    for name, text in groups["points"].items():
+        parsed["points"][name] = _point(text, f"points.{name}", problems)
+    kinds: dict[str, Mapping[str, type]] = {
+        "bodies": Body.kinds,
+        "joints": Joint.kinds,
+        "loads": {**Load.kinds, Gravity.kind: Gravity},
+        "responses": Response.kinds,
+    }
+    for group, known in kinds.items():
+        for name, item in groups[group].items():
+            parsed[group][name] = _item(item, known, f"{group}.{name}", problems)
+    if "solver" in table:
+        parsed["solver"] = _validated(RunOptions, table["solver"], "solver", problems)
+    rest = {key: value for key, value in table.items() if key not in (*groups, "solver")}
+    if problems:
+        raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
+    try:
+        scene = _validated(Scene, {**rest, **parsed, "directory": path.parent}, "", problems)
+    except InputError as error:
+        raise InputError(f"{path.name}: {error}") from error
+    if scene is None:
+        raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
+    return scene
+
+
+def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
+    if isinstance(value, dict):
+        return value
+    problems.append(f"{name} must be a table of names, not {value!r}.")
+    return {}
+
+
+def _point(value: Any, where: str, problems: list[str]) -> Any:
+    if isinstance(value, list):
+        if len(value) == 2:
+            return _validated(Point, {"x": value[0], "y": value[1]}, where, problems)
+        problems.append(f"{where} has {len(value)} coordinates; a planar point has two, [x, y].")
+        return None
+    return _validated(BodyPoint, value, where, problems)
+
+
+def _item(value: Any, kinds: Mapping[str, type], where: str, problems: list[str]) -> Any:
+    if not isinstance(value, dict) or "type" not in value:
+        problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
+        return None
+    kind = kinds.get(value["type"])
+    if kind is None:
+        problems.append(f"{where}.type = {value['type']!r} is unknown; available: {', '.join(kinds)}.")
+        return None
+    return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
+
+
+def _validated(kind: type[Description], value: Any, where: str, problems: list[str]) -> Any:
+    try:
+        return kind.model_validate(value)
+    except ValidationError as error:
+        for each in error.errors():
+            key = ".".join([*([where] if where else []), *(str(part) for part in each["loc"])])
+            problems.append(f"{key}: {_hint(kind, each)}")
+        return None
+
+
+def _hint(kind: type[Description], error: Any) -> str:
+    keys = ", ".join(name for name in kind.model_fields if name != "directory")
+    if error["type"] == "extra_forbidden":
+        close = get_close_matches(str(error["loc"][-1]), kind.model_fields, n=1)
+        return f"unknown key{f', did you mean {close[0]!r}' if close else ''}; possible here: {keys}."
+    if error["type"] == "missing":
+        return f"this key is missing; needed or possible here: {keys}."
+    return f"{error['msg']} (given: {error['input']!r})."
+
+
+def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
+    """Set one value by its path; x and y name the entries of a pair."""
+    try:
+        value = tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        value = text
+    *owners, last = key.split(".")
+    owner: Any = table
+    for depth, name in enumerate(owners):
+        index = _index(owner, name)
+        if index is None and owners[0] != "solver":
+            raise InputError(_leads_nowhere(key, name, owner, path))
+        if index is None:
+            owner[name] = {}
+            index = name
+        owner = owner[index]
+        if not isinstance(owner, (dict, list)):
+            raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
+    index = _index(owner, last)
+    if index is None and isinstance(owner, list) or not owners:
+        raise InputError(_leads_nowhere(key, last, owner, path))
+    owner[last if index is None else index] = value
+
+
+def _index(owner: Any, name: str) -> Any:
+    if isinstance(owner, list):
+        index = {"x": 0, "y": 1}.get(name, int(name) if name.isdigit() else len(owner))
+        return index if index < len(owner) else None
+    return name if name in owner else None
+
+
+def _leads_nowhere(key: str, name: str, owner: Any, path: Path) -> str:
+    possible = ", ".join(owner) if isinstance(owner, dict) else "x, y" if len(owner) == 2 else f"0 to {len(owner) - 1}"
+    return f"{path.name}: {key!r} leads nowhere: there is no {name!r}; possible here: {possible}."
+
+

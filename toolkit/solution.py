@@ -1,0 +1,53 @@
+"""What a solver returns: states at all times, their design derivatives, and what the run cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from toolkit.system import System
+
+
+@dataclass(frozen=True)
+class Solution:
+    """States at all times; a static solution has one time. Leading d: total design derivative, design on the last axis.
+
+    Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
+    `drift` is the largest violation of a joint, relative to the scene's size (or rad).
+    """
+
+    system: System
+    times: np.ndarray
+    q: np.ndarray
+    v: np.ndarray
+    a: np.ndarray
+    multipliers: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    da: np.ndarray
+    dmultipliers: np.ndarray
+    drift: float = 0.0
+    newton_iterations: int = 0
+    wall: dict[str, float] = field(default_factory=dict)
+
+    @classmethod
+    def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:
+        """From arrays q, v, [a; lam], and their derivatives, all padded to n on the second axis."""
+        n_q = system.n_q
+        q, v, acc, dq, dv, dacc = states
+        return cls(
+            system, times, q[:, :n_q], v[:, :n_q], acc[:, :n_q], acc[:, n_q:],
+            dq[:, :n_q], dv[:, :n_q], dacc[:, :n_q], dacc[:, n_q:], **report,
+        )  # fmt: skip
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps, or load steps."""
+        return len(self.times) - 1
+
+    def coordinates(self, body: str) -> slice:
+        """Where the coordinates of a body are on the second axis of q, v, a."""
+        first = self.system.numbering.first
+        later = [start for start in first.values() if start > first[body]]
+        return slice(first[body], min(later, default=self.system.n_q))

@@ -1,0 +1,53 @@
+"""One linear system outside of the step loop, and a diagnosis by name if it is singular."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.errors import SingularSystemError
+from toolkit.solvers.linear_solver import apply_inverse_block, factorize, linear_solver, solve_checked
+from toolkit.system import System
+
+
+def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str) -> np.ndarray:
+    """Solve A X = rhs for values of A on the system's pattern; rhs (n,) or (n, columns).
+
+    Raises
+    ------
+    SingularSystemError
+        The equations do not determine all unknowns; names those that are free, or the joints that repeat each other.
+    """
+    plan, block = system.plan, rhs.reshape(system.n, -1)
+    values = np.ascontiguousarray(values, system.dtype)
+    solver = linear_solver(plan.indptr, plan.indices, plan.n_q, block.shape[1], system.dtype)
+    first, result = np.ascontiguousarray(block[:, 0], system.dtype), np.zeros(system.n, system.dtype)
+    failed = system.run(factorize, solver, plan.indptr, plan.indices, values)
+    if failed < 0:
+        failed = system.run(solve_checked, solver, plan.indptr, plan.indices, values, first, result)
+    if failed >= 0:
+        raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
+    if rhs.ndim == 1:
+        return result
+    out = np.ascontiguousarray(block, system.dtype)
+    system.run(apply_inverse_block, solver, out)
+    return out
+
+
+def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
+    """Which unknowns a singular matrix leaves undetermined: the largest entries of its null vector."""
+    matrix = np.real(system.matrix(values).toarray())
+    if not np.all(np.isfinite(matrix)):
+        return f"the equations hold values that are not finite, first met at {system.numbering.names[failed]}."
+    scale = 1 / np.sqrt(np.abs(matrix).max(axis=0, initial=0).clip(1e-300))
+    null = np.linalg.svd(scale[:, None] * matrix * scale)[2][-1]
+    parts = np.flatnonzero(np.abs(null) > 0.1 * np.abs(null).max())
+    names = ", ".join(system.numbering.names[i] for i in parts[:8]) + (" and more" if len(parts) > 8 else "")
+    if np.all(parts >= system.n_q):
+        return (
+            f"the constraints {names} repeat or contradict each other, so their forces are not determined. "
+            "Remove one of these joints, or replace a rigid joint by a revolute or slider."
+        )
+    return (
+        f"nothing determines {names}: the mechanism is free to move there, or is in a singular position. "
+        "Add a joint, a driver or a spring, or move the points off the singular position."
+    )

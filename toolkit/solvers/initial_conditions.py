@@ -1,0 +1,116 @@
+"""Consistent start: positions checked, velocities projected on the constraints, accelerations and multipliers solved for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.equations import Terms
+from toolkit.errors import InputError
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.system import System
+
+POSITION_TOLERANCE = 1e-8
+"""Largest violation of a constraint at the start, relative to the scene's size (or rad): round-off of input with 9 digits."""
+
+
+class State(NamedTuple):
+    """One state, padded to n, and its total design derivatives (n, n_x)."""
+
+    q: np.ndarray
+    v: np.ndarray
+    acc: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    dacc: np.ndarray
+
+
+def consistent_start(
+    system: System, levels: np.ndarray, q: np.ndarray | None = None, v: np.ndarray | None = None, time: float = 0.0
+) -> State:
+    """The state at the start; `q` and `v` (n_q,) replace the scene's own start, then without design derivatives of it.
+
+    Velocities are projected with the mass matrix as metric, M (v - v_given) + phi_q^T mu = 0, phi_q v + phi_t = 0: the
+    motion right after an impact of the joints.
+
+    Raises
+    ------
+    InputError
+        A joint is violated at the start, or moving a design variable would violate it.
+    SingularSystemError
+        Joints are redundant, so that accelerations or multipliers are not unique.
+    """
+    start = list(system.start())
+    for k, given in enumerate((q, v)):
+        if given is not None:
+            start[k] = np.concatenate([given, np.zeros(system.n - system.n_q)]).astype(system.dtype)
+            start[k + 2] = np.zeros_like(start[k + 2])
+    check_positions(system, start[0], start[2], time)
+    start[1], start[3] = project_velocities(system, *start, time)
+    acc, dacc = initial_accelerations(system, *start, levels, time)
+    return State(start[0], start[1], acc, start[2], start[3], dacc)
+
+
+def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) -> None:
+    """Refuse a start that violates a joint, or whose design derivative does."""
+    zero, n_q = np.zeros_like(q), system.n_q
+    terms = system.evaluate(system.inputs(time, np.array([0, 0, 1.0])), q, zero, zero, design=True)
+    names = system.numbering.names
+    violated = np.flatnonzero(np.abs(terms.applied[n_q:]) * system.weights[n_q:] > POSITION_TOLERANCE)
+    if len(violated):
+        i = n_q + violated[0]
+        raise InputError(
+            f"inconsistent start: {names[i]} is violated by {np.real(terms.applied[i]):.3g} at t = {time:g}. "
+            "Give positions that satisfy every joint, or a length, offset or curve that starts at their value."
+        )
+    change = (system.matrix(terms.A_q) @ dq + terms.A_x)[n_q:]
+    for i, x in np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0))):
+        raise InputError(
+            f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
+            "Choose a variable that moves the points with it (a point, or leave the length to follow the points)."
+        )
+
+
+def project_velocities(
+    system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities that satisfy the joints, nearest to the given ones, and their design derivatives."""
+    inputs, zero, n_q = system.inputs(time, np.array([0, 1.0, 0])), np.zeros_like(q), system.n_q
+    terms = system.evaluate(inputs, q, v, zero, design=True)
+    change = system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x
+    if not np.any(terms.applied[n_q:]) and not np.any(change[n_q:]):
+        return v, dv
+    below = np.repeat(np.arange(system.n), np.diff(system.plan.indptr)) >= n_q
+    values = terms.I_acc + np.where(below, terms.A_v, 0)
+    rhs = np.where(np.arange(system.n) < n_q, 0, -terms.applied)
+    impulse = solve_linear(system, values, rhs, "projection of the initial velocities")
+    v = v + np.where(np.arange(system.n) < n_q, impulse, 0)
+    if not system.n_x:
+        return v, dv
+    terms = system.evaluate(inputs, q, v, impulse, design=True)
+    change = system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x
+    change[:n_q] = (system.matrix(terms.I_q) @ dq + terms.I_x)[:n_q]
+    dimpulse = solve_linear(system, values, -change, "projection of the initial velocities")
+    dimpulse[n_q:] = 0
+    return v, dv + dimpulse
+
+
+def initial_accelerations(
+    system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, levels: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """[a; lam] of the equations at the start, which are linear in them, and their design derivatives."""
+    inputs = system.inputs(time, levels)
+    terms = system.evaluate(inputs, q, v, np.zeros_like(q))
+    acc = solve_linear(system, terms.I_acc, -(terms.inertial + terms.applied), "initial accelerations")
+    if not system.n_x:
+        return acc, np.zeros_like(dq)
+    terms = system.evaluate(inputs, q, v, acc, design=True)
+    dacc = solve_linear(system, terms.I_acc, -total_change(system, terms, dq, dv), "initial accelerations")
+    return acc, dacc
+
+
+def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
+    """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly."""
+    stiffness = system.matrix(terms.I_q + terms.A_q)
+    return stiffness @ dq + system.matrix(terms.A_v) @ dv + terms.I_x + terms.A_x

@@ -1,0 +1,67 @@
+"""Eigenfrequencies of the constrained, linearised system about an equilibrium."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eig, eigh, null_space
+
+from toolkit.errors import SingularSystemError
+from toolkit.solution import Solution
+
+
+class Modes(NamedTuple):
+    """Frequencies in cycles per time, ascending, and mode shapes.
+
+    A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
+    """
+
+    frequencies: np.ndarray  # (n_modes,)
+    shapes: np.ndarray  # (n_q, n_modes)
+
+
+def solve_modes(solution: Solution, count: int | None = None) -> Modes:
+    """Undamped modes about the last state of a static solution (or any state at rest).
+
+        Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
+
+    K is unsymmetric under following forces; then the general eigenvalue problem is solved.
+    """
+    system = solution.system
+    n_q = system.n_q
+    pad = np.zeros(system.n - n_q)
+    q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
+    acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])
+    terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
+    dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q")}
+    mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
+    free = _null_space(dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q])
+    squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free)
+    order = np.argsort(squares)[:count]
+    frequencies = np.sign(squares[order]) * np.sqrt(np.abs(squares[order])) / (2 * np.pi)
+    return Modes(frequencies, free @ vectors[:, order])
+
+
+def _null_space(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Motions that the joints allow, in coordinates scaled to comparable size."""
+    n_q = len(weights)
+    if not len(phi_q):
+        return np.diag(1 / weights)
+    free = null_space(phi_q / weights)
+    if free.shape[1] == 0:
+        raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
+    return free.reshape(n_q, -1) / weights[:, None]
+
+
+def _eigen(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    asymmetry = np.abs(stiffness - stiffness.T).max(initial=0)
+    if asymmetry <= 1e-9 * np.abs(stiffness).max(initial=0):
+        return eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+    squares, vectors = eig(stiffness, mass)
+    if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
+        raise SingularSystemError(
+            "following forces make the motion flutter: the squares of some frequencies are complex. "
+            "Use the transient analysis, or forces fixed in space."
+        )
+    return squares.real, vectors.real
