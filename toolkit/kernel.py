@@ -13,16 +13,26 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 from numba.core.types.function_type import CompileResultWAP
 
-kernel = numba.njit(cache=True, error_model="numpy")
-"""Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels."""
+kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)
+"""Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels.
+
+Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`), which costs more here than the arithmetic.
+"""
 
 SLOTS = 16
 """Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
 
 
+@kernel
+def copy(source, target):
+    """target = source, for vectors."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
 def family(signature: Any) -> Callable[[Callable], CPUDispatcher]:
     """Decorator of a formula that the loop receives as an argument: all formulas of one signature are interchangeable."""
-    return numba.njit(signature, cache=True, error_model="numpy")
+    return numba.njit(signature, cache=True, error_model="numpy", _nrt=False)
 
 
 def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.errors import SingularSystemError
-from toolkit.solvers.linear_solver import apply_inverse_block, factorize, linear_solver, solve_checked
+from toolkit.solvers.linear_solver import factorize, linear_solver, solve_checked, solve_refined_block
 from toolkit.system import System
 
 
@@ -19,7 +19,7 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
     """
     plan, block = system.plan, rhs.reshape(system.n, -1)
     values = np.ascontiguousarray(values, system.dtype)
-    solver = linear_solver(plan.indptr, plan.indices, plan.n_q, block.shape[1], system.dtype)
+    solver = linear_solver(plan.indptr, plan.indices, system.weights[: plan.n_q], block.shape[1], system.dtype)
     first, result = np.ascontiguousarray(block[:, 0], system.dtype), np.zeros(system.n, system.dtype)
     failed = system.run(factorize, solver, plan.indptr, plan.indices, values)
     if failed < 0:
@@ -28,8 +28,9 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
         raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
     if rhs.ndim == 1:
         return result
-    out = np.ascontiguousarray(block, system.dtype)
-    system.run(apply_inverse_block, solver, out)
+    block = np.ascontiguousarray(block, system.dtype)
+    out = np.zeros_like(block)
+    system.run(solve_refined_block, solver, plan.indptr, plan.indices, values, block, out)
     return out
 
 

@@ -6,13 +6,12 @@ from toolkit.kernel import kernel
 
 
 @kernel
-def largest_drift(plan, functions, curves, weights, q, found, work):
-    """Largest weighted |phi| over all times and rows: (value, time index, unknown) in `found`."""
-    zero = 0 * q[0]
+def largest_drift(plan, functions, curves, weights, q, rest, found, work):
+    """Largest weighted |phi| over all times and rows: (value, time index, unknown) in `found`; `rest` is zero, (n,)."""
     for n in range(len(q)):
-        update_markers(plan.markers, work.markers, q[n], zero, zero, work.scratch)
+        update_markers(plan.markers, work.markers, q[n], rest, rest, work.scratch)
         for j in range(len(plan.joints.family)):
-            evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, zero, work.joint)
+            evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
             rows = plan.joints.n_rows[j]
             for i in range(rows):
                 value = work.joint.phi[i]

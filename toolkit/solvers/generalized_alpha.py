@@ -1,7 +1,7 @@
 """The compiled step loop: generalized-alpha with exact Newton, and the sensitivities carried along.
 
-Per step: predict, iterate to convergence, then (with design variables) factor the Jacobian of the converged state once and solve for
-all design derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
+Per step: predict, iterate to convergence, then (with design variables) solve with the Jacobian of the converged state for all design
+derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
 """
 
 from typing import NamedTuple
@@ -9,10 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work, evaluate, evaluate_design
-from toolkit.kernel import kernel
-from toolkit.solvers.linear_solver import LinearSolver, apply_inverse_block, factorize, linear_solver, solve_checked
+from toolkit.kernel import copy, kernel
+from toolkit.solvers.linear_solver import LinearSolver, factorize, linear_solver, solve_checked, solve_refined_block
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE = 0, 1, 2, 3
+
+SHARP = 1e-7
+"""Newton tolerance up to which the factors of the last iteration serve the sensitivities: one refinement with the converged
+Jacobian squares their relative error."""
 
 
 class History(NamedTuple):
@@ -24,6 +28,9 @@ class History(NamedTuple):
     dq: np.ndarray  # (n_t, n, n_x)
     dv: np.ndarray
     dacc: np.ndarray
+    flat_dq: np.ndarray  # (n_t, n n_x) the same memory, for formulas that serve vectors and blocks alike
+    flat_dv: np.ndarray
+    flat_dacc: np.ndarray
 
 
 class Memory(NamedTuple):
@@ -31,8 +38,10 @@ class Memory(NamedTuple):
 
     aux: np.ndarray  # (n,) auxiliary acceleration w
     daux: np.ndarray  # (n, n_x)
+    flat_daux: np.ndarray  # (n n_x,) the same memory
     carried: np.ndarray  # (n,) carried part of the residual
     dcarried: np.ndarray  # (n, n_x)
+    pseudo_load: np.ndarray  # (n, n_x)
     q_predicted: np.ndarray
     v_predicted: np.ndarray
     residual: np.ndarray
@@ -50,14 +59,14 @@ class Outcome(NamedTuple):
     correction: np.ndarray  # (1,) last Newton correction, relative to the scene's size
 
 
-def allocate_memory(plan: Plan, dtype: type) -> Memory:
+def allocate_memory(plan: Plan, weights: np.ndarray, dtype: type) -> Memory:
     """Memory of the loop."""
     vectors = [np.zeros(plan.n, dtype) for _ in range(6)]
-    blocks = [np.zeros((plan.n, plan.n_x), dtype) for _ in range(2)]
+    blocks = [np.zeros((plan.n, plan.n_x), dtype) for _ in range(3)]
     return Memory(
-        vectors[0], blocks[0], vectors[1], blocks[1], *vectors[2:], np.zeros(len(plan.indices), dtype),
+        vectors[0], blocks[0], blocks[0].reshape(-1), vectors[1], blocks[1], blocks[2], *vectors[2:], np.zeros(len(plan.indices), dtype),
         allocate_terms(plan, dtype), allocate_work(plan, dtype),
-        linear_solver(plan.indptr, plan.indices, plan.n_q, plan.n_x, dtype),
+        linear_solver(plan.indptr, plan.indices, weights[: plan.n_q], plan.n_x, dtype),
     )  # fmt: skip
 
 
@@ -88,6 +97,15 @@ def newton_matrix(scheme, terms, jacobian):
 
 
 @kernel
+def is_finite(vector):
+    """Whether no entry is infinite or not a number."""
+    total = 0.0
+    for i in range(len(vector)):
+        total += abs(vector[i].real)
+    return np.isfinite(total)
+
+
+@kernel
 def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
     """Iterate on [a; lam] until a correction moves nothing by more than the tolerance; returns the status."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
@@ -107,7 +125,7 @@ def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc,
             failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
         if failed >= 0:
             outcome.counts[3] = failed
-            return SINGULAR if np.isfinite(memory.residual.real.sum()) else NOT_FINITE
+            return SINGULAR if is_finite(memory.residual) else NOT_FINITE
         largest, worst = 0.0, 0
         for i in range(plan.n):
             acc[i] -= memory.correction[i]
@@ -143,16 +161,18 @@ def sensitivity_step(plan, scheme, history, step, memory):
     terms, ptr, col = memory.terms, plan.indptr, plan.indices
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     dq, dv, dacc = history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1]
-    old_acc, daux, count = history.dacc[step].reshape(-1), memory.daux.reshape(-1), plan.n_q * plan.n_x
-    old_q, old_v = history.dq[step].reshape(-1), history.dv[step].reshape(-1)
-    predict(scheme, old_q, old_v, old_acc, daux, count, dq.reshape(-1), dv.reshape(-1))
-    dacc[:] = memory.dcarried
+    count, after = plan.n_q * plan.n_x, step + 1
+    predict(
+        scheme, history.flat_dq[step], history.flat_dv[step], history.flat_dacc[step], memory.flat_daux, count,
+        history.flat_dq[after], history.flat_dv[after],
+    )  # fmt: skip
+    load = memory.pseudo_load
     for i in range(plan.n):
         for x in range(plan.n_x):
-            dacc[i, x] += w_i * terms.I_x[i, x] + w_a * terms.A_x[i, x]
-    add_product(ptr, col, w_i, terms.I_q, w_a, terms.A_q, dq, dacc)
-    add_product(ptr, col, w_a, terms.A_v, 0.0, terms.A_v, dv, dacc)
-    apply_inverse_block(memory.solver, dacc)
+            load[i, x] = memory.dcarried[i, x] + w_i * terms.I_x[i, x] + w_a * terms.A_x[i, x]
+    add_product(ptr, col, w_i, terms.I_q, w_a, terms.A_q, dq, load)
+    add_product(ptr, col, w_a, terms.A_v, 0.0, terms.A_v, dv, load)
+    solve_refined_block(memory.solver, ptr, col, memory.jacobian, load, dacc)
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
     for i in range(plan.n):
         for x in range(plan.n_x):
@@ -160,7 +180,7 @@ def sensitivity_step(plan, scheme, history, step, memory):
             if i < plan.n_q:
                 dq[i, x] += c_q * dacc[i, x]
                 dv[i, x] += c_v * dacc[i, x]
-    advance_auxiliary(scheme, old_acc, dacc.reshape(-1), count, daux)
+    advance_auxiliary(scheme, history.flat_dacc[step], history.flat_dacc[after], count, memory.flat_daux)
 
 
 @kernel
@@ -181,8 +201,10 @@ def carry_over(plan, scheme, memory, dq, dv, dacc):
 @kernel
 def begin(plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
-    memory.aux[: plan.n_q] = history.acc[0, : plan.n_q]
-    memory.daux[: plan.n_q] = history.dacc[0, : plan.n_q]
+    for i in range(plan.n_q):
+        memory.aux[i] = history.acc[0, i]
+        for x in range(plan.n_x):
+            memory.daux[i, x] = history.dacc[0, i, x]
     if scheme.carried_applied != 0:
         evaluate(plan, functions, inputs, history.q[0], history.v[0], history.acc[0], True, memory.terms, memory.work)
         if plan.n_x > 0:
@@ -209,7 +231,7 @@ def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolera
             memory.q_predicted,
             memory.v_predicted,
         )
-        acc[:] = history.acc[step]
+        copy(history.acc[step], acc)
         outcome.counts[1] = step
         outcome.counts[0] = newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome)
         outcome.counts[4] += outcome.counts[2]
@@ -218,9 +240,8 @@ def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolera
         if outcome.counts[0] == CONVERGED and plan.n_x > 0:
             evaluate_design(plan, functions, inputs, q, v, acc, memory.terms, memory.work)
             newton_matrix(scheme, memory.terms, memory.jacobian)
-            failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-            if failed >= 0:
-                outcome.counts[0], outcome.counts[3] = SINGULAR, failed
+            if tolerance > SHARP:
+                factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
         if outcome.counts[0] != CONVERGED:
             return
         if plan.n_x > 0:

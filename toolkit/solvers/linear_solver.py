@@ -4,16 +4,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import kernel
+from toolkit.kernel import copy, kernel
 from toolkit.solvers.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
-from toolkit.solvers.sparse_lu import LUPlan, analyse, backward_error, factor, multiply, solve, solve_block
+from toolkit.solvers.sparse_lu import LUPlan, analyse, factor, multiply, solve, solve_block
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
-ACCEPTED_ERROR = 1e-9
-"""Backward error after one refinement above which sparse factors are given up; Newton needs few digits, gradients many."""
-REFINED_ERROR = 1e-14
-"""Backward error that needs no refinement: some tens of round-off."""
+TRUSTED_REFINEMENT = 1e-6
+"""Refinement of a solution, relative to it, above which sparse factors are given up; what is left after it is the square of that."""
 
 
 class LinearSolver(NamedTuple):
@@ -24,22 +22,26 @@ class LinearSolver(NamedTuple):
     work: np.ndarray  # (n,)
     residual: np.ndarray  # (n,)
     work_block: np.ndarray  # (n, n_x)
+    residual_block: np.ndarray  # (n, n_x)
+    weights: np.ndarray  # (n_q,) what makes coordinates comparable, see `numbering.weights`
     dense: np.ndarray  # (n, n), not touched unless needed
     pivots: np.ndarray
     scale: np.ndarray
     mode: np.ndarray
 
 
-def linear_solver(indptr: np.ndarray, indices: np.ndarray, n_q: int, n_x: int, dtype: type) -> LinearSolver:
-    """Analyse a pattern and reserve memory."""
+def linear_solver(indptr: np.ndarray, indices: np.ndarray, weights: np.ndarray, n_x: int, dtype: type) -> LinearSolver:
+    """Analyse a pattern and reserve memory; `weights` are those of the n_q coordinates."""
     n = len(indptr) - 1
-    plan = analyse(indptr, indices, n_q)
+    plan = analyse(indptr, indices, len(weights))
     return LinearSolver(
         plan,
         np.zeros(int(plan.row_start[-1]), dtype),
         np.zeros(n, dtype),
         np.zeros(n, dtype),
         np.zeros((n, n_x), dtype),
+        np.zeros((n, n_x), dtype),
+        weights,
         np.empty((n, n), dtype),
         np.zeros(n, np.int64),
         np.zeros((3, n)),
@@ -84,26 +86,53 @@ def apply_inverse_block(solver, block):
 
 @kernel
 def refine(solver, indptr, indices, values, rhs, solution):
-    """One step of iterative refinement."""
+    """One step of iterative refinement; whether it changed so little that the factors can be trusted.
+
+    Compared by coordinates alone, in units of the scene's size: multipliers follow from them. (A comparison row by row fails where
+    all terms of a row are zero but for round-off.)
+    """
     multiply(indptr, indices, values, solution, solver.residual)
     for i in range(len(rhs)):
         solver.residual[i] = rhs[i] - solver.residual[i]
     apply_inverse(solver, solver.residual)
+    size, change = 0.0, 0.0
     for i in range(len(rhs)):
         solution[i] += solver.residual[i]
+        if i < len(solver.weights):
+            size = max(size, solver.weights[i] * abs(solution[i].real))
+            change = max(change, solver.weights[i] * abs(solver.residual[i].real))
+    return change <= TRUSTED_REFINEMENT * size
 
 
 @kernel
 def solve_checked(solver, indptr, indices, values, rhs, solution):
-    """Solve, refine once if needed, fall back to pivoting if that is not enough; as `factorize`, -1 or the unknown."""
-    solution[:] = rhs
+    """Solve and refine once; with pivoting if that shows the factors to be bad; as `factorize`, -1 or the unknown."""
+    copy(rhs, solution)
     apply_inverse(solver, solution)
-    if backward_error(indptr, indices, values, solution, rhs) <= REFINED_ERROR:
-        return -1
-    refine(solver, indptr, indices, values, rhs, solution)
-    if solver.mode[0] == 1 or backward_error(indptr, indices, values, solution, rhs) <= ACCEPTED_ERROR:
+    if refine(solver, indptr, indices, values, rhs, solution) or solver.mode[0] == 1:
         return -1
     failed = factorize_dense(solver, indptr, indices, values)
-    solution[:] = rhs
+    copy(rhs, solution)
     apply_inverse(solver, solution)
+    refine(solver, indptr, indices, values, rhs, solution)
     return failed
+
+
+@kernel
+def solve_refined_block(solver, indptr, indices, values, block, solution):
+    """Solve for many right-hand sides and refine once; block, solution (n, n_x)."""
+    n_x = block.shape[1]
+    for i in range(len(block)):
+        for x in range(n_x):
+            solution[i, x] = block[i, x]
+    apply_inverse_block(solver, solution)
+    for i in range(len(block)):
+        for x in range(n_x):
+            solver.residual_block[i, x] = block[i, x]
+        for e in range(indptr[i], indptr[i + 1]):
+            for x in range(n_x):
+                solver.residual_block[i, x] -= values[e] * solution[indices[e], x]
+    apply_inverse_block(solver, solver.residual_block)
+    for i in range(len(block)):
+        for x in range(n_x):
+            solution[i, x] += solver.residual_block[i, x]

@@ -65,7 +65,7 @@ def simulate(
     history = allocate_history(system, len(times), start)
     scheme = generalized_alpha(options.scheme, options.rho_inf, times[1] - times[0])
     curves, curves_x = system.curves(times)
-    memory, outcome = allocate_memory(system.plan, system.dtype), Outcome(np.zeros(5, np.int64), np.zeros(1))
+    memory, outcome = allocate_memory(system.plan, system.weights, system.dtype), Outcome(np.zeros(5, np.int64), np.zeros(1))
     for first in range(0, len(times) - 1, PIECE):
         last = min(first + PIECE, len(times) - 1)
         system.run(
@@ -78,7 +78,12 @@ def simulate(
             progress(last, len(times) - 1)
     drift = check_drift(system, times, curves, history)
     return Solution.from_padded(
-        system, times, history, drift=drift, newton_iterations=int(outcome.counts[4]), wall={"run": clock.perf_counter() - begun}
+        system,
+        times,
+        history[:6],
+        drift=drift,
+        newton_iterations=int(outcome.counts[4]),
+        wall={"run": clock.perf_counter() - begun},
     )
 
 
@@ -107,14 +112,14 @@ def allocate_history(system: System, n_t: int, start: tuple) -> History:
     arrays = [np.zeros((n_t, *item.shape), system.dtype if item.ndim == 1 else float) for item in start]
     for array, item in zip(arrays, start, strict=True):
         array[0] = item
-    return History(*arrays)
+    return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
 
 
 def check_drift(system: System, times: np.ndarray, curves: np.ndarray, history: History) -> float:
     """Largest violation of any joint; refuse a run whose joints came apart."""
     found = np.zeros(3)
     system.run(
-        largest_drift, system.plan, system.functions, curves, system.weights, history.q, found,
+        largest_drift, system.plan, system.functions, curves, system.weights, history.q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),
     )  # fmt: skip
     if found[0] > LARGEST_DRIFT:
