@@ -148,21 +148,24 @@ class ReducedModel:
         return len(self.invariants.stiffness)
 
     def evaluate(self, values: Mapping[str, Any] | None = None) -> Invariants:
-        """Invariants at other parameter values, real or complex; nominal where no value is given.
+        """All invariants at other parameter values, real or complex; nominal where no value is given. Errors as `invariant`."""
+        return Invariants(**{item.name: self.invariant(item.name, values) for item in fields(Invariants)})
+
+    def invariant(self, name: str, values: Mapping[str, Any] | None = None) -> np.ndarray:
+        """One invariant at other parameter values.
 
         Raises
         ------
         InputError
-            A parameter is unknown, or it has only a derivative at the nominal design and its value is moved away from there.
+            A parameter is unknown, or it has only a derivative at the nominal design and its value is moved away.
         """
         values = {**self.nominal, **(values or {})}
-        for name in set(values) - set(self.nominal):
+        for parameter in set(values) - set(self.nominal):
             raise InputError(
-                f"reduced model {self._label} has no parameter {name!r}; available: {', '.join(self.parameters)}. "
-                f"Rerun preprocessing with {name!r} in its design list."
+                f"reduced model {self._label} has no parameter {parameter!r}; available: {', '.join(self.parameters)}. "
+                f"Rerun preprocessing with {parameter!r} in its design list."
             )
-        ratio = np.array([values[p] / self.nominal[p] for p in self.parameters])
-        return Invariants(**{item.name: self._evaluate(item.name, values, ratio) for item in fields(Invariants)})
+        return self._evaluate(name, values, np.array([values[p] / self.nominal[p] for p in self.parameters]))
 
     def _evaluate(self, name: str, values: Mapping[str, Any], ratio: np.ndarray) -> np.ndarray:
         if self.affine is not None and name in self.affine:
@@ -195,6 +198,9 @@ class ReducedModel:
                 for item in fields(self):
                     if item.name != "path":
                         _write(file, item.name, getattr(self, item.name))
+            umask = os.umask(0)
+            os.umask(umask)
+            os.chmod(temporary, 0o666 & ~umask)
             os.replace(temporary, path)
         finally:
             Path(temporary).unlink(missing_ok=True)
@@ -226,8 +232,8 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
         with h5py.File(path, "r") as file:
             _check_schema(file, path)
             content = {name: _read_part(file, name, path) for name in PARTS if name in parts or name == "invariants"}
-            attributes = {f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs}
-            maps = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")}
+            attributes: dict[str, Any] = {f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs}
+            maps: dict[str, Any] = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")}
     except FileNotFoundError:
         raise ModelFileError(
             f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."

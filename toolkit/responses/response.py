@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.description import Registered
 from toolkit.solution import Solution
+from toolkit.units import unit
 
 
 class Partials(NamedTuple):
@@ -39,6 +40,15 @@ class Response(Registered):
     def markers(self) -> tuple[tuple[str, str], ...]:
         """(body, point) pairs that the response looks at, so that the compilation provides them."""
         return ()
+
+    @property
+    def unit_quantity(self) -> str:
+        """The quantity, where it depends on the response's options."""
+        return self.quantity
+
+    def unit(self, system_of_units: str) -> str:
+        """Label of the unit."""
+        return unit(system_of_units, self.unit_quantity)
 
     def value(self, solution: Solution) -> Any:
         """The number."""

@@ -1,0 +1,91 @@
+"""Responses at one time, and their integral over time."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+from pydantic import Field, FiniteFloat, field_validator
+
+from toolkit.errors import InputError
+from toolkit.responses.response import Partials, Response
+from toolkit.solution import Solution
+from toolkit.units import unit
+
+
+class Instant(Response):
+    """A quantity of the state at one time: the end, unless `time` names another step."""
+
+    time: FiniteFloat | None = Field(default=None, ge=0)
+
+    @abstractmethod
+    def at(self, solution: Solution, step: int) -> Partials:
+        """Value and partial derivatives at one step; q, v (n_q,), multipliers (n_lam,), design (n_x,)."""
+
+    def step(self, solution: Solution) -> int:
+        """Number of the step at `time`."""
+        if self.time is None:
+            return len(solution.times) - 1
+        step = int(np.argmin(np.abs(solution.times - self.time)))
+        if abs(solution.times[step] - self.time) > 1e-9 * max(solution.times[-1], 1e-300):
+            raise InputError(
+                f"there is no time step at t = {self.time:g}; the nearest is {solution.times[step]:g}. "
+                "Choose a time that is a multiple of solver.step, or a step that divides it."
+            )
+        return step
+
+    def partials(self, solution: Solution) -> Partials:
+        """Those of the one step, zero at all others."""
+        weights = np.zeros(len(solution.times))
+        weights[self.step(solution)] = 1
+        return weighted(self, solution, weights)
+
+
+def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Partials:
+    """Sum over time of weights times the quantity."""
+    parts = [(n, instant.at(solution, n)) for n in np.flatnonzero(weights)]
+    value: Any = sum(weights[n] * part.value for n, part in parts)
+    widths = {"q": solution.q.shape, "v": solution.v.shape, "multipliers": solution.multipliers.shape}
+    arrays: dict[str, Any] = {name: np.zeros(shape) for name, shape in widths.items()}
+    design = np.zeros(solution.system.n_x)
+    for n, part in parts:
+        for name, array in arrays.items():
+            partial = getattr(part, name)
+            if partial is not None:
+                array[n] += weights[n] * np.real(partial)
+        if part.design is not None:
+            design += weights[n] * np.real(part.design)
+    return Partials(value, **arrays, design=design)
+
+
+class TimeIntegral(Response):
+    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table."""
+
+    kind = "time-integral"
+
+    of: Any
+
+    @field_validator("of")
+    @classmethod
+    def _instant(cls, value: Any) -> Instant:
+        if isinstance(value, Instant):
+            return value
+        if not isinstance(value, dict) or value.get("type") not in Instant.kinds:
+            raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
+        return Instant.kinds[value["type"]](**{key: item for key, item in value.items() if key != "type"})
+
+    def markers(self) -> tuple[tuple[str, str], ...]:
+        """Those of the quantity."""
+        return self.of.markers()
+
+    def unit(self, system_of_units: str) -> str:
+        """Unit of the quantity times time."""
+        return f"{self.of.unit(system_of_units)} {unit(system_of_units, 'time')}"
+
+    def partials(self, solution: Solution) -> Partials:
+        """Trapezoidal weights."""
+        if len(solution.times) < 2:
+            raise InputError("an integral over time needs a transient solution. Use `simulate`, or another response.")
+        h = np.diff(solution.times)
+        return weighted(self.of, solution, (np.append(h, 0) + np.append(0, h)) / 2)

@@ -1,0 +1,136 @@
+"""Stress of flexible bodies: the field over all points and times, its maximum, and the smooth maximum."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+
+from toolkit.bodies.flexible import Flexible
+from toolkit.description import Positive
+from toolkit.errors import InputError
+from toolkit.quantities import STEP
+from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
+from toolkit.responses.response import Partials, Response
+from toolkit.scene import Scene
+from toolkit.solution import Solution
+
+
+def flexible_body(scene: Scene, body: str) -> Flexible:
+    """The flexible body of that name, or an error that lists those that exist."""
+    found = scene.body(body)
+    if not isinstance(found, Flexible):
+        flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
+        raise InputError(f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible)}.")
+    return found
+
+
+def elastic_coordinates(solution: Solution, body: str) -> slice:
+    """Where the elastic coordinates of a body are on the second axis of q."""
+    whole = solution.coordinates(body)
+    return slice(whole.start + 3, whole.stop) if flexible_body(solution.system.scene, body).has_frame else whole
+
+
+def stress_operator(scene: Scene, body: str) -> np.ndarray:
+    """Stress per elastic coordinate at the scene's parameter values, shape (n_s, n_f)."""
+    found = flexible_body(scene, body)
+    return scene.model(found.model, "affine", "derivatives").invariant("stress_operator", found.model_values())
+
+
+def stress_operator_derivatives(solution: Solution, body: str) -> dict[int, np.ndarray]:
+    """Derivatives of the stress operator by the design variables that it depends on."""
+    scene, found = solution.system.scene, {}
+    for x, variable in enumerate(solution.system.design):
+        if variable.path.startswith(f"bodies.{body}."):
+            stepped = scene.with_number(variable.path, scene.number(variable.path) + 1j * STEP)
+            found[x] = np.imag(stress_operator(stepped, body)) / STEP
+    return found
+
+
+def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Stress sigma = B q_f at every point and time (n_t, n_s), and its design derivatives B dq_f + dB q_f (n_t, n_s, n_x)."""
+    where, operator = elastic_coordinates(solution, body), stress_operator(solution.system.scene, body)
+    stress = solution.q[:, where] @ operator.T
+    derivative = np.einsum("sf,tfx->tsx", operator, solution.dq[:, where])
+    for x, change in stress_operator_derivatives(solution, body).items():
+        derivative[:, :, x] += solution.q[:, where] @ change.T
+    return stress, derivative
+
+
+class StressResponse(Response):
+    """Base of responses that weight the stress of all points and times.
+
+    measure : "signed": tension counts; "absolute": tension and compression count alike
+    when : "all" times, or the "end"
+    """
+
+    quantity = "stress"
+
+    body: str
+    measure: Literal["signed", "absolute"] = "signed"
+    when: Literal["all", "end"] = "all"
+
+    def considered(self, solution: Solution) -> np.ndarray:
+        """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
+        where = elastic_coordinates(solution, self.body)
+        q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
+        stress = q @ stress_operator(solution.system.scene, self.body).T
+        return np.hstack([stress, -stress]) if self.measure == "absolute" else stress
+
+    def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
+        """Partials of a response from its derivatives by the considered values."""
+        weights = np.real(weights)
+        if self.measure == "absolute":
+            weights = weights[:, : weights.shape[1] // 2] - weights[:, weights.shape[1] // 2 :]
+        if self.when == "end":
+            weights = np.vstack([np.zeros((len(solution.times) - 1, weights.shape[1])), weights])
+        where = elastic_coordinates(solution, self.body)
+        value_q = np.zeros(solution.q.shape)
+        value_q[:, where] = weights @ np.real(stress_operator(solution.system.scene, self.body))
+        design = np.zeros(solution.system.n_x)
+        for x, change in stress_operator_derivatives(solution, self.body).items():
+            design[x] = np.sum(weights * (solution.q[:, where] @ change.T))
+        return Partials(value, q=value_q, design=design)
+
+
+class KSStress(StressResponse):
+    """Smooth maximum of the stress (paper, eq. 47) over all points and times.
+
+    aggregation : parameter rho, in 1/unit of stress; a value that is right for MPa is wrong for Pa. With `reference_stress` it is a
+    pure number: stresses are divided by the reference first, and the result is a stress again.
+    """
+
+    kind = "ks-stress"
+
+    aggregation: Positive
+    reference_stress: Positive | None = None
+
+    @property
+    def sharpness(self) -> float:
+        """The parameter in 1/unit of stress."""
+        return self.aggregation / (1.0 if self.reference_stress is None else self.reference_stress)
+
+    def partials(self, solution: Solution) -> Partials:
+        """Value and softmax weights."""
+        value, weights = kreisselmeier_steinhauser(self.considered(solution), self.sharpness)
+        return self.chain(solution, value, weights)
+
+    def remark(self, solution: Solution) -> str:
+        """How far the smooth maximum is from the true one, and how far it could be."""
+        stress = self.considered(solution)
+        gap = np.real(kreisselmeier_steinhauser(stress, self.sharpness)[0]) - stress.real.max()
+        return f"exceeds the true maximum by {gap:.3g}, at most ln(n)/rho = {gap_bound(stress.size, self.sharpness):.3g}"
+
+
+class MaxStress(StressResponse):
+    """Largest stress over all points and times; its derivative is that of the point and time where it occurs."""
+
+    kind = "max-stress"
+
+    def partials(self, solution: Solution) -> Partials:
+        """Value, and weight one at the place of the maximum."""
+        stress = self.considered(solution)
+        weights = np.zeros(stress.shape)
+        place = np.unravel_index(np.argmax(stress.real), stress.shape)
+        weights[place] = 1
+        return self.chain(solution, stress[place], weights)

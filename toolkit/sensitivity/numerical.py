@@ -1,0 +1,76 @@
+"""Gradients by repeated runs: the methods that judge the analytical ones, or serve where those do not exist.
+
+    complex step         df/dx = Im f(x + i h) / h,  h = 1e-30: exact to round-off; the run is plain Python, some 1000 times slower
+    forward difference   [f(x + h) - f(x)] / h,       h = 1e-6 |x| as in the paper
+    central difference   [f(x + h) - f(x - h)] / 2h,  h = 1e-5 |x|
+"""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Any, Literal
+
+import numpy as np
+
+from toolkit.design import DesignVariable
+from toolkit.errors import InputError
+from toolkit.quantities import STEP
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, solve, values_of
+
+Method = Literal["complex-step", "forward-difference", "central-difference"]
+METHODS = ("complex-step", "forward-difference", "central-difference")
+RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
+
+
+def numerical(
+    scene: Scene, design: list[str], kind: Kind, method: str, progress: Progress | None = None, relative_step: float | None = None
+) -> Result:
+    """Responses with gradients by repeated runs of the whole analysis.
+
+    Raises
+    ------
+    InputError
+        The method is unknown.
+    """
+    if method not in METHODS:
+        raise InputError(f"unknown method {method!r}; available: direct, {', '.join(METHODS)}.")
+    variables = scene.design_variables(design)
+    system = prepare(scene)
+    begun = clock.perf_counter()
+    solution = solve(system, kind)
+    primal = clock.perf_counter() - begun
+    base = evaluate_responses(solution)
+    gradients: dict[str, dict[str, float]] = {name: {} for name in base}
+    begun = clock.perf_counter()
+    for k, variable in enumerate(variables):
+        for name, value in derivative(scene, variable, kind, method, base, relative_step).items():
+            gradients[name][variable.name] = float(value)
+        if progress:
+            progress(k + 1, len(variables))
+    return result(scene, solution, gradients, method, primal, clock.perf_counter() - begun)
+
+
+def derivative(
+    scene: Scene, variable: DesignVariable, kind: Kind, method: str, base: dict[str, Any], relative_step: float | None = None
+) -> dict[str, Any]:
+    """Derivative of all responses by one variable."""
+
+    def shifted(step: complex) -> dict[str, Any]:
+        return values_of(scene.with_number(variable.path, variable.value + step), kind)
+
+    if method == "complex-step":
+        return {name: np.imag(value) / STEP for name, value in shifted(1j * STEP).items()}
+    h = (RELATIVE_STEP[method] if relative_step is None else relative_step) * typical_size(scene, variable)
+    up = shifted(h)
+    if method == "forward-difference":
+        return {name: (value - base[name]) / h for name, value in up.items()}
+    down = shifted(-h)
+    return {name: (value - down[name]) / (2 * h) for name, value in up.items()}
+
+
+def typical_size(scene: Scene, variable: DesignVariable) -> float:
+    """What a relative step refers to: the value, or for a zero the scene's size (points) or one."""
+    if variable.value != 0:
+        return abs(variable.value)
+    return scene.size if variable.path.startswith("points.") else 1.0
