@@ -232,8 +232,12 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
         with h5py.File(path, "r") as file:
             _check_schema(file, path)
             content = {name: _read_part(file, name, path) for name in PARTS if name in parts or name == "invariants"}
-            attributes: dict[str, Any] = {f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs}
-            maps: dict[str, Any] = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")}
+            attributes: dict[str, Any] = {
+                f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs
+            }
+            maps: dict[str, Any] = {
+                name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")
+            }
     except FileNotFoundError:
         raise ModelFileError(
             f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."

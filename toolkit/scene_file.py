@@ -149,7 +149,7 @@ def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
         if not isinstance(owner, (dict, list)):
             raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
     index = _index(owner, last)
-    if index is None and isinstance(owner, list) or not owners:
+    if (index is None and isinstance(owner, list)) or not owners:
         raise InputError(_leads_nowhere(key, last, owner, path))
     owner[last if index is None else index] = value
 

@@ -20,6 +20,7 @@ from toolkit.numbering import Numbering, number, weights
 from toolkit.plan import build_plan, families
 from toolkit.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
 from toolkit.scene import Scene
+from toolkit.sparse_lu import LUPlan, analyse
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,7 @@ class System:
     design: Design
     numbering: Numbering
     plan: Plan
+    lu_plan: LUPlan
     values: Quantities
     derivatives: list[Quantities]
     functions: tuple
@@ -123,4 +125,5 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
         functions = slots(joint_formulas, JOINT_SIGNATURE), slots(load_formulas, LOAD_SIGNATURE)
     else:
         functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
-    return System(scene, variables, numbering, plan, values, derivatives, functions, dtype, weights(scene))
+    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
+    return System(scene, variables, numbering, plan, lu_plan, values, derivatives, functions, dtype, weights(scene))

@@ -17,21 +17,32 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
     SingularSystemError
         The equations do not determine all unknowns; names those that are free, or the joints that repeat each other.
     """
-    plan, block = system.plan, rhs.reshape(system.n, -1)
+    block = np.ascontiguousarray(rhs.reshape(system.n, -1), system.dtype)
     values = np.ascontiguousarray(values, system.dtype)
-    solver = linear_solver(plan.indptr, plan.indices, system.weights[: plan.n_q], block.shape[1], system.dtype)
-    first, result = np.ascontiguousarray(block[:, 0], system.dtype), np.zeros(system.n, system.dtype)
+    out = _compiled(system, values, block, where) if system.compiled else _plain(system, values, block, where)
+    return out[:, 0] if rhs.ndim == 1 else out
+
+
+def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
+    """The step loop's own solver."""
+    plan, out = system.plan, np.zeros_like(block)
+    solver = linear_solver(system.lu_plan, system.weights[: plan.n_q], block.shape[1], system.dtype)
+    first, result = block[:, 0].copy(), np.zeros(system.n)
     failed = system.run(factorize, solver, plan.indptr, plan.indices, values)
     if failed < 0:
         failed = system.run(solve_checked, solver, plan.indptr, plan.indices, values, first, result)
     if failed >= 0:
         raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
-    if rhs.ndim == 1:
-        return result
-    block = np.ascontiguousarray(block, system.dtype)
-    out = np.zeros_like(block)
     system.run(solve_refined_block, solver, plan.indptr, plan.indices, values, block, out)
     return out
+
+
+def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
+    """A complex system: the library's dense solver, because the loop's would be slow as plain Python."""
+    try:
+        return np.linalg.solve(system.matrix(values).toarray(), block)
+    except np.linalg.LinAlgError as error:
+        raise SingularSystemError(f"{where}: {diagnosis(system, values, 0)}") from error
 
 
 def diagnosis(system: System, values: np.ndarray, failed: int) -> str:

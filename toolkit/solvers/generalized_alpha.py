@@ -11,6 +11,7 @@ import numpy as np
 from toolkit.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work, evaluate, evaluate_design
 from toolkit.kernel import copy, kernel
 from toolkit.solvers.linear_solver import LinearSolver, factorize, linear_solver, solve_checked, solve_refined_block
+from toolkit.sparse_lu import LUPlan
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE = 0, 1, 2, 3
 
@@ -59,14 +60,14 @@ class Outcome(NamedTuple):
     correction: np.ndarray  # (1,) last Newton correction, relative to the scene's size
 
 
-def allocate_memory(plan: Plan, weights: np.ndarray, dtype: type) -> Memory:
+def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
     """Memory of the loop."""
     vectors = [np.zeros(plan.n, dtype) for _ in range(6)]
     blocks = [np.zeros((plan.n, plan.n_x), dtype) for _ in range(3)]
     return Memory(
         vectors[0], blocks[0], blocks[0].reshape(-1), vectors[1], blocks[1], blocks[2], *vectors[2:], np.zeros(len(plan.indices), dtype),
         allocate_terms(plan, dtype), allocate_work(plan, dtype),
-        linear_solver(plan.indptr, plan.indices, weights[: plan.n_q], plan.n_x, dtype),
+        linear_solver(lu_plan, weights[: plan.n_q], plan.n_x, dtype),
     )  # fmt: skip
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.kernel import copy, kernel
 from toolkit.solvers.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
-from toolkit.solvers.sparse_lu import LUPlan, analyse, factor, multiply, solve, solve_block
+from toolkit.sparse_lu import LUPlan, factor, multiply, solve, solve_block
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
@@ -30,10 +30,9 @@ class LinearSolver(NamedTuple):
     mode: np.ndarray
 
 
-def linear_solver(indptr: np.ndarray, indices: np.ndarray, weights: np.ndarray, n_x: int, dtype: type) -> LinearSolver:
-    """Analyse a pattern and reserve memory; `weights` are those of the n_q coordinates."""
-    n = len(indptr) - 1
-    plan = analyse(indptr, indices, len(weights))
+def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> LinearSolver:
+    """Reserve memory for an analysed pattern; `weights` are those of the n_q coordinates."""
+    n = len(plan.order)
     return LinearSolver(
         plan,
         np.zeros(int(plan.row_start[-1]), dtype),

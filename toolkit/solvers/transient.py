@@ -65,7 +65,10 @@ def simulate(
     history = allocate_history(system, len(times), start)
     scheme = generalized_alpha(options.scheme, options.rho_inf, times[1] - times[0])
     curves, curves_x = system.curves(times)
-    memory, outcome = allocate_memory(system.plan, system.weights, system.dtype), Outcome(np.zeros(5, np.int64), np.zeros(1))
+    memory, outcome = (
+        allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype),
+        Outcome(np.zeros(5, np.int64), np.zeros(1)),
+    )
     for first in range(0, len(times) - 1, PIECE):
         last = min(first + PIECE, len(times) - 1)
         system.run(
