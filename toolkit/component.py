@@ -28,6 +28,11 @@ class Component(Registered):
 
     formula: ClassVar[CPUDispatcher]
 
+    @classmethod
+    def law(cls) -> CPUDispatcher:
+        """The formula itself; reached through an instance it would be bound to it, another one for each component."""
+        return cls.formula
+
     @property
     @abstractmethod
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:

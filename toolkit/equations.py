@@ -92,11 +92,10 @@ def allocate_terms(plan: Plan, dtype: type) -> Terms:
 
 def allocate_work(plan: Plan, dtype: type) -> Work:
     """Scratch memory."""
-    columns = max(np.diff(plan.markers.start), default=0)
     return Work(
         marker_state(plan.markers, dtype),
         np.zeros((3, 3), dtype),
-        joint_work(2 * int(columns), dtype),
+        joint_work(dtype),
         load_work(dtype),
         floating_work(int(max(plan.floating.n_f, default=0)), dtype),
     )
@@ -141,12 +140,16 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     constant_design(plan.constant, q, v, acc, inputs.scale, terms.I_x, terms.A_x)
     floating_design(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_x, terms.A_x)
     for j in range(len(plan.joints.family)):
+        if not plan.joints.designed[j]:
+            continue
         evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
         joint_design(
             plan.joints, j, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.levels, work.joint, terms.I_x, terms.A_x,
         )  # fmt: skip
     for k in range(len(plan.loads.family)):
+        if not plan.loads.designed[k]:
+            continue
         evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
         load_design(
             plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,

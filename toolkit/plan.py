@@ -45,7 +45,7 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
 
 def families(components: list) -> list:
     """The different formulas of the components, in order of appearance."""
-    return list(dict.fromkeys(component.formula for component in components))
+    return list(dict.fromkeys(component.law() for component in components))
 
 
 def _both(scene: Scene, numbering: Numbering, columns: list[np.ndarray], component) -> tuple[np.ndarray, list[int]]:
@@ -87,6 +87,7 @@ def _constant(numbering, offsets, values, derivatives, rows, pattern, dtype) -> 
     row = np.concatenate([r for r, _ in rows]).astype(np.int64)
     column = np.concatenate([c for _, c in rows]).astype(np.int64)
     kinds = ("mass", "damping", "stiffness")
+    mass, damping, stiffness = (np.ascontiguousarray(joined(values, kind), dtype) for kind in kinds)
     entry, variable, changes = [], [], []
     for x, derivative in enumerate(derivatives):
         change = np.stack([joined(derivative, kind) for kind in kinds])
@@ -94,17 +95,22 @@ def _constant(numbering, offsets, values, derivatives, rows, pattern, dtype) -> 
         entry.append(changed)
         variable.append(np.full(len(changed), x))
         changes.append(change[:, changed])
-    force_x = [joined(derivative, "force") for derivative in derivatives]
+    mass_x, damping_x, stiffness_x = np.ascontiguousarray(np.concatenate([np.zeros((3, 0)), *changes], axis=1))
+    force_x = [np.zeros(numbering.n_q), *(joined(derivative, "force") for derivative in derivatives)]
     return Constant(
         row,
         column,
         pattern.find(row, column),
-        *(np.ascontiguousarray(joined(values, kind), dtype) for kind in kinds),
+        mass,
+        damping,
+        stiffness,
         np.ascontiguousarray(joined(values, "force"), dtype),
         _ints(entry),
         _ints(variable),
-        *np.ascontiguousarray(np.concatenate([np.zeros((3, 0)), *changes], axis=1)),
-        np.ascontiguousarray(np.stack(force_x, axis=1)) if force_x else np.zeros((numbering.n_q, 0)),
+        mass_x,
+        damping_x,
+        stiffness_x,
+        np.ascontiguousarray(np.stack(force_x, axis=1)[:, 1:]),
     )
 
 
@@ -149,7 +155,7 @@ def _markers(scene, numbering, values, derivatives, columns, dtype) -> Markers:
         (m, x, derivative.markers[m])
         for m in range(len(columns))
         for x, derivative in enumerate(derivatives)
-        if np.any(derivative.markers[m].point != 0) or np.any(derivative.markers[m].shape != 0)
+        if _marker_changes(derivative, m)
     ]
     frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, _ in numbering.markers]
     shapes = [part.shape for part in values.markers]
@@ -168,7 +174,7 @@ def _markers(scene, numbering, values, derivatives, columns, dtype) -> Markers:
 
 
 def _parameter_pairs(table: list[np.ndarray], k: int) -> list[tuple[int, int, float]]:
-    return [(x, p, change[k, p]) for x, change in enumerate(table) for p in np.flatnonzero(change[k])]
+    return [(x, int(p), change[k, p]) for x, change in enumerate(table) for p in np.flatnonzero(change[k])]
 
 
 def _joints(scene, numbering, values, derivatives, columns, pattern, dtype) -> Joints:
@@ -184,13 +190,14 @@ def _joints(scene, numbering, values, derivatives, columns, pattern, dtype) -> J
         positions.append(np.concatenate(places))
     flat = [change for pairs in changes for change in pairs]
     return Joints(
-        _ints([[known.index(joint.formula) for joint in joints]]),
+        _ints([[known.index(joint.law()) for joint in joints]]),
         _ints([[int(joint.curved) for joint in joints]]),
         np.array(markers, np.int64).reshape(-1, 2),
         _ints([[numbering.row[name] for name in scene.joints]]),
         _ints([[len(joint.row_names) for joint in joints]]),
         values.joints.astype(dtype),
         _curve_numbers(joints, 0),
+        _designed(markers, values, derivatives, changes, _curve_numbers(joints, 0)),
         _starts([len(pairs) for pairs in changes]),
         _ints([[x for x, _, _ in flat]]),
         _ints([[p for _, p, _ in flat]]),
@@ -209,10 +216,11 @@ def _loads(scene, numbering, values, derivatives, columns, pattern, dtype) -> Lo
     positions = [pattern.find(*block(local, local)) for local, _ in both]
     before = sum(joint.time_curve is not None for joint in scene.joints.values())
     return Loads(
-        _ints([[known.index(load.formula) for load in loads]]),
+        _ints([[known.index(load.law()) for load in loads]]),
         np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
         values.loads.astype(dtype),
         _curve_numbers(loads, before),
+        _designed([pair for _, pair in both], values, derivatives, changes, _curve_numbers(loads, before)),
         _starts([len(pairs) for pairs in changes]),
         _ints([[x for x, _, _ in flat]]),
         _ints([[p for _, p, _ in flat]]),
@@ -220,6 +228,18 @@ def _loads(scene, numbering, values, derivatives, columns, pattern, dtype) -> Lo
         _starts([len(places) for places in positions])[:-1],
         _ints(positions),
     )
+
+
+def _designed(markers: list, values: Quantities, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
+    """Whether any design variable matters to each component: through a marker, a parameter or its curve."""
+    active = {m for change in derivatives for m in range(len(values.markers)) if _marker_changes(change, m)}
+    driven = set(_curve_pairs(derivatives)[0])
+    components = zip(markers, changes, curves, strict=True)
+    return _ints([[int(bool(active & set(pair) or change or curve in driven)) for pair, change, curve in components]])
+
+
+def _marker_changes(derivative: Quantities, m: int) -> bool:
+    return bool(np.any(derivative.markers[m].point != 0) or np.any(derivative.markers[m].shape != 0))
 
 
 def _curve_numbers(components: list, before: int) -> np.ndarray:

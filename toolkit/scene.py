@@ -52,9 +52,9 @@ class Scene(Description):
                     for body, point in component.grips:
                         self._known(body, {**self.bodies, "ground": None}, f"{group}.{name}", "body", "bodies")
                         self._known(point, self.points, f"{group}.{name}", "point", "points")
-        for name, point in self.points.items():
-            if isinstance(point, BodyPoint):
-                self._known(point.body, self.bodies, f"points.{name}", "body", "bodies")
+        for name, written in self.points.items():
+            if isinstance(written, BodyPoint):
+                self._known(written.body, self.bodies, f"points.{name}", "body", "bodies")
         return self
 
     @staticmethod
@@ -126,9 +126,9 @@ class Scene(Description):
             if isinstance(body, Flexible):
                 found |= {f"bodies.{name}.{parameter}": value for parameter, value in self.model(body.model).nominal.items()}
         for name, point in self.points.items():
-            body = self.bodies[point.body] if isinstance(point, BodyPoint) else None
-            if isinstance(point, BodyPoint) and isinstance(body, Flexible):
-                interfaces = self.model(body.model).interfaces or {}
+            owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
+            if isinstance(point, BodyPoint) and isinstance(owner, Flexible):
+                interfaces = self.model(owner.model).interfaces or {}
                 if point.interface in interfaces:
                     found[f"points.{name}.arc_length"] = float(interfaces[point.interface].arc_length)
         return found

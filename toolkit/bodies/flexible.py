@@ -54,7 +54,7 @@ class Flexible(Body):
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {", ".join(model.interfaces or {})}.'
             )
         interface = find_interface(model, written.interface, name)
-        return interface.at(interface.arc_length if written.arc_length is None else written.arc_length)
+        return interface.at(float(interface.arc_length) if written.arc_length is None else written.arc_length)
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Elastic coordinates by number, after the frame."""

@@ -36,6 +36,7 @@ class Joints(NamedTuple):
     n_rows: np.ndarray  # (n_j,)
     parameter: np.ndarray  # (n_j, ARGUMENTS - 6)
     curve: np.ndarray  # (n_j,) time curve that its last row follows, or -1
+    designed: np.ndarray  # (n,) 1 if any design variable matters to it
     design_start: np.ndarray  # (n_j + 1,) into the next three
     design_variable: np.ndarray
     design_parameter: np.ndarray  # which parameter
@@ -57,15 +58,14 @@ class JointWork(NamedTuple):
     stiffness: np.ndarray  # lam . g_zz
     force: np.ndarray  # g_z^T lam
     dforce: np.ndarray
-    directions: np.ndarray  # (4, 3) one direction's derivatives of y, B v, B a, b
-    row: np.ndarray  # (2, ROWS) inertial and applied part of one direction
-    phi_q: np.ndarray  # (n_columns of all markers, ROWS) g_z B of one joint's two markers
+    unit: np.ndarray  # (4, 3) the direction of one parameter, as if it were a pose
+    row: np.ndarray  # (4, ROWS) of one direction: d inertial, d applied, d applied by its rate, g_z y
 
 
-def joint_work(n_columns: int, dtype: type) -> JointWork:
-    """Memory for joints whose markers have at most n_columns columns."""
+def joint_work(dtype: type) -> JointWork:
+    """Memory for any joint."""
     r, z = ROWS, ARGUMENTS
-    shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (2, r), (n_columns, r)]
+    shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (4, r)]
     return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
@@ -82,11 +82,12 @@ def evaluate_joint(functions, joints, j, markers, state, acc, work):
         z[6 + i] = joints.parameter[j, i]
     work.phi[:] = 0
     work.phi_z[:] = 0
-    work.phi_zz[:] = 0
-    work.phi_zww[:] = 0
+    if joints.curved[j]:
+        work.phi_zz[:] = 0
+        work.phi_zww[:] = 0
     functions[joints.family[j]](z, w, work.phi, work.phi_z, work.phi_zz, work.phi_zww)
     row = joints.row[j]
-    for k in range(ARGUMENTS):
+    for k in range(6):
         work.force[k] = 0
         for i in range(joints.n_rows[j]):
             work.force[k] += work.phi_z[i, k] * acc[row + i]
@@ -136,12 +137,15 @@ def joint_residual(joints, j, markers, state, curves, levels, work, inertial, ap
 
 
 @kernel
-def direction_rows(joints, j, first, size, levels, work):
-    """Derivative of the constraint rows in one direction, whose z-entries are first : first + size."""
-    y, rate, acceleration, centripetal = work.directions
+def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, levels, work):
+    """Derivatives of the constraint rows in one direction, given its derivatives of y, B v, B a and b.
+
+    `first` and `size` say which arguments z it moves. For a coordinate's direction (y, rate) = (B, B_v), and row 2 is the derivative
+    by its velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
+    """
     k2, k1, k0 = levels[0], levels[1], levels[2]
     for i in range(joints.n_rows[j]):
-        inertial, total, velocity, position = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
+        inertial, total, velocity, position, bent = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
         for c in range(size):
             g = work.phi_z[i, first + c]
             inertial += g * acceleration[c]
@@ -153,15 +157,16 @@ def direction_rows(joints, j, first, size, levels, work):
                 k = first + c
                 inertial += work.along[i, 1, k] * y[c]
                 total += work.along[i, 2, k] * y[c] + 2 * work.along[i, 0, k] * rate[c]
-                velocity += work.along[i, 0, k] * y[c]
+                bent += work.along[i, 0, k] * y[c]
         work.row[0, i] = k2 * inertial
-        work.row[1, i] = k2 * total + k1 * velocity + k0 * position
+        work.row[1, i] = k2 * total + k1 * (velocity + bent) + k0 * position
+        work.row[2, i] = 2 * k2 * (velocity + bent) + k1 * position
+        work.row[3, i] = position
 
 
 @kernel
-def direction_force(first, size, work):
+def direction_force(first, size, y, work):
     """Derivative of g_z^T lam in one direction at constant lam."""
-    y = work.directions[0]
     for k in range(6):
         work.dforce[k] = 0
         for c in range(size):
@@ -181,36 +186,20 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
         m = joints.marker[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
             local = k - markers.start[m] + side * n_a
-            column_rows(joints, j, side, k, state, levels, work)
+            direction_rows(
+                joints, j, 3 * side, 3, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work
+            )
             for i in range(rows):
-                phi_q, g_Bv, along = 0 * work.z[0], 0 * work.z[0], 0 * work.z[0]
-                for c in range(3):
-                    phi_q += work.phi_z[i, 3 * side + c] * state.B[k, c]
-                    g_Bv += work.phi_z[i, 3 * side + c] * state.B_v[k, c]
-                    along += work.along[i, 0, 3 * side + c] * state.B[k, c]
                 at, transposed = by_row[i * n + local], by_column[local * rows + i]
-                I_acc[at] += levels[0] * phi_q
-                I_acc[transposed] += phi_q
+                I_acc[at] += levels[0] * work.row[3, i]
+                I_acc[transposed] += work.row[3, i]
                 I_q[at] += work.row[0, i]
                 A_q[at] += work.row[1, i]
-                A_v[at] += levels[1] * phi_q + 2 * levels[0] * g_Bv
-                if joints.curved[j]:
-                    A_v[at] += 2 * levels[0] * along
+                A_v[at] += work.row[2, i]
             if joints.curved[j]:
-                direction_force(3 * side, 3, work)
+                direction_force(3 * side, 3, state.B[k], work)
                 curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q)
         add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1, position, n, side * n_a, I_q)
-
-
-@kernel
-def column_rows(joints, j, side, k, state, levels, work):
-    """Constraint rows' derivative by the coordinate of marker column k."""
-    for c in range(3):
-        work.directions[0, c] = state.B[k, c]
-        work.directions[1, c] = state.B_v[k, c]
-        work.directions[2, c] = state.B_a[k, c]
-        work.directions[3, c] = state.b_q[k, c]
-    direction_rows(joints, j, 3 * side, 3, levels, work)
 
 
 @kernel
@@ -233,19 +222,16 @@ def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curv
         frame = markers.frame[m]
         c, s = (np.cos(q[frame + 2]), np.sin(q[frame + 2])) if frame >= 0 else (1 + 0 * q[0], 0 * q[0])
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
-            for i in range(3):
-                work.directions[0, i] = state.y_x[d, i]
-                work.directions[1, i] = state.rate_x[d, i]
-                work.directions[2, i] = state.acceleration_x[d, i]
-                work.directions[3, i] = state.centripetal_x[d, i]
-            add_direction(joints, j, markers, state, 3 * side, 3, markers.design_variable[d], levels, work, I_x, A_x)
+            y, rate, acceleration, centripetal = state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d]
+            direction_rows(joints, j, 3 * side, 3, y, rate, acceleration, centripetal, levels, work)
+            add_direction(joints, j, markers, state, 3 * side, 3, y, markers.design_variable[d], work, I_x, A_x)
             add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], 1, c, s, I_x)
-    work.directions[:] = 0
+    y, still = work.unit[0], work.unit[1]
     for d in range(joints.design_start[j], joints.design_start[j + 1]):
-        work.directions[0, 0] = joints.design_value[d]
-        add_direction(
-            joints, j, markers, state, 6 + joints.design_parameter[d], 1, joints.design_variable[d], levels, work, I_x, A_x
-        )
+        y[0] = joints.design_value[d]
+        first = 6 + joints.design_parameter[d]
+        direction_rows(joints, j, first, 1, y, still, still, still, levels, work)
+        add_direction(joints, j, markers, state, first, 1, y, joints.design_variable[d], work, I_x, A_x)
     last = joints.row[j] + joints.n_rows[j] - 1
     for d in range(len(curve_index)):
         if curve_index[d] == joints.curve[j]:
@@ -254,13 +240,12 @@ def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curv
 
 
 @kernel
-def add_direction(joints, j, markers, state, first, size, x, levels, work, I_x, A_x):
+def add_direction(joints, j, markers, state, first, size, y, x, work, I_x, A_x):
     """Rows and forces of one design direction."""
-    direction_rows(joints, j, first, size, levels, work)
     for i in range(joints.n_rows[j]):
         I_x[joints.row[j] + i, x] += work.row[0, i]
         A_x[joints.row[j] + i, x] += work.row[1, i]
     if joints.curved[j]:
-        direction_force(first, size, work)
+        direction_force(first, size, y, work)
         for side in range(2):
             add_force(markers, state, joints.marker[j, side], work.dforce[3 * side : 3 * side + 3], 1, I_x[:, x])

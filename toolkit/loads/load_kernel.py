@@ -27,6 +27,7 @@ class Loads(NamedTuple):
     marker: np.ndarray  # (n_l, 2)
     parameter: np.ndarray  # (n_l, ARGUMENTS - 7)
     curve: np.ndarray  # (n_l,) time curve, or -1 for the constant 1
+    designed: np.ndarray  # (n,) 1 if any design variable matters to it
     design_start: np.ndarray  # (n_l + 1,) into the next three
     design_variable: np.ndarray
     design_parameter: np.ndarray

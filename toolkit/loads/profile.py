@@ -102,7 +102,7 @@ class Sum(Description):
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
-        return sum(term.evaluate(time) for term in self.terms)
+        return np.sum([term.evaluate(time) for term in self.terms], axis=0)
 
 
 Curve = Annotated[Constant | SmoothStep | Sine | Table | Sum, Field(discriminator="type")]

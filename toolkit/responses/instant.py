@@ -44,7 +44,7 @@ class Instant(Response):
 
 def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Partials:
     """Sum over time of weights times the quantity."""
-    parts = [(n, instant.at(solution, n)) for n in np.flatnonzero(weights)]
+    parts = [(n, instant.at(solution, n)) for n in map(int, np.flatnonzero(weights))]
     value: Any = sum(weights[n] * part.value for n, part in parts)
     widths = {"q": solution.q.shape, "v": solution.v.shape, "multipliers": solution.multipliers.shape}
     arrays: dict[str, Any] = {name: np.zeros(shape) for name, shape in widths.items()}

@@ -46,16 +46,17 @@ class JointForce(Instant):
         if self.joint not in names:
             raise InputError(f"there is no joint {self.joint!r}; joints of the scene: {', '.join(names)}.")
         j, work, markers = names.index(self.joint), allocate_work(plan, system.dtype), plan.markers
-        rest = np.zeros(system.n, system.dtype)
+        rest: np.ndarray = np.zeros(system.n, system.dtype)
         q = np.concatenate([solution.q[step], rest[system.n_q :]])
         acc = np.concatenate([rest[: system.n_q], solution.multipliers[step]])
         for function in (update_markers, update_marker_designs):
             system.run(function, markers, work.markers, q, rest, rest, work.scratch)
         system.run(evaluate_joint, system.functions[0], plan.joints, j, markers, work.markers, acc, work.joint)
         rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
-        force_lam = np.zeros((3, system.n - system.n_q), system.dtype)
+        force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
         force_lam[:, rows] = -work.joint.phi_z[: plan.joints.n_rows[j], :3].T
-        force_q, force_x = np.zeros((3, system.n_q), system.dtype), np.zeros((3, system.n_x))
+        force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
+        force_x = np.zeros((3, system.n_x))
         stiffness = -work.joint.stiffness[:3] if plan.joints.curved[j] else 0 * work.joint.stiffness[:3]
         for side in range(2):
             m = plan.joints.marker[j, side]

@@ -30,7 +30,7 @@ class MarkerResponse(Instant):
         state = marker_states(solution, step)
         markers = system.plan.markers
         columns = slice(markers.start[marker], markers.start[marker + 1])
-        pose_q = np.zeros((3, system.n_q), system.dtype)
+        pose_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
         pose_q[:, markers.coordinate[columns]] = state.B[columns].T
         pose_x = np.zeros((3, system.n_x))
         for d in range(markers.design_start[marker], markers.design_start[marker + 1]):
@@ -41,7 +41,8 @@ class MarkerResponse(Instant):
 def marker_states(solution: Solution, step: int) -> MarkerState:
     """All markers at one step of a solution, at rest."""
     system = solution.system
-    work, rest = allocate_work(system.plan, system.dtype), np.zeros(system.n, system.dtype)
+    work = allocate_work(system.plan, system.dtype)
+    rest: np.ndarray = np.zeros(system.n, system.dtype)
     q = np.concatenate([solution.q[step], rest[system.n_q :]])
     for function in (update_markers, update_marker_designs):
         system.run(function, system.plan.markers, work.markers, q, rest, rest, work.scratch)

@@ -17,7 +17,7 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
     SingularSystemError
         The equations do not determine all unknowns; names those that are free, or the joints that repeat each other.
     """
-    block = np.ascontiguousarray(rhs.reshape(system.n, -1), system.dtype)
+    block: np.ndarray = np.ascontiguousarray(rhs.reshape(system.n, -1), system.dtype)
     values = np.ascontiguousarray(values, system.dtype)
     out = _compiled(system, values, block, where) if system.compiled else _plain(system, values, block, where)
     return out[:, 0] if rhs.ndim == 1 else out

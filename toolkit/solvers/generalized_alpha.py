@@ -62,13 +62,28 @@ class Outcome(NamedTuple):
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
     """Memory of the loop."""
-    vectors = [np.zeros(plan.n, dtype) for _ in range(6)]
-    blocks = [np.zeros((plan.n, plan.n_x), dtype) for _ in range(3)]
+
+    def zeros(*shape: int) -> np.ndarray:
+        return np.zeros(shape, dtype)
+
+    n, n_x = plan.n, plan.n_x
+    daux = zeros(n, n_x)
     return Memory(
-        vectors[0], blocks[0], blocks[0].reshape(-1), vectors[1], blocks[1], blocks[2], *vectors[2:], np.zeros(len(plan.indices), dtype),
-        allocate_terms(plan, dtype), allocate_work(plan, dtype),
-        linear_solver(lu_plan, weights[: plan.n_q], plan.n_x, dtype),
-    )  # fmt: skip
+        aux=zeros(n),
+        daux=daux,
+        flat_daux=daux.reshape(-1),
+        carried=zeros(n),
+        dcarried=zeros(n, n_x),
+        pseudo_load=zeros(n, n_x),
+        q_predicted=zeros(n),
+        v_predicted=zeros(n),
+        residual=zeros(n),
+        correction=zeros(n),
+        jacobian=zeros(len(plan.indices)),
+        terms=allocate_terms(plan, dtype),
+        work=allocate_work(plan, dtype),
+        solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),
+    )
 
 
 @kernel

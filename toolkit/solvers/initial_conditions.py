@@ -41,15 +41,21 @@ def consistent_start(
     SingularSystemError
         Joints are redundant, so that accelerations or multipliers are not unique.
     """
-    start = list(system.start())
-    for k, given in enumerate((q, v)):
-        if given is not None:
-            start[k] = np.concatenate([given, np.zeros(system.n - system.n_q)]).astype(system.dtype)
-            start[k + 2] = np.zeros_like(start[k + 2])
-    check_positions(system, start[0], start[2], time)
-    start[1], start[3] = project_velocities(system, *start, time)
-    acc, dacc = initial_accelerations(system, *start, levels, time)
-    return State(start[0], start[1], acc, start[2], start[3], dacc)
+    position, velocity, dq, dv = system.start()
+    if q is not None:
+        position, dq = _padded(system, q), np.zeros_like(dq)
+    if v is not None:
+        velocity, dv = _padded(system, v), np.zeros_like(dv)
+    check_positions(system, position, dq, time)
+    velocity, dv = project_velocities(system, position, velocity, dq, dv, time)
+    acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
+    return State(position, velocity, acc, dq, dv, dacc)
+
+
+def _padded(system: System, given: np.ndarray) -> np.ndarray:
+    if np.shape(given) != (system.n_q,):
+        raise InputError(f"a start has the shape ({system.n_q},), one number per coordinate, not {np.shape(given)}.")
+    return np.concatenate([given, np.zeros(system.n - system.n_q)]).astype(system.dtype)
 
 
 def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) -> None:

@@ -1,0 +1,51 @@
+"""Where to write names so that they cover nothing: at the freest of the places round their point."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
+_ENOUGH = 1.5  # of a letter's height: more clearance than this is not better
+
+
+def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, letter: float, size: np.ndarray) -> np.ndarray:
+    """Centres of labels for points (n, 2), all in pixels, shape (n, 2).
+
+    obstacles : (m, 2) points that should stay visible, densely along lines
+    letter : height of a letter; a text is taken to be 0.6 times as wide per letter
+    size : (2,) of the panel; labels stay inside
+    """
+    places: list[np.ndarray] = []
+    boxes: list[np.ndarray] = []
+    for point, text in zip(points, texts, strict=True):
+        half = np.array([0.3 * len(text) + 0.1, 0.5]) * letter
+        candidates = [candidate for reach in (0.6, 1.2) for candidate in _around(point, half, reach * letter)]
+        free = [
+            min(_clearance(candidate, half, obstacles), _box_clearance(candidate, half, places, boxes), _ENOUGH * letter)
+            - 100 * _outside(candidate, half, size)
+            - 0.01 * np.hypot(*(candidate - point))
+            for candidate in candidates
+        ]
+        places.append(candidates[int(np.argmax(free))])
+        boxes.append(half)
+    return np.array(places).reshape(-1, 2)
+
+
+def _around(point: np.ndarray, half: np.ndarray, gap: float) -> list[np.ndarray]:
+    """Centres of a box of half sizes `half` whose edge is about `gap` from the point, in all directions."""
+    return [point + (half + gap) * np.array([np.cos(angle), np.sin(angle)]) for angle in _DIRECTIONS]
+
+
+def _clearance(centre: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> float:
+    """Distance from a box to the nearest obstacle; negative by the depth if one is inside."""
+    outside = np.abs(obstacles - centre) - half
+    distance = np.hypot(*np.maximum(outside, 0).T) + np.minimum(outside.max(axis=1), 0)
+    return float(distance.min(initial=np.inf))
+
+
+def _box_clearance(centre: np.ndarray, half: np.ndarray, places: list[np.ndarray], boxes: list[np.ndarray]) -> float:
+    return min((_clearance(centre, half + other, place[None]) for place, other in zip(places, boxes, strict=True)), default=np.inf)
+
+
+def _outside(centre: np.ndarray, half: np.ndarray, size: np.ndarray) -> float:
+    return float(np.maximum(np.maximum(half - centre, centre + half - size), 0).sum())

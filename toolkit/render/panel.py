@@ -1,0 +1,113 @@
+"""One panel of a picture: a window on the plane with its frame, axes and lettering."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+INK, FRAME = "#202020", "#808080"
+_MOST_TICKS, _TICK = 8, 6  # number, pixels
+
+
+@dataclass(frozen=True)
+class Window:
+    """A rectangle of the plane: lower left corner and size, in the scene's unit of length."""
+
+    corner: np.ndarray  # (2,)
+    size: np.ndarray  # (2,)
+
+    @classmethod
+    def around(cls, points: np.ndarray, aspect: float, margin: float) -> Window:
+        """The smallest window of an aspect (width over height) around points (n, 2), with a margin relative to their extent."""
+        low, high = points.min(axis=0), points.max(axis=0)
+        size = (high - low) + 2 * margin * max(np.ptp(points, axis=0).max(), 1e-12)
+        size = np.maximum(size, [size[1] * aspect, size[0] / aspect])
+        return cls((low + high - size) / 2, size)
+
+    def contains(self, points: np.ndarray) -> np.ndarray:
+        """Which points lie inside, (n,)."""
+        return np.all((points >= self.corner) & (points <= self.corner + self.size), axis=-1)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A window of the plane shown in a rectangle of pixels of the canvas, drawn by renderer `number` of the plotter."""
+
+    plotter: Any
+    number: int
+    place: tuple[int, int, int, int]  # left, bottom, width, height in pixels of the canvas
+    window: Window
+    letter: int  # size of letters in pixels
+
+    def open(self) -> None:
+        """Put the renderer in its place, look at the window from above, draw the frame."""
+        width, height = self.plotter.window_size
+        left, bottom, wide, high = self.place
+        self.plotter.subplot(0, self.number)
+        renderer = self.plotter.renderers[self.number]
+        renderer.viewport = (left / width, bottom / height, (left + wide) / width, (bottom + high) / height)
+        self.plotter.set_background("white", all_renderers=False)
+        x, y = self.window.corner + self.window.size / 2
+        self.plotter.enable_parallel_projection()
+        distance = 10 * self.window.size.max()
+        self.plotter.camera_position = [(x, y, distance), (x, y, 0.0), (0.0, 1.0, 0.0)]
+        self.plotter.camera.parallel_scale = self.window.size[1] / 2
+        self.plotter.camera.clipping_range = (distance / 2, 2 * distance)
+        renderer.add_border(FRAME, 2)
+
+    @property
+    def scale(self) -> float:
+        """Pixels per unit of length."""
+        return self.place[3] / self.window.size[1]
+
+    def pixel(self, point: np.ndarray) -> np.ndarray:
+        """Place of a point (2,) in the panel, in pixels from its lower left corner."""
+        return (np.asarray(point) - self.window.corner) * self.scale
+
+    def draw(self, mesh: Any, **style: Any) -> None:
+        """Add a mesh to the panel, without moving the view."""
+        self.plotter.subplot(0, self.number)
+        self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
+
+    def write(self, text: str, pixel: np.ndarray, color: str = INK) -> None:
+        """Centre a text at a pixel of the panel."""
+        self.plotter.subplot(0, self.number)
+        letter(self.plotter, text, pixel, self.letter, color)
+
+    def ticks(self, canvas: int, label: str) -> None:
+        """Ticks along the lower and the left edge with their numbers outside; `canvas` is the renderer of the whole picture."""
+        left, bottom, wide, high = self.place
+        self.plotter.subplot(0, canvas)
+        step = tick_step(self.window.size.max() / _MOST_TICKS)
+        for axis, far in ((0, wide), (1, high)):
+            for value in multiples(self.window.corner[axis], self.window.size[axis], step):
+                along = (value - self.window.corner[axis]) * self.scale
+                if along < self.letter or along > far - self.letter:
+                    continue
+                at = (left + along, bottom - _TICK) if axis == 0 else (left - _TICK, bottom + along)
+                anchor = ("center", "top") if axis == 0 else ("right", "center")
+                letter(self.plotter, f"{value:g}".replace("-", "−"), np.array(at), self.letter, INK, anchor)
+        letter(self.plotter, label, np.array([left + wide, bottom - 1.8 * self.letter]), self.letter, INK, ("right", "top"))
+
+
+def letter(
+    plotter: Any, text: str, pixel: np.ndarray, size: int, color: str = INK, anchor: tuple[str, str] = ("center", "center")
+) -> None:
+    """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical."""
+    # VTK's text takes a bar for the border of columns and a dollar for the start of a formula.
+    actor = plotter.add_text(text.replace("|", "/").replace("$", ""), position=tuple(map(float, pixel)), color=color, render=False)
+    actor.prop.font_size = size
+    actor.prop.justification_horizontal, actor.prop.justification_vertical = anchor
+
+
+def tick_step(least: float) -> float:
+    """The smallest of 1, 2, 5 times a power of ten that is not less than a length."""
+    power = 10.0 ** np.floor(np.log10(least))
+    return float(next(power * digit for digit in (1, 2, 5, 10) if power * digit >= least * (1 - 1e-9)))
+
+
+def multiples(start: float, length: float, step: float) -> np.ndarray:
+    """Multiples of the step in [start, start + length]."""
+    return step * np.arange(np.ceil(start / step), np.floor((start + length) / step) + 1)

@@ -1,0 +1,62 @@
+"""The parts of a picture as meshes in the plane: lines, dashes, tubes, dots, ground marks, the skin with its stress."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pyvista
+
+from toolkit.render.skin_shape import SkinShape
+
+
+def line(points: np.ndarray, height: float = 0.0) -> Any:
+    """A polyline through points (n, 2) at a height above the plane; what is higher covers what is lower."""
+    return pyvista.lines_from_points(_lifted(points, height))
+
+
+def dashes(points: np.ndarray, length: float, height: float = 0.0) -> Any:
+    """A polyline broken into dashes of a length, with gaps two thirds as long; None if there is nothing to draw."""
+    arc = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    starts = np.arange(0, arc[-1], length * 5 / 3)
+    pieces = []
+    for start, end in zip(starts, np.minimum(starts + length, arc[-1]), strict=True):
+        inside = arc[(arc > start) & (arc < end)]
+        places = np.concatenate([[start], inside, [end]])
+        pieces.append(line(np.column_stack([np.interp(places, arc, column) for column in points.T]), height))
+    return pyvista.merge(pieces) if pieces else None
+
+
+def tube(ends: np.ndarray, radius: float) -> Any:
+    """A straight tube between two points (2, 2)."""
+    return pyvista.Line(*_lifted(ends, 0.0)).tube(radius=radius, n_sides=24)
+
+
+def dot(point: np.ndarray, radius: float, height: float) -> Any:
+    """A flat disc."""
+    return pyvista.Disc(center=_lifted(point[None], height)[0], inner=0.0, outer=radius, c_res=32)
+
+
+def ground_mark(point: np.ndarray, size: float, height: float) -> Any:
+    """The support of a fixed point: a triangle below it, on a hatched line."""
+    corners = point + size * np.array([[0.0, 0.0], [-0.6, -1.0], [0.6, -1.0], [0.0, 0.0]])
+    base = point + size * np.array([[-1.0, -1.0], [1.0, -1.0]])
+    hatch = [point + size * np.array([[x, -1.0], [x - 0.35, -1.45]]) for x in np.linspace(-0.6, 1.0, 5)]
+    return pyvista.merge([line(each, height) for each in (corners, base, *hatch)])
+
+
+def skin(shape: SkinShape, thickness: float, name: str, height: float) -> Any:
+    """The skin as a band between its outer and inner fibre, with the stress of both as point data of that name."""
+    fibres = shape.fibres(thickness)
+    n_elements, n_points = fibres.shape[:2]
+    number = np.arange(n_elements * n_points * 2).reshape(n_elements, n_points, 2)
+    outer, inner = number[..., 0], number[..., 1]
+    quads = np.stack([outer[:, :-1], outer[:, 1:], inner[:, 1:], inner[:, :-1]], axis=-1).reshape(-1, 4)
+    faces = np.column_stack([np.full(len(quads), 4), quads])
+    mesh = pyvista.PolyData(_lifted(fibres.reshape(-1, 2), height), faces=faces.ravel())
+    mesh.point_data[name] = shape.stress.ravel()
+    return mesh
+
+
+def _lifted(points: np.ndarray, height: float) -> np.ndarray:
+    return np.column_stack([points, np.full(len(points), height)]).astype(float)
