@@ -61,8 +61,7 @@ class Configuration:
 
     def links(self) -> list[np.ndarray]:
         """Lines of springs and distance joints: components between two different points, each (2, 2)."""
-        every = [*self.scene.joints.values(), *self.scene.loads.values()]
-        return [self._points(each) for each in every if isinstance(each, Component) and each.grips[0][1] != each.grips[1][1]]
+        return [self._points(each) for each in self._between_points()]
 
     def segments(self, body: str) -> list[np.ndarray]:
         """Straight lines that stand for a rigid body, each (2, 2): along a rod, or from the centre of mass to every gripped point."""
@@ -75,9 +74,13 @@ class Configuration:
         return [np.array([centre, self.position(body, point)]) for point in grip_points(self.scene, body)]
 
     def ground_points(self) -> list[np.ndarray]:
-        """Points of the ground that joints hold on to."""
-        held = {point: None for joint in self.scene.joints.values() for body, point in joint.grips if body == "ground"}
-        return [self.position("ground", point) for point in held]
+        """Points of the ground that joints and springs hold on to."""
+        held = [grip for each in [*self.scene.joints.values(), *self._between_points()] for grip in each.grips]
+        return [self.position("ground", point) for point in dict.fromkeys(point for body, point in held if body == "ground")]
+
+    def _between_points(self) -> list[Component]:
+        every = [*self.scene.joints.values(), *self.scene.loads.values()]
+        return [each for each in every if isinstance(each, Component) and each.grips[0][1] != each.grips[1][1]]
 
     def _points(self, component: Component) -> np.ndarray:
         return np.array([self.position(body, point) for body, point in component.grips])

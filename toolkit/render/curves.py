@@ -44,6 +44,7 @@ def draw_curves(solution: Solution, path: Path, width: int) -> None:
         for (name, values), style in zip(curves.items(), ("-", "--", "-.", ":") * len(curves), strict=False):
             axis.plot(solution.times, values, style, marker=".", label=name)
         axis.set_ylabel(label)
+        axis.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
         axis.grid(alpha=0.3)
         axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
     axes[-1].set_xlabel(f"time in {unit(solution.system.scene.units, 'time')}")
@@ -56,7 +57,7 @@ def _flexible(solution: Solution) -> list[str]:
 
 
 def _stress_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
-    curves = {}
+    curves: dict[str, Any] = {}
     for body in _flexible(solution):
         low, high = stress_range(solution, body).T
         curves |= {f"{body}, largest": high, f"{body}, smallest": low}
@@ -64,7 +65,7 @@ def _stress_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
 
 
 def _shape_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
-    curves = {}
+    curves: dict[str, Any] = {}
     for body in _flexible(solution):
         errors = shape_errors(solution, body)
         if errors is not None:

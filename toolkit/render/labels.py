@@ -1,11 +1,35 @@
-"""Where to write names so that they cover nothing: at the freest of the places round their point."""
+"""Names of points, written where they cover nothing: at the freest of the places round their point."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from toolkit.render.panel import Panel
+
 _DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
-_ENOUGH = 1.5  # of a letter's height: more clearance than this is not better
+_ENOUGH = 0.5  # of a letter's height: more clearance than this is not better
+
+
+def write_names(panel: Panel, named: list[tuple[np.ndarray, str]], lines: list[np.ndarray]) -> None:
+    """Write the names of the points that the panel shows beside them, off the polylines (n, 2)."""
+    shown = [(point, name) for point, name in named if panel.window.contains(point)]
+    if not shown:
+        return
+    every = np.vstack([_dense(points, 6 / panel.scale) for points in [*lines, *(point[None] for point, _ in named)]])
+    obstacles = panel.pixel(every[panel.window.contains(every)])
+    texts = [name for _, name in shown]
+    points = panel.pixel(np.array([point for point, _ in shown]))
+    for text, place in zip(texts, label_places(points, texts, obstacles, panel.letter, np.array(panel.place[2:])), strict=True):
+        panel.write(text, place)
+
+
+def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
+    """Points along a polyline at most a spacing apart."""
+    if len(points) < 2:
+        return points
+    counts = np.ceil(np.hypot(*np.diff(points, axis=0).T) / spacing).astype(int).clip(1)
+    pairs = zip(points[:-1], points[1:], counts, strict=True)
+    return np.vstack([*(np.linspace(start, end, n, endpoint=False) for start, end, n in pairs), points[-1:]])
 
 
 def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, letter: float, size: np.ndarray) -> np.ndarray:
@@ -19,7 +43,7 @@ def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, le
     boxes: list[np.ndarray] = []
     for point, text in zip(points, texts, strict=True):
         half = np.array([0.3 * len(text) + 0.1, 0.5]) * letter
-        candidates = [candidate for reach in (0.6, 1.2) for candidate in _around(point, half, reach * letter)]
+        candidates = [candidate for reach in (0.5, 0.9, 1.6) for candidate in _around(point, half, reach * letter)]
         free = [
             min(_clearance(candidate, half, obstacles), _box_clearance(candidate, half, places, boxes), _ENOUGH * letter)
             - 100 * _outside(candidate, half, size)
@@ -44,7 +68,8 @@ def _clearance(centre: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> f
 
 
 def _box_clearance(centre: np.ndarray, half: np.ndarray, places: list[np.ndarray], boxes: list[np.ndarray]) -> float:
-    return min((_clearance(centre, half + other, place[None]) for place, other in zip(places, boxes, strict=True)), default=np.inf)
+    pairs = zip(places, boxes, strict=True)
+    return min((_clearance(centre, half + other, place[None]) for place, other in pairs), default=np.inf)
 
 
 def _outside(centre: np.ndarray, half: np.ndarray, size: np.ndarray) -> float:

@@ -13,8 +13,6 @@ from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 
-_LEAST_THICKNESS = 0.004
-"""A skin is drawn at least this thick, relative to the picture's extent."""
 _DETAIL = 0.16
 """Half width of the detail, relative to the extent of the skin."""
 
@@ -23,7 +21,7 @@ _DETAIL = 0.16
 class Look:
     """Choices for a set of pictures.
 
-    thickness : flexible body -> thickness to draw it with
+    thickness : flexible body that can be drawn -> its thickness, zero if unknown
     stress_limit : the colours run from minus to plus this stress; zero if there is no stress to show
     points : (n, 2) what the main window contains
     detail : (2, 2) corners of the detail, or None
@@ -51,13 +49,20 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     points = np.vstack([np.zeros((0, 2)), *lines, *others])
     points = points if len(points) else np.zeros((1, 2))
     stress = np.concatenate([np.zeros(1), *(shape.stress.ravel() for each in shapes.values() for shape in each)])
-    extent = float(np.ptp(points, axis=0).max()) or 1.0
     return Look(
-        {name: max(_thickness(scene, name), _LEAST_THICKNESS * extent) for name in skins},
-        float(np.abs(stress[np.isfinite(stress)]).max()),
+        {name: _thickness(scene, name) for name in skins},
+        _round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
         points,
         _detail(moments, skins),
     )
+
+
+def _round_up(value: float) -> float:
+    """The next number with a short decimal form that can be halved; zero stays zero."""
+    if value == 0:
+        return 0.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(power * digit for digit in (1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10) if power * digit >= value))
 
 
 def _drawn_points(moment: Configuration) -> list[np.ndarray]:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 INK, FRAME = "#202020", "#808080"
-_MOST_TICKS, _TICK = 8, 6  # number, pixels
+_MOST_TICKS, _TICK = 10, 6  # number, pixels
 
 
 @dataclass(frozen=True)
@@ -25,6 +25,11 @@ class Window:
         size = (high - low) + 2 * margin * max(np.ptp(points, axis=0).max(), 1e-12)
         size = np.maximum(size, [size[1] * aspect, size[0] / aspect])
         return cls((low + high - size) / 2, size)
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Closed line round the window, (5, 2)."""
+        return self.corner + self.size * np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
 
     def contains(self, points: np.ndarray) -> np.ndarray:
         """Which points lie inside, (n,)."""
@@ -63,13 +68,14 @@ class Panel:
         return self.place[3] / self.window.size[1]
 
     def pixel(self, point: np.ndarray) -> np.ndarray:
-        """Place of a point (2,) in the panel, in pixels from its lower left corner."""
-        return (np.asarray(point) - self.window.corner) * self.scale
+        """Place of points (..., 2) in the panel, in pixels from its lower left corner."""
+        return (point - self.window.corner) * self.scale
 
-    def draw(self, mesh: Any, **style: Any) -> None:
-        """Add a mesh to the panel, without moving the view."""
+    def draw(self, mesh: Any, **style: Any) -> Any:
+        """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide."""
         self.plotter.subplot(0, self.number)
-        self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
+        style["line_width"] = style.get("line_width", 1) * self.letter / 22
+        return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
 
     def write(self, text: str, pixel: np.ndarray, color: str = INK) -> None:
         """Centre a text at a pixel of the panel."""
@@ -88,7 +94,7 @@ class Panel:
                     continue
                 at = (left + along, bottom - _TICK) if axis == 0 else (left - _TICK, bottom + along)
                 anchor = ("center", "top") if axis == 0 else ("right", "center")
-                letter(self.plotter, f"{value:g}".replace("-", "−"), np.array(at), self.letter, INK, anchor)
+                letter(self.plotter, f"{value:g}", np.array(at), self.letter, INK, anchor)
         letter(self.plotter, label, np.array([left + wide, bottom - 1.8 * self.letter]), self.letter, INK, ("right", "top"))
 
 
@@ -97,7 +103,8 @@ def letter(
 ) -> None:
     """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical."""
     # VTK's text takes a bar for the border of columns and a dollar for the start of a formula.
-    actor = plotter.add_text(text.replace("|", "/").replace("$", ""), position=tuple(map(float, pixel)), color=color, render=False)
+    plain = text.replace("|", "/").replace("$", "")
+    actor = plotter.add_text(plain, position=(float(pixel[0]), float(pixel[1])), color=color, render=False)
     actor.prop.font_size = size
     actor.prop.justification_horizontal, actor.prop.justification_vertical = anchor
 
@@ -110,4 +117,4 @@ def tick_step(least: float) -> float:
 
 def multiples(start: float, length: float, step: float) -> np.ndarray:
     """Multiples of the step in [start, start + length]."""
-    return step * np.arange(np.ceil(start / step), np.floor((start + length) / step) + 1)
+    return step * np.arange(int(np.ceil(start / step)), int(np.floor((start + length) / step)) + 1)

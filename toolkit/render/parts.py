@@ -46,15 +46,14 @@ def ground_mark(point: np.ndarray, size: float, height: float) -> Any:
 
 
 def skin(shape: SkinShape, thickness: float, name: str, height: float) -> Any:
-    """The skin as a band between its outer and inner fibre, with the stress of both as point data of that name."""
+    """The skin as two bands, middle line to outer and to inner fibre, each with the stress of its fibre as point data of that name."""
     fibres = shape.fibres(thickness)
-    n_elements, n_points = fibres.shape[:2]
-    number = np.arange(n_elements * n_points * 2).reshape(n_elements, n_points, 2)
-    outer, inner = number[..., 0], number[..., 1]
-    quads = np.stack([outer[:, :-1], outer[:, 1:], inner[:, 1:], inner[:, :-1]], axis=-1).reshape(-1, 4)
+    edges = np.stack([fibres, np.broadcast_to(shape.line[:, :, None], fibres.shape)], axis=3)  # (n_e, points, fibre, edge, 2)
+    n = np.arange(edges[..., 0].size).reshape(edges.shape[:4])
+    quads = np.stack([n[:, :-1, :, 0], n[:, 1:, :, 0], n[:, 1:, :, 1], n[:, :-1, :, 1]], axis=-1).reshape(-1, 4)
     faces = np.column_stack([np.full(len(quads), 4), quads])
-    mesh = pyvista.PolyData(_lifted(fibres.reshape(-1, 2), height), faces=faces.ravel())
-    mesh.point_data[name] = shape.stress.ravel()
+    mesh = pyvista.PolyData(_lifted(edges.reshape(-1, 2), height), faces=faces.ravel())
+    mesh.point_data[name] = np.repeat(shape.stress.ravel(), 2)
     return mesh
 
 

@@ -43,7 +43,7 @@ def drawing_environment() -> dict[str, str]:
     """
     for module in ("pyvista", "matplotlib"):
         if find_spec(module) is None:
-            raise RenderError(f"pictures need {module}, which is not installed. Install it with: pip install 'ffrf-toolkit[render]'.")
+            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
     failures = []
     for environment in _candidates():
         problem = _trial(environment)

@@ -8,7 +8,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toolkit.errors import InputError
-from toolkit.planar import rotation
 from toolkit.reduced_model import Mesh, ReducedModel
 from toolkit.render.configuration import Configuration
 from toolkit.responses.stress import flexible_body, stress_operator
@@ -49,7 +48,9 @@ def skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
     nodal = (model.mesh.recovery[:, 1:] @ elastic).reshape(-1, 3)
     line, tangent = _undeformed(model.mesh)
     moved, turned = _displacement(model.mesh, nodal)
-    outward = np.einsum("ijep,epj->epi", rotation(turned), np.stack([tangent[..., 1], -tangent[..., 0]], axis=2))
+    c, s = np.cos(turned), np.sin(turned)
+    t_x, t_y = tangent[..., 0], tangent[..., 1]
+    outward = np.stack([c * t_y + s * t_x, s * t_y - c * t_x], axis=2)  # A(turned) (t_y, -t_x)
     at = configuration.place(body, np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     axes = (at[1:] - at[0]).T
     return SkinShape(at[0] + (line + moved) @ axes.T, outward @ axes.T, _stress(configuration, body, model))

@@ -76,7 +76,8 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
         name: dict(zip(system.design.names, map(float, response.gradient(solution)), strict=True))
         for name, response in responses_of(scene).items()
     }
-    return result(scene, solution, gradients, "direct", primal, max(total - primal, 0.0))
+    extra = solution.wall.get("sensitivity", max(total - primal, 0.0))
+    return result(scene, solution, gradients, "direct", primal, extra)
 
 
 def result(

@@ -15,9 +15,11 @@ from toolkit.sparse_lu import LUPlan
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE = 0, 1, 2, 3
 
-SHARP = 1e-7
-"""Newton tolerance up to which the factors of the last iteration serve the sensitivities: one refinement with the converged
-Jacobian squares their relative error."""
+REUSED, SHARP = 1e-13, 1e-7
+"""Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
+least its factors still serve: one refinement with the converged Jacobian squares their relative error."""
+STAGNATED = 1e-7
+"""Correction below which Newton is content when round-off keeps it from shrinking further."""
 
 
 class History(NamedTuple):
@@ -123,7 +125,7 @@ def is_finite(vector):
 
 @kernel
 def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
-    """Iterate on [a; lam] until a correction moves nothing by more than the tolerance; returns the status."""
+    """Iterate on [a; lam] until a correction moves nothing by more than the tolerance, or than round-off; returns the status."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
     terms, n_q = memory.terms, plan.n_q
     for i in range(n_q):
@@ -142,7 +144,7 @@ def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc,
         if failed >= 0:
             outcome.counts[3] = failed
             return SINGULAR if is_finite(memory.residual) else NOT_FINITE
-        largest, worst = 0.0, 0
+        before, largest, worst = outcome.correction[0], 0.0, 0
         for i in range(plan.n):
             acc[i] -= memory.correction[i]
             if i < n_q:
@@ -154,7 +156,8 @@ def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc,
         outcome.counts[3], outcome.correction[0] = worst, largest
         if not np.isfinite(largest):
             return NOT_FINITE
-        if largest <= tolerance:
+        stagnated = iteration > 0 and largest <= STAGNATED and largest > 0.1 * before
+        if largest <= tolerance or stagnated:
             return CONVERGED
     return NOT_CONVERGED
 
@@ -229,6 +232,20 @@ def begin(plan, functions, inputs, scheme, history, memory):
 
 
 @kernel
+def refresh(plan, functions, inputs, scheme, q, v, acc, correction, memory):
+    """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials."""
+    relinearize = plan.n_x > 0 and correction > REUSED
+    if relinearize or scheme.carried_applied != 0:
+        evaluate(plan, functions, inputs, q, v, acc, relinearize, memory.terms, memory.work)
+    if relinearize:
+        newton_matrix(scheme, memory.terms, memory.jacobian)
+        if correction > SHARP:
+            factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+    if plan.n_x > 0:
+        evaluate_design(plan, functions, inputs, q, v, acc, memory.terms, memory.work)
+
+
+@kernel
 def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolerance, most, first, last, history, memory, outcome):
     """Steps first ... last - 1; step n goes from time n to n + 1. Stops at the first step that fails."""
     if first == 0:
@@ -251,15 +268,9 @@ def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolera
         outcome.counts[1] = step
         outcome.counts[0] = newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome)
         outcome.counts[4] += outcome.counts[2]
-        if outcome.counts[0] == CONVERGED and (plan.n_x > 0 or carries):
-            evaluate(plan, functions, inputs, q, v, acc, plan.n_x > 0, memory.terms, memory.work)
-        if outcome.counts[0] == CONVERGED and plan.n_x > 0:
-            evaluate_design(plan, functions, inputs, q, v, acc, memory.terms, memory.work)
-            newton_matrix(scheme, memory.terms, memory.jacobian)
-            if tolerance > SHARP:
-                factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
         if outcome.counts[0] != CONVERGED:
             return
+        refresh(plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
         if plan.n_x > 0:
             sensitivity_step(plan, scheme, history, step, memory)
         advance_auxiliary(scheme, history.acc[step], acc, plan.n_q, memory.aux)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,6 +19,9 @@ from toolkit.system import System
 LEVELS = np.array([0.0, 0.0, 1.0])
 SMALLEST_STEP = 1e-4
 """Part of the load below which a step is not halved any more: the path ends there, at a limit point or bifurcation."""
+ROUND_OFF = 1e-15
+"""Correction below which nothing is left to gain. A static Newton iteration goes on, beyond its tolerance, until round-off stops it from
+halving its correction: few solves, and gradients feel the last digits of the state."""
 FREE_CORRECTION, TRUSTED_CORRECTION = 1e-3, 0.5
 """Newton may move a predicted state by this part of the scene's size, or by this part of the predictor; more would be a jump."""
 
@@ -88,27 +92,50 @@ def _matrix(system: System, terms) -> np.ndarray:
 def _equilibrium(
     system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray, allowed: float = np.inf
 ) -> tuple[Equilibrium, int]:
-    """Newton at one load factor; refuses to move any coordinate by more than `allowed`."""
+    """Newton at one load factor, down to round-off; refuses to move any coordinate by more than `allowed`."""
     inputs, rest, n_q = _inputs(system, options, factor), np.zeros_like(q), system.n_q
+    soft, stiffness = without_stiffness(system)
     moved, size = np.zeros_like(q), np.inf
     for iteration in range(options.max_iterations):
-        terms = system.evaluate(inputs, q + moved, rest, acc)
-        correction = solve_linear(
-            system, _matrix(system, terms), terms.inertial + terms.applied, f"statics at load factor {factor:g}"
-        )
+        terms = soft.evaluate(inputs, q + moved, rest, acc)
+        residual = terms.inertial + terms.applied + elastic_force(system, q + moved)
+        terms.A_q[:] += stiffness
+        correction = solve_linear(system, _matrix(system, terms), residual, f"statics at load factor {factor:g}")
         moved[:n_q] -= correction[:n_q]
         acc = acc - np.where(np.arange(system.n) < n_q, 0, correction)
         weighted = system.weights[:n_q] * np.abs(np.real(correction[:n_q]))
-        size, strayed = weighted.max(initial=0), (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
+        before, size = size, weighted.max(initial=0)
+        strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.numbering.names[int(np.argmax(weighted))]}")
-        if size <= options.tolerance:
+        if size <= max(options.tolerance, ROUND_OFF) and size > 0.5 * before or size <= ROUND_OFF:
             return _with_tangent(system, options, factor, q + moved, acc), iteration + 1
     worst = system.numbering.names[int(np.argmax(weighted))]
     raise ConvergenceError(
         f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e} > {options.tolerance:.1e}, "
         f"largest in {worst}"
     )
+
+
+def without_stiffness(system: System) -> tuple[System, np.ndarray]:
+    """The same system without its constant stiffness, and that stiffness on the common pattern."""
+    part = system.plan.constant
+    stiffness = np.zeros(len(system.plan.indices), system.dtype)
+    np.add.at(stiffness, part.position, part.stiffness)
+    plan = system.plan._replace(constant=part._replace(stiffness=np.zeros_like(part.stiffness)))
+    return replace(system, plan=plan), stiffness
+
+
+def elastic_force(system: System, q: np.ndarray) -> np.ndarray:
+    """K q with its sums in extended precision.
+
+    A thin body is a million times stiffer in stretching than in bending, so that its elastic forces are small differences of large
+    products. Their round-off in double precision would move the equilibrium by 1e-11 of the scene's size, and gradients feel that.
+    """
+    part = system.plan.constant
+    force = np.zeros(len(q), np.result_type(q, np.longdouble))
+    np.add.at(force, part.row, part.stiffness * q[part.column].astype(force.dtype))
+    return force.astype(q.dtype)
 
 
 def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> Equilibrium:

@@ -1,0 +1,100 @@
+"""What is in a file: a reduced model, or a scene with every number that can be a design variable."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+if TYPE_CHECKING:
+    from toolkit.reduced_model import InterfacePoint, ReducedModel
+    from toolkit.scene import Scene
+
+
+def describe(path: Path) -> dict[str, Any]:
+    """Content of a scene (.toml) or of a reduced model (anything else).
+
+    Raises
+    ------
+    InputError, ModelFileError
+        The file is missing or is neither.
+    """
+    if path.suffix == ".toml":
+        from toolkit.scene_file import read_scene
+
+        return describe_scene(read_scene(path))
+    from toolkit.reduced_model import load
+
+    return describe_model(load(path))
+
+
+def describe_model(model: ReducedModel) -> dict[str, Any]:
+    """Everything that a reader of the file wants to know before using it."""
+    from toolkit.reduced_model import SCHEMA, SCHEMA_VERSION
+    from toolkit.units import unit
+
+    length = unit(model.units, "length")
+    return {
+        "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
+        "units": model.units,
+        "dimension": model.dimension,
+        "reference_condition": model.reference_condition,
+        "basis": model.basis,
+        "parameters": {name: {"value": value, "unit": model.nominal_units[name]} for name, value in model.nominal.items()},
+        "sizes": sizes(model),
+        "interfaces": {name: describe_interface(point, length) for name, point in (model.interfaces or {}).items()},
+        "derivatives": {name: ", ".join(changed) for name, changed in (model.derivatives or {}).items()},
+        "exact_for_every_value": ", ".join(model.affine or {}),
+        "writers": dict(model.writers),
+        "input_hash": model.input_hash,
+    }
+
+
+def sizes(model: ReducedModel) -> dict[str, int]:
+    """Numbers of coordinates, points and elements."""
+    found = {"elastic coordinates": model.n_f, "stress points": len(model.invariants.stress_operator)}
+    if model.shape is not None:
+        found["points with a target"] = len(model.shape.target)
+    if model.mesh is not None:
+        found |= {"nodes": len(model.mesh.nodes), "elements": len(model.mesh.connectivity)}
+    return found
+
+
+def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
+    """Where an interface point is and how far it may be moved."""
+    low, high = (float(end) for end in point.arc_length_range)
+    movable = f"from {low:.6g} to {high:.6g}" if low < high else "no: at a node, no derivative by the arc length"
+    return {"arc_length": float(point.arc_length), "unit": length, "movable": movable}
+
+
+def describe_scene(scene: Scene) -> dict[str, Any]:
+    """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
+    from toolkit.sensitivity.analysis import responses_of
+
+    groups = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
+    return {
+        "units": scene.units,
+        **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
+        "responses": {
+            name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()
+        },
+        "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
+        "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
+    }
+
+
+def print_description(record: dict[str, Any], indent: str = "") -> None:
+    """Print nested records, those without anything below them on one line."""
+    for key, value in record.items():
+        if not isinstance(value, dict):
+            typer.echo(f"{indent}{key}: {_text(value)}")
+        elif indent and not any(isinstance(below, dict) for below in value.values()):
+            typer.echo(f"{indent}{key}: " + ", ".join(f"{name} {_text(below)}" for name, below in value.items()))
+        else:
+            typer.echo(f"{indent}{key}:" + ("" if value else " none"))
+            print_description(value, indent + "  ")
+
+
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,122 @@
+"""What a command prints about a run: one JSON object, or tables for people."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.analysis import Result
+
+WIDE = 1000
+"""Columns of the output: a number that the terminal wraps is better than one that is cut."""
+
+
+def print_json(record: dict[str, Any]) -> None:
+    """Print one JSON object; everything in it is finite or null."""
+    typer.echo(json.dumps(record, indent=2, allow_nan=False))
+
+
+def print_result(result: Result, as_json: bool) -> None:
+    """Print values, units and gradients of all responses, and what the run cost."""
+    for undefined in undefined_numbers(result):
+        typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
+    if as_json:
+        print_json(record_of(result))
+    else:
+        print_tables(result)
+
+
+def record_of(result: Result) -> dict[str, Any]:
+    """The JSON object of a run; a number that does not exist is None."""
+    return {
+        "responses": {
+            name: {"value": finite_or_none(value), "unit": result.units[name]} for name, value in result.values.items()
+        },
+        "gradients": {
+            name: {variable: finite_or_none(slope) for variable, slope in slopes.items()}
+            for name, slopes in result.gradients.items()
+        },
+        "run": {
+            "method": result.method,
+            "steps": result.solution.steps,
+            "newton_iterations": result.solution.newton_iterations,
+            "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
+        },
+    }
+
+
+def finite_or_none(value: float) -> float | None:
+    """JSON knows no nan."""
+    return value if math.isfinite(value) else None
+
+
+def undefined_numbers(result: Result) -> list[str]:
+    """Names of the values and gradients that are not finite."""
+    values = [f"the value of {name}" for name, value in result.values.items() if not math.isfinite(value)]
+    slopes = [
+        f"the derivative of {name} by {variable}"
+        for name, slopes in result.gradients.items()
+        for variable, slope in slopes.items()
+        if not math.isfinite(slope)
+    ]
+    return values + slopes
+
+
+def print_tables(result: Result) -> None:
+    """Values and gradients as tables, then what has to be known about them."""
+    console = Console(width=WIDE, highlight=False)
+    values = _table("response", "value", "unit")
+    for name, value in result.values.items():
+        values.add_row(name, f"{value:.6g}", result.units[name])
+    console.print(values)
+    variables = next(iter(result.gradients.values()), {})
+    if variables:
+        gradients = _table("gradient by", *variables)
+        for name, slopes in result.gradients.items():
+            gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes.values()))
+        console.print(gradients)
+    for line in remarks(result):
+        console.print(line, markup=False)
+
+
+def remarks(result: Result) -> list[str]:
+    """Remarks of the responses, drift of the joints, iterations, wall times."""
+    from toolkit.responses.stress import KSStress
+
+    solution = result.solution
+    lines = [
+        f"{name} {response.remark(solution)} {result.units[name]}."
+        for name, response in solution.system.scene.responses.items()
+        if isinstance(response, KSStress)
+    ]
+    steps = f"{solution.steps} steps, " if solution.steps else ""
+    lines.append(f"{steps}{solution.newton_iterations} Newton iterations; joints off by {solution.drift:.1e} of the scene's size.")
+    price = f"{1e3 * result.wall_primal:.1f} ms without gradients"
+    if result.gradients:
+        price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
+    return [*lines, f"{price}."]
+
+
+def print_frequencies(frequencies: list[float]) -> None:
+    """Table of eigenfrequencies."""
+    table = _table("mode", "frequency in Hz")
+    for number, frequency in enumerate(frequencies, 1):
+        table.add_row(str(number), f"{frequency:.6g}")
+    Console(width=WIDE, highlight=False).print(table)
+    if frequencies and frequencies[0] < 0:
+        typer.echo("A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t).")
+
+
+def _table(first: str, *others: str) -> Table:
+    table = Table(box=SIMPLE)
+    table.add_column(first)
+    for name in others:
+        table.add_column(name, justify="left" if name == "unit" else "right")
+    return table

@@ -1,0 +1,25 @@
+"""The sheet that panels and lettering are put on."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pyvista
+
+
+@contextmanager
+def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
+    """A plotter whose renderer 0 is the whole white sheet and the others are panels on it; written to the path at the end."""
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=[width, height], shape=(1, panels + 1), border=False)
+    try:
+        plotter.subplot(0, 0)
+        plotter.set_background("white", all_renderers=False)
+        plotter.renderers[0].viewport = (0, 0, 1, 1)
+        plotter.enable_anti_aliasing("msaa", multi_samples=8)
+        yield plotter
+        plotter.screenshot(str(path), return_img=False)
+    finally:
+        plotter.close()
