@@ -17,7 +17,8 @@ from preprocessing.section import PARAMETERS, Section
 from preprocessing.skin_file import SkinFile, read_skin_file
 from preprocessing.stress import stress_points
 from toolkit.errors import InputError
-from toolkit.reduced_model import SCHEMA_VERSION, InterfacePoint, Mesh, ReducedModel, Shape
+from toolkit.reduced_model import InterfacePoint, Mesh, ReducedModel, Shape
+from toolkit.reduced_model_file import SCHEMA_VERSION
 from toolkit.units import unit
 
 WRITER_VERSION = "0.1.0"

@@ -10,7 +10,7 @@ import typer
 from preprocessing.build import build, input_hash
 from preprocessing.skin_file import read_skin_file
 from toolkit.errors import InputError, ModelFileError, ToolkitError
-from toolkit.reduced_model import load
+from toolkit.reduced_model_file import load, save
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -31,7 +31,7 @@ def preprocess(
         return
     model = build(skin, remark=_remark)
     try:
-        model.save(output)
+        save(model, output)
     except OSError as error:
         raise InputError(f"{str(output)!r} cannot be written ({error.strerror}). Give a writable place with --output.") from error
     interfaces = ", ".join(model.interfaces or {}) or "none"

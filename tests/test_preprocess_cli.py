@@ -12,7 +12,7 @@ import pytest
 
 from preprocessing.build import WRITER_VERSION, build
 from preprocessing.cli import main
-from toolkit.reduced_model import load
+from toolkit.reduced_model_file import load
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models" / "morphing_wing"

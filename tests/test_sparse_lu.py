@@ -3,10 +3,9 @@
 import numpy as np
 import pytest
 
-from toolkit import sparse_lu
 from toolkit.errors import InputError
 from toolkit.kernel import plain
-from toolkit.solvers import dense_lu
+from toolkit.linear import dense_lu, sparse_lu
 
 EPS = np.finfo(float).eps
 TOLERANCE = 1e-12  # as recommended in sparse_lu

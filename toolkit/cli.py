@@ -128,7 +128,9 @@ def modes(
 
 
 @app.command()
-def inspect(file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, or a scene.")], as_json: AsJson = False) -> None:
+def inspect(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, or a scene.")], as_json: AsJson = False
+) -> None:
     """Print what is in a reduced model (.h5) or a scene (.toml)."""
     from toolkit.command_line.inspection import describe, print_description
     from toolkit.command_line.report import print_json

@@ -9,7 +9,7 @@ import numpy as np
 from numba.core.registry import CPUDispatcher
 
 from toolkit.description import Registered
-from toolkit.loads.profile import Curve
+from toolkit.profile import Curve
 
 
 class Skeleton(Protocol):

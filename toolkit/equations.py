@@ -13,24 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
-from toolkit.bodies.floating_kernel import (
-    Floating,
-    FloatingWork,
-    floating_design,
-    floating_jacobian,
-    floating_residual,
-    floating_work,
-)
-from toolkit.bodies.marker_kernel import Markers, MarkerState, marker_state, update_marker_designs, update_markers
-from toolkit.joints.joint_kernel import (
-    Joints,
-    JointWork,
-    evaluate_joint,
-    joint_design,
-    joint_jacobian,
-    joint_residual,
-    joint_work,
-)
+from toolkit.bodies.floating_jacobian import floating_jacobian
+from toolkit.bodies.floating_kernel import Floating, FloatingWork, floating_design, floating_residual, floating_work
+from toolkit.bodies.marker_design import update_marker_designs
+from toolkit.bodies.marker_kernel import Markers, MarkerState, marker_state, update_markers
+from toolkit.joints.joint_design import joint_design
+from toolkit.joints.joint_jacobian import joint_jacobian
+from toolkit.joints.joint_kernel import Joints, JointWork, evaluate_joint, joint_residual, joint_work
 from toolkit.kernel import kernel
 from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 

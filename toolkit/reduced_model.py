@@ -1,21 +1,15 @@
-"""The reduced model of one flexible body, and its HDF5 file: the only thing the two halves of the project share."""
+"""The reduced model of one flexible body, the only thing the two halves of the project share; its file is in `reduced_model_file`."""
 
 from __future__ import annotations
 
-import os
-import tempfile
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 
-from toolkit.errors import InputError, ModelFileError
-
-SCHEMA = "ffrf-reduced-model"
-SCHEMA_VERSION = 1
+from toolkit.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -186,154 +180,6 @@ class ReducedModel:
     def _label(self) -> str:
         return repr(self.path.name) if self.path else "(not from a file)"
 
-    def save(self, path: str | Path) -> None:
-        """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
-        path = Path(path)
-        check(self, path)
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
-        os.close(handle)
-        try:
-            with h5py.File(temporary, "w") as file:
-                file.attrs.update({"schema": SCHEMA, "schema_version": SCHEMA_VERSION})
-                for item in fields(self):
-                    if item.name != "path":
-                        _write(file, item.name, getattr(self, item.name))
-            umask = os.umask(0)
-            os.umask(umask)
-            os.chmod(temporary, 0o666 & ~umask)
-            os.replace(temporary, path)
-        finally:
-            Path(temporary).unlink(missing_ok=True)
-
-
-PARTS: dict[str, Any] = {
-    "invariants": Invariants,
-    "derivatives": "arrays",
-    "affine": Polynomial,
-    "interfaces": InterfacePoint,
-    "stress": StressPoints,
-    "shape": Shape,
-    "mesh": Mesh,
-}
-"""Groups of the file; those that hold several named objects are `derivatives`, `affine` and `interfaces`."""
-_NAMED = ("derivatives", "affine", "interfaces")
-
-
-def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedModel:
-    """Read a reduced model, only the named parts of it (`invariants` always).
-
-    Raises
-    ------
-    ModelFileError
-        The file is missing, no HDF5 file, foreign, of another schema version, incomplete, or its numbers are not physical.
-    """
-    path = Path(path)
-    try:
-        with h5py.File(path, "r") as file:
-            _check_schema(file, path)
-            content = {name: _read_part(file, name, path) for name in PARTS if name in parts or name == "invariants"}
-            attributes: dict[str, Any] = {
-                f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs
-            }
-            maps: dict[str, Any] = {
-                name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")
-            }
-    except FileNotFoundError:
-        raise ModelFileError(
-            f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."
-        ) from None
-    except (OSError, KeyError) as error:
-        raise ModelFileError(
-            f"{str(path)!r} cannot be read as a reduced model ({error}); it is damaged, incomplete or not an HDF5 file. "
-            "Build it again with ffrf-preprocess."
-        ) from error
-    model = ReducedModel(**attributes, **maps, **content, path=path)
-    check(model, path)
-    return model
-
-
-def _check_schema(file: h5py.File, path: Path) -> None:
-    schema, version = file.attrs.get("schema"), file.attrs.get("schema_version")
-    if schema != SCHEMA:
-        raise ModelFileError(
-            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
-            "Give a file written by ffrf-preprocess."
-        )
-    if version != SCHEMA_VERSION:
-        raise ModelFileError(
-            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
-            "Build it again with the ffrf-preprocess of this version."
-        )
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
-def _write(group: h5py.Group, name: str, value: Any) -> None:
-    if value is None:
-        return
-    if isinstance(value, (str, int, float)):
-        group.attrs[name] = value
-    elif isinstance(value, np.ndarray):
-        options = {"compression": "gzip", "shuffle": True} if value.size > 64 else {}
-        group.create_dataset(name, data=value, **options)
-    else:
-        below = group.create_group(name, track_order=True)
-        items = value.items() if isinstance(value, Mapping) else ((f.name, getattr(value, f.name)) for f in fields(value))
-        for key, item in items:
-            _write(below, key, item)
-
-
-def _read_part(file: h5py.File, name: str, path: Path) -> Any:
-    if name not in file:
-        if name == "invariants":
-            raise ModelFileError(f"{str(path)!r} has no group 'invariants'. Build it again with ffrf-preprocess.")
-        return None
-    kind, group = PARTS[name], file[name]
-    if name in _NAMED:
-        return {key: _read_object(kind, group[key], path) for key in group}
-    return _read_object(kind, group, path)
-
-
-def _read_object(kind: Any, group: h5py.Group, path: Path) -> Any:
-    names = list(group) if kind == "arrays" else [f.name for f in fields(kind)]
-    arrays = {}
-    for name in names:
-        if name not in group:
-            raise ModelFileError(
-                f"{str(path)!r}: group {group.name!r} lacks the dataset {name!r}. Build it again with ffrf-preprocess."
-            )
-        arrays[name] = group[name][()] if group[name].ndim else np.asarray(group[name][()])
-        if not np.all(np.isfinite(arrays[name])):
-            raise ModelFileError(
-                f"{str(path)!r}: {group.name}/{name} holds values that are not finite. Build it again with ffrf-preprocess."
-            )
-    return arrays if kind == "arrays" else kind(**arrays)
-
-
-def check(model: ReducedModel, path: Path) -> None:
-    """Refuse a model whose shapes disagree or whose matrices are not physical, naming the file and the group."""
-    inv, n = model.invariants, len(model.invariants.stiffness)
-    shapes = {
-        "mass": (),
-        "first_moment": (2, 1 + n),
-        "inertia": (1 + n, 1 + n),
-        "gyroscopic": (1 + n, 1 + n),
-        "stiffness": (n, n),
-        "damping": (n, n),
-        "stress_operator": (len(inv.stress_operator), n),
-    }
-    for name, shape in shapes.items():
-        if getattr(inv, name).shape != shape:
-            _refuse(path, name, f"has shape {getattr(inv, name).shape} instead of {shape}")
-    for name, sign in (("inertia", 1), ("gyroscopic", -1), ("stiffness", 1), ("damping", 1)):
-        matrix = getattr(inv, name)
-        if np.abs(matrix - sign * matrix.T).max(initial=0) > 1e-9 * np.abs(matrix).max(initial=0):
-            _refuse(path, name, "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    if n and np.linalg.eigvalsh(generalized_mass(inv)).min() <= 0:
-        _refuse(path, "inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
-
 
 def generalized_mass(inv: Invariants) -> np.ndarray:
     """Mass matrix of the undeformed, unrotated body in (r, theta, q_f), theory section 1, scaled to a unit diagonal."""
@@ -348,10 +194,6 @@ def generalized_mass(inv: Invariants) -> np.ndarray:
     m = np.tril(m) + np.tril(m, -1).T
     scale = 1 / np.sqrt(np.diag(m).clip(np.finfo(float).tiny))
     return scale[:, None] * m * scale
-
-
-def _refuse(path: Path, name: str, problem: str) -> None:
-    raise ModelFileError(f"{str(path)!r}: invariants/{name} {problem}. Build it again with ffrf-preprocess.")
 
 
 def generalized_lengths(inv: Invariants) -> np.ndarray:

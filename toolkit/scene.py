@@ -21,7 +21,8 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.planar import rotation
 from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model import ReducedModel, load
+from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
 
 

@@ -9,18 +9,19 @@ import numpy as np
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
+from toolkit.compilation.component_arrays import families
+from toolkit.compilation.numbering import Numbering, number, weights
+from toolkit.compilation.plan import build_plan
+from toolkit.compilation.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
 from toolkit.design import Design
 from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate, evaluate_design
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
 from toolkit.kernel import call, plain, slots
+from toolkit.linear.sparse_lu import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
-from toolkit.numbering import Numbering, number, weights
-from toolkit.plan import build_plan, families
-from toolkit.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
 from toolkit.scene import Scene
-from toolkit.sparse_lu import LUPlan, analyse
 
 
 @dataclass(frozen=True)

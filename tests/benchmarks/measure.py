@@ -27,7 +27,7 @@ def variables(scene: Scene, count: int) -> list[str]:
 
 
 def _is_free(path: str) -> bool:
-    return path.split(".")[0] == "points" and path.split(".")[-1] in "xy" or path.split(".")[-1] in ("area", "density")
+    return (path.split(".")[0] == "points" and path.split(".")[-1] in "xy") or path.split(".")[-1] in ("area", "density")
 
 
 def measure(scene: Scene, counts: list[int]) -> None:

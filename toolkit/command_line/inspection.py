@@ -24,14 +24,14 @@ def describe(path: Path) -> dict[str, Any]:
         from toolkit.scene_file import read_scene
 
         return describe_scene(read_scene(path))
-    from toolkit.reduced_model import load
+    from toolkit.reduced_model_file import load
 
     return describe_model(load(path))
 
 
 def describe_model(model: ReducedModel) -> dict[str, Any]:
     """Everything that a reader of the file wants to know before using it."""
-    from toolkit.reduced_model import SCHEMA, SCHEMA_VERSION
+    from toolkit.reduced_model_file import SCHEMA, SCHEMA_VERSION
     from toolkit.units import unit
 
     length = unit(model.units, "length")
@@ -76,9 +76,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     return {
         "units": scene.units,
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
-        "responses": {
-            name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()
-        },
+        "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
     }

@@ -97,7 +97,9 @@ def remarks(result: Result) -> list[str]:
         if isinstance(response, KSStress)
     ]
     steps = f"{solution.steps} steps, " if solution.steps else ""
-    lines.append(f"{steps}{solution.newton_iterations} Newton iterations; joints off by {solution.drift:.1e} of the scene's size.")
+    lines.append(
+        f"{steps}{solution.newton_iterations} Newton iterations; joints off by {solution.drift:.1e} of the scene's size."
+    )
     price = f"{1e3 * result.wall_primal:.1f} ms without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"

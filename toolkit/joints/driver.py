@@ -12,8 +12,8 @@ from toolkit.joints.joint import PointJoint
 from toolkit.joints.joint_kernel import SIGNATURE
 from toolkit.joints.slider import AlongAxis, offset_along
 from toolkit.kernel import family
-from toolkit.loads.profile import Curve, is_smooth
 from toolkit.planar import unit_vector
+from toolkit.profile import Curve, is_smooth
 
 
 @family(SIGNATURE)

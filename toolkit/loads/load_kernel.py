@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from toolkit.bodies.marker_kernel import add_force, add_force_design, add_geometric_stiffness
+from toolkit.bodies.marker_forces import add_force, add_force_design, add_geometric_stiffness
 from toolkit.kernel import kernel
 
 ARGUMENTS, CURVE = 12, 11

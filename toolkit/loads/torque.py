@@ -10,7 +10,7 @@ from toolkit.component import Skeleton
 from toolkit.kernel import family
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import CURVE, SIGNATURE
-from toolkit.loads.profile import Constant, Curve
+from toolkit.profile import Constant, Curve
 
 
 @family(SIGNATURE)

@@ -6,7 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from toolkit.bodies.marker_kernel import update_marker_designs, update_markers
+from toolkit.bodies.marker_design import update_marker_designs
+from toolkit.bodies.marker_kernel import update_markers
 from toolkit.equations import allocate_work
 from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import evaluate_joint

@@ -6,9 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from toolkit.bodies.marker_kernel import MarkerState, update_marker_designs, update_markers
+from toolkit.bodies.marker_design import update_marker_designs
+from toolkit.bodies.marker_kernel import MarkerState, update_markers
+from toolkit.compilation.quantities import STEP
 from toolkit.equations import allocate_work
-from toolkit.quantities import STEP
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.solution import Solution

@@ -7,9 +7,9 @@ from typing import Literal
 import numpy as np
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.compilation.quantities import STEP
 from toolkit.description import Positive
 from toolkit.errors import InputError
-from toolkit.quantities import STEP
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.response import Partials, Response
 from toolkit.scene import Scene

@@ -12,9 +12,9 @@ from typing import Any, Literal
 
 import numpy as np
 
+from toolkit.compilation.quantities import STEP
 from toolkit.design import DesignVariable
 from toolkit.errors import InputError
-from toolkit.quantities import STEP
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, solve, values_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.errors import SingularSystemError
-from toolkit.solvers.linear_solver import factorize, linear_solver, solve_checked, solve_refined_block
+from toolkit.linear.linear_solver import factorize, linear_solver, solve_checked, solve_refined_block
 from toolkit.system import System
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +13,7 @@ from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.elastic_force import elastic_force, without_stiffness
 from toolkit.system import System
 
 LEVELS = np.array([0.0, 0.0, 1.0])
@@ -108,34 +108,13 @@ def _equilibrium(
         strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.numbering.names[int(np.argmax(weighted))]}")
-        if size <= max(options.tolerance, ROUND_OFF) and size > 0.5 * before or size <= ROUND_OFF:
+        if (size <= max(options.tolerance, ROUND_OFF) and size > 0.5 * before) or size <= ROUND_OFF:
             return _with_tangent(system, options, factor, q + moved, acc), iteration + 1
     worst = system.numbering.names[int(np.argmax(weighted))]
     raise ConvergenceError(
         f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e} > {options.tolerance:.1e}, "
         f"largest in {worst}"
     )
-
-
-def without_stiffness(system: System) -> tuple[System, np.ndarray]:
-    """The same system without its constant stiffness, and that stiffness on the common pattern."""
-    part = system.plan.constant
-    stiffness = np.zeros(len(system.plan.indices), system.dtype)
-    np.add.at(stiffness, part.position, part.stiffness)
-    plan = system.plan._replace(constant=part._replace(stiffness=np.zeros_like(part.stiffness)))
-    return replace(system, plan=plan), stiffness
-
-
-def elastic_force(system: System, q: np.ndarray) -> np.ndarray:
-    """K q with its sums in extended precision.
-
-    A thin body is a million times stiffer in stretching than in bending, so that its elastic forces are small differences of large
-    products. Their round-off in double precision would move the equilibrium by 1e-11 of the scene's size, and gradients feel that.
-    """
-    part = system.plan.constant
-    force = np.zeros(len(q), np.result_type(q, np.longdouble))
-    np.add.at(force, part.row, part.stiffness * q[part.column].astype(force.dtype))
-    return force.astype(q.dtype)
 
 
 def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> Equilibrium:

@@ -12,17 +12,11 @@ from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.drift import largest_drift
-from toolkit.solvers.generalized_alpha import (
-    CONVERGED,
-    NOT_CONVERGED,
-    SINGULAR,
-    History,
-    Outcome,
-    allocate_memory,
-    integrate,
-)
+from toolkit.solvers.generalized_alpha import integrate
 from toolkit.solvers.initial_conditions import consistent_start
+from toolkit.solvers.newton import CONVERGED, NOT_CONVERGED, SINGULAR
 from toolkit.solvers.scheme import generalized_alpha
+from toolkit.solvers.step_memory import History, Outcome, allocate_memory
 from toolkit.system import System
 
 PIECE = 200

@@ -11,12 +11,12 @@ from dataclasses import dataclass, fields
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers
+from toolkit.compilation.numbering import Numbering
 from toolkit.component import Component
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
-from toolkit.loads.profile import Curve
-from toolkit.numbering import Numbering
+from toolkit.profile import Curve
 from toolkit.scene import Scene
 
 STEP = 1e-30

@@ -1,0 +1,1 @@
+"""From a scene to the flat arrays of the compiled loop."""

@@ -1,0 +1,166 @@
+"""Markers, joints and loads as flat arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.bodies.marker_kernel import Markers
+from toolkit.compilation.arrays import ints, starts
+from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.pattern import Pattern, block
+from toolkit.compilation.quantities import Quantities, loads_of
+from toolkit.component import Component
+from toolkit.joints.joint_kernel import Joints
+from toolkit.loads.load_kernel import Loads
+from toolkit.scene import Scene
+
+
+def families(components: list) -> list:
+    """The different formulas of the components, in order of appearance."""
+    return list(dict.fromkeys(component.law() for component in components))
+
+
+def gripped(numbering: Numbering, columns: list[np.ndarray], component: Component) -> tuple[np.ndarray, list[int]]:
+    """Coordinates of a component's two markers, and the markers."""
+    markers = [numbering.marker(grip) for grip in component.grips]
+    return np.concatenate([columns[m] for m in markers]), markers
+
+
+def marker_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    dtype: type,
+) -> Markers:
+    """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
+    active = [
+        (m, x, derivative.markers[m])
+        for m in range(len(columns))
+        for x, derivative in enumerate(derivatives)
+        if marker_changes(derivative, m)
+    ]
+    frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, _ in numbering.markers]
+    shapes = [part.shape for part in values.markers]
+    return Markers(
+        ints([frames]),
+        np.array([part.point for part in values.markers], dtype).reshape(-1, 3),
+        starts([len(c) for c in columns]),
+        ints(columns),
+        np.concatenate([np.zeros((0, 3)), *shapes]).astype(dtype),
+        starts([sum(m == k for m, _, _ in active) for k in range(len(columns))]),
+        ints([[x for _, x, _ in active]]),
+        np.array([part.point for _, _, part in active], float).reshape(-1, 3),
+        starts([len(part.shape) for _, _, part in active])[:-1],
+        np.concatenate([np.zeros((0, 3)), *(part.shape for _, _, part in active)]),
+    )
+
+
+def marker_changes(derivative: Quantities, m: int) -> bool:
+    """Whether a design variable moves marker m."""
+    return bool(np.any(derivative.markers[m].point != 0) or np.any(derivative.markers[m].shape != 0))
+
+
+def joint_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> Joints:
+    """Joints of the scene, with the places of their local entries in the pattern."""
+    joints = list(scene.joints.values())
+    known = families(joints)
+    changes = [parameter_pairs([d.joints for d in derivatives], k) for k in range(len(joints))]
+    positions, markers = [], []
+    for name, joint in scene.joints.items():
+        both, pair = gripped(numbering, columns, joint)
+        rows = numbering.row[name] + np.arange(len(joint.row_names))
+        markers.append(pair)
+        places = [pattern.find(*block(r, c)) for r, c in ((both, both), (rows, both), (both, rows))]
+        positions.append(np.concatenate(places))
+    flat = [change for pairs in changes for change in pairs]
+    return Joints(
+        ints([[known.index(joint.law()) for joint in joints]]),
+        ints([[int(joint.curved) for joint in joints]]),
+        np.array(markers, np.int64).reshape(-1, 2),
+        ints([[numbering.row[name] for name in scene.joints]]),
+        ints([[len(joint.row_names) for joint in joints]]),
+        values.joints.astype(dtype),
+        curve_numbers(joints, 0),
+        designed(markers, values, derivatives, changes, curve_numbers(joints, 0)),
+        starts([len(pairs) for pairs in changes]),
+        ints([[x for x, _, _ in flat]]),
+        ints([[p for _, p, _ in flat]]),
+        np.array([value for _, _, value in flat], float),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def load_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> Loads:
+    """Loads of the scene, with the places of their local entries in the pattern."""
+    loads = loads_of(scene)
+    known = families(loads)
+    changes = [parameter_pairs([d.loads for d in derivatives], k) for k in range(len(loads))]
+    flat = [change for pairs in changes for change in pairs]
+    both = [gripped(numbering, columns, load) for load in loads]
+    positions = [pattern.find(*block(local, local)) for local, _ in both]
+    before = sum(joint.time_curve is not None for joint in scene.joints.values())
+    return Loads(
+        ints([[known.index(load.law()) for load in loads]]),
+        np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
+        values.loads.astype(dtype),
+        curve_numbers(loads, before),
+        designed([pair for _, pair in both], values, derivatives, changes, curve_numbers(loads, before)),
+        starts([len(pairs) for pairs in changes]),
+        ints([[x for x, _, _ in flat]]),
+        ints([[p for _, p, _ in flat]]),
+        np.array([value for _, _, value in flat], float),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def designed(markers: list, values: Quantities, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
+    """Whether any design variable matters to each component: through a marker, a parameter or its curve."""
+    active = {m for change in derivatives for m in range(len(values.markers)) if marker_changes(change, m)}
+    driven = set(curve_pairs(derivatives)[0])
+    components = zip(markers, changes, curves, strict=True)
+    return ints([[int(bool(active & set(pair) or change or curve in driven)) for pair, change, curve in components]])
+
+
+def parameter_pairs(table: list[np.ndarray], k: int) -> list[tuple[int, int, float]]:
+    """(variable, parameter, derivative) of component k."""
+    return [(x, int(p), change[k, p]) for x, change in enumerate(table) for p in np.flatnonzero(change[k])]
+
+
+def curve_numbers(components: list, before: int) -> np.ndarray:
+    """Number of each component's time curve, counted from `before`; -1 without."""
+    numbers = []
+    for component in components:
+        numbers.append(-1 if component.time_curve is None else before)
+        before += component.time_curve is not None
+    return ints([numbers])
+
+
+def curve_pairs(derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray]:
+    """Which time curves depend on which design variables."""
+    pairs = [
+        (c, x)
+        for x, derivative in enumerate(derivatives)
+        for c, curve in enumerate(derivative.curves)
+        if any(np.imag(value) != 0 for _, value in curve.numbers())
+    ]
+    return ints([[c for c, _ in pairs]]), ints([[x for _, x in pairs]])

@@ -1,0 +1,66 @@
+"""From the numbers of a scene to the plan of the compiled loop: pattern first, then everything that is stored on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.compilation.body_arrays import constant_part, floating_part
+from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
+from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.pattern import Pattern, block, build_pattern
+from toolkit.compilation.quantities import Quantities, loads_of
+from toolkit.equations import Plan
+from toolkit.scene import Scene
+
+
+def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:
+    """All arrays of the compiled scene; `derivatives` are those of the numbers by each design variable."""
+    offsets = [numbering.first[name] for name in scene.all_bodies()]
+    frames = [numbering.first[name] for name, body in scene.all_bodies().items() if body.floating(scene) is not None]
+    constant_rows = [(offset + part.row, offset + part.column) for offset, part in zip(offsets, values.constant, strict=True)]
+    columns = [numbering.first[body] + part.columns for (body, _), part in zip(numbering.markers, values.markers, strict=True)]
+    pattern = _pattern(scene, numbering, values, constant_rows, frames, columns)
+    curve_index, curve_variable = curve_pairs(derivatives)
+    return Plan(
+        numbering.n_q,
+        numbering.n,
+        len(derivatives),
+        pattern.indptr,
+        pattern.indices,
+        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype),
+        floating_part(frames, values, derivatives, pattern, dtype),
+        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
+        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        curve_index,
+        curve_variable,
+    )
+
+
+def _pattern(
+    scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, frames: list[int], columns: list[np.ndarray]
+) -> Pattern:
+    """Union of what all parts of the scene fill."""
+    entries = list(constant_rows)
+    for frame, part in zip(frames, values.floating, strict=True):
+        local = frame + np.arange(2 + len(part.moment))
+        entries += [block(local[:3], local)]
+        inside = (part.row > 0) & (part.column > 0)
+        entries += [(frame + 2 + part.row[inside], frame + 2 + part.column[inside])]
+    for name, joint in scene.joints.items():
+        both, markers = gripped(numbering, columns, joint)
+        rows = numbering.row[name] + np.arange(len(joint.row_names))
+        entries += [block(rows, both)]
+        entries += (
+            [block(both, both)]
+            if joint.curved
+            else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
+        )
+    for load in loads_of(scene):
+        both, _ = gripped(numbering, columns, load)
+        entries += [block(both, both)]
+    return build_pattern(numbering.n, entries)
+
+
+def _turns(scene: Scene, numbering: Numbering, marker: int) -> bool:
+    return scene.body(numbering.markers[marker][0]).has_frame
