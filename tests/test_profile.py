@@ -1,0 +1,65 @@
+"""Time curves: derivatives by time and by parameters, and what they refuse."""
+
+import numpy as np
+import pytest
+from pydantic import ValidationError
+
+from toolkit.errors import InputError
+from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table, is_smooth
+
+TIMES = np.linspace(-0.3, 2.3, 27)
+CURVES = [
+    Constant(value=3.0),
+    SmoothStep(height=2.0, start=0.25, duration=1.5),
+    Sine(amplitude=2.0, frequency=0.7, phase=0.3),
+    Table(times=(0.0, 0.5, 1.1, 2.0), values=(0.0, 1.0, -2.0, 0.5)),
+    Sum(terms=(Constant(value=1.0), Sine(frequency=2.0), SmoothStep(duration=2.0))),
+]
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda curve: curve.type)
+def test_rates_are_the_derivatives_of_the_curve(curve):
+    h = 1e-4
+    up, down, middle = (curve.evaluate(TIMES + shift) for shift in (h, -h, 0))
+    inside = np.abs(TIMES[:, None] - np.array([0.0, 2.0, 0.25, 1.75])).min(axis=1) > 2 * h
+    # truncation h^2 f''' / 6 with f''' below 3e3 (sine of 2 Hz)
+    np.testing.assert_allclose(((up - down) / (2 * h))[inside, :2], middle[inside, 1:], atol=1e-5)
+
+
+@pytest.mark.parametrize("curve", CURVES, ids=lambda curve: curve.type)
+def test_every_number_can_be_complex_and_gives_the_parameter_derivative(curve):
+    for path, value in curve.numbers():
+        if path.startswith("times"):
+            continue
+        exact = curve.with_number(path, value + 1e-30j).evaluate(TIMES).imag / 1e-30
+        up, down = (curve.with_number(path, value + h).evaluate(TIMES) for h in (1e-5, -1e-5))
+        inside = np.abs(TIMES[:, None] - np.array([0.0, 2.0, 0.25, 1.75])).min(axis=1) > 1e-3
+        # truncation 1e-10 f''' / 6, f''' below 1e4
+        np.testing.assert_allclose(exact[inside], ((up - down) / 2e-5)[inside], atol=1e-5)
+
+
+def test_a_table_goes_through_its_points_and_is_constant_outside():
+    for kind in ("cubic", "linear"):
+        table = Table(times=(0.0, 0.5, 2.0), values=(1.0, 3.0, -1.0), interpolation=kind)
+        values = table.evaluate(np.array([-1.0, 0.0, 0.5, 2.0, 5.0]))
+        np.testing.assert_allclose(values[:, 0], [1, 1, 3, -1, -1], atol=1e-14)
+        assert values[0, 1] == values[-1, 1] == 0
+
+
+def test_only_a_linear_table_is_not_smooth():
+    line = Table(times=(0.0, 1.0), values=(0.0, 1.0), interpolation="linear")
+    assert all(is_smooth(curve) for curve in CURVES)
+    assert not is_smooth(line)
+    assert not is_smooth(Sum(terms=(line,)))
+
+
+def test_a_table_whose_times_do_not_increase_is_refused():
+    with pytest.raises(ValidationError, match="times must increase"):
+        Table(times=(0.0, 1.0, 1.0), values=(1.0, 2.0, 3.0))
+    with pytest.raises(ValidationError, match="3 times but 2 values"):
+        Table(times=(0.0, 1.0, 2.0), values=(1.0, 2.0))
+
+
+def test_times_of_a_table_cannot_be_design_variables():
+    with pytest.raises(InputError, match="make its values design variables"):
+        CURVES[3].with_number("times.1", 0.5 + 1e-30j).evaluate(TIMES)

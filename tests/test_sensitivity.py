@@ -1,0 +1,97 @@
+"""Gradients of whole runs: direct differentiation against complex step, differences and Taylor's formula."""
+
+import numpy as np
+import pytest
+
+from tests.scenes import HANGING_DESIGN, WING, hanging_skin
+from toolkit.bodies.rigid import Rod
+from toolkit.errors import InputError
+from toolkit.joints.distance import Distance
+from toolkit.joints.revolute import Revolute
+from toolkit.point import Point
+from toolkit.responses.motion import Rotation
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.scene_file import read_scene
+from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.certificate import largest_difference, step_study, taylor_rates
+from toolkit.sensitivity.numerical import numerical
+
+AGREEMENT = 1e-9  # round-off of the state (1e-14 of the scene's size) times the wing's ratio of stretching to bending stiffness
+
+
+@pytest.mark.parametrize("kind", ["static", "transient"])
+def test_gradients_of_the_wing_agree_with_the_complex_step(kind):
+    scene = read_scene(WING)
+    names = list(scene.design)
+    ours, judge = direct(scene, names, kind), numerical(scene, names, kind, "complex-step")
+    assert set(ours.gradients) == {"max_stress", "max_stress_true", "shape_rmse", "shape_max_error", "drive_angle"}
+    assert largest_difference(judge.gradients, ours.gradients) < AGREEMENT
+
+
+@pytest.mark.parametrize("kind", ["static", "transient"])
+def test_taylor_remainder_of_the_wing_is_of_second_order(kind):
+    scene = read_scene(WING)
+    rates = taylor_rates(scene, list(scene.design), kind, steps=(2e-3, 1e-3, 5e-4))
+    # shape_rmse adds 60 squares of changing sign, so that its fitted rate is the furthest from the asymptotic 2
+    assert all(1.85 < rate < 2.15 for rate in rates.values()), rates
+
+
+@pytest.mark.parametrize("scheme", ["paper", "arnold-bruels"])
+def test_gradients_of_every_kind_of_response_agree_with_the_complex_step(scheme):
+    scene = hanging_skin(solver=RunOptions(end_time=0.01, step=0.001, scheme=scheme, rho_inf=0.7))
+    ours, judge = direct(scene, HANGING_DESIGN, "transient"), numerical(scene, HANGING_DESIGN, "transient", "complex-step")
+    for name, gradient in judge.gradients.items():
+        exact, found = (np.array(list(each.values())) for each in (gradient, ours.gradients[name]))
+        # entries differ by many powers of ten in their effect, so each response is compared with its largest relative effect
+        scale = np.array([max(abs(scene.number(path)), 1.0) for path in HANGING_DESIGN])
+        assert np.abs((found - exact) * scale).max() < 1e-8 * np.abs(exact * scale).max(), name
+
+
+def test_central_differences_form_a_v_whose_bottom_confirms_the_gradient():
+    scene = read_scene(WING)
+    study = dict(step_study(scene, ["M_t"], "transient", steps=(1e-1, 1e-2, 1e-3, 1e-4, 1e-8)))
+    assert study[1e-2] / study[1e-1] == pytest.approx(1e-2, rel=0.9)  # truncation falls with the square of the step
+    # bottom: square of the step against Newton's tolerance over the step
+    assert min(study.values()) < 1e-5 < study[1e-8]
+
+
+def test_forward_differences_of_the_paper_agree_to_their_own_accuracy():
+    scene = read_scene(WING)
+    ours = direct(scene, ["M_t"], "transient").gradients
+    judge = numerical(scene, ["M_t"], "transient", "forward-difference").gradients
+    assert largest_difference(ours, judge) < 2e-3  # 1e-6 relative step: round-off of the state, amplified a million times
+
+
+def test_velocity_projection_at_the_start_is_differentiated():
+    scene = Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.2)},
+        bodies={"rod": Rod(between=("O", "P"), area=1e-3, density=2700.0, velocity=(0.3, 1.0, 0.4))},
+        joints={"O": Revolute(bodies=("rod", "ground"), point="O")},
+        responses={"angle": Rotation(body="rod", point="P")},
+        solver=RunOptions(end_time=0.5, step=0.05),
+    )
+    design = ["points.P.x", "points.P.y", "bodies.rod.velocity.1", "bodies.rod.density"]
+    ours, judge = direct(scene, design, "transient"), numerical(scene, design, "transient", "complex-step")
+    for name in ("points.P.x", "points.P.y", "bodies.rod.velocity.1"):
+        assert ours.gradients["angle"][name] == pytest.approx(judge.gradients["angle"][name], rel=1e-10)
+    # the motion of a free pendulum does not depend on its density: both are round-off of a number of order one
+    assert abs(ours.gradients["angle"]["bodies.rod.density"]) < 1e-12
+
+
+def test_a_design_variable_that_breaks_a_joint_at_the_start_is_refused_by_name():
+    scene = Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.0), "Q": Point(x=1.0, y=1.0)},
+        bodies={"rod": Rod(between=("O", "P"), area=1e-3, density=2700.0)},
+        joints={"bar": Distance(bodies=("rod", "ground"), points=("P", "Q"), length=1.0)},
+        responses={"angle": Rotation(body="rod", point="P")},
+    )
+    with pytest.raises(InputError, match=r"'joints.bar.length' would violate distance of joint 'bar'"):
+        direct(scene, ["joints.bar.length"], "transient")
+
+
+def test_an_unknown_method_lists_the_available_ones():
+    with pytest.raises(InputError, match="available: direct, complex-step, forward-difference, central-difference"):
+        numerical(read_scene(WING), ["M_t"], "static", "magic")
