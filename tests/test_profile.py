@@ -8,6 +8,7 @@ from toolkit.errors import InputError
 from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table, is_smooth
 
 TIMES = np.linspace(-0.3, 2.3, 27)
+CORNERS = np.array([0.0, 0.25, 0.5, 1.1, 1.75, 2.0])  # where the third derivative of some curve jumps
 CURVES = [
     Constant(value=3.0),
     SmoothStep(height=2.0, start=0.25, duration=1.5),
@@ -19,10 +20,10 @@ CURVES = [
 
 @pytest.mark.parametrize("curve", CURVES, ids=lambda curve: curve.type)
 def test_rates_are_the_derivatives_of_the_curve(curve):
-    h = 1e-4
+    h = 1e-5
     up, down, middle = (curve.evaluate(TIMES + shift) for shift in (h, -h, 0))
-    inside = np.abs(TIMES[:, None] - np.array([0.0, 2.0, 0.25, 1.75])).min(axis=1) > 2 * h
-    # truncation h^2 f''' / 6 with f''' below 3e3 (sine of 2 Hz)
+    inside = np.abs(TIMES[:, None] - CORNERS).min(axis=1) > 2 * h
+    # truncation h^2 / 6 times a fourth derivative of 3e4 (sine of 2 Hz) = 4e-7, round-off 1e-9
     np.testing.assert_allclose(((up - down) / (2 * h))[inside, :2], middle[inside, 1:], atol=1e-5)
 
 
@@ -33,7 +34,7 @@ def test_every_number_can_be_complex_and_gives_the_parameter_derivative(curve):
             continue
         exact = curve.with_number(path, value + 1e-30j).evaluate(TIMES).imag / 1e-30
         up, down = (curve.with_number(path, value + h).evaluate(TIMES) for h in (1e-5, -1e-5))
-        inside = np.abs(TIMES[:, None] - np.array([0.0, 2.0, 0.25, 1.75])).min(axis=1) > 1e-3
+        inside = np.abs(TIMES[:, None] - CORNERS).min(axis=1) > 1e-3
         # truncation 1e-10 f''' / 6, f''' below 1e4
         np.testing.assert_allclose(exact[inside], ((up - down) / 2e-5)[inside], atol=1e-5)
 
