@@ -22,8 +22,9 @@ Kernels allocate nothing, so they are compiled without numba's reference countin
 step loop and halves the time to compile it.
 """
 
-SLOTS = 16
-"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
+SLOTS = 8
+"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene, and small,
+because every slot adds 10 us to a call of the loop."""
 
 
 @kernel

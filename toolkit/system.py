@@ -71,7 +71,7 @@ class System:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
         self.run(evaluate, self.plan, self.functions, inputs, q, v, acc, True, terms, work)
-        if design:
+        if design and self.n_x:
             self.run(evaluate_design, self.plan, self.functions, inputs, q, v, acc, terms, work)
         return terms
 

@@ -13,6 +13,9 @@ SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 TRUSTED_REFINEMENT = 1e-6
 """Refinement of a solution, relative to it, above which sparse factors are given up; what is left after it is the square of that."""
 
+UNREFINED = 1e-11
+"""Refinement of a vector, relative to it, below which blocks are not refined: gradients are judged to 1e-9."""
+
 
 class LinearSolver(NamedTuple):
     """Symbolic analysis and all memory; `mode[0]` is 1 while the factors are dense."""
@@ -28,6 +31,7 @@ class LinearSolver(NamedTuple):
     pivots: np.ndarray
     scale: np.ndarray
     mode: np.ndarray
+    quality: np.ndarray  # (1,) relative change by the last refinement
 
 
 def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> LinearSolver:
@@ -45,6 +49,7 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
         np.zeros(n, np.int64),
         np.zeros((3, n)),
         np.zeros(1, np.int64),
+        np.ones(1),
     )
 
 
@@ -100,6 +105,7 @@ def refine(solver, indptr, indices, values, rhs, solution):
         if i < len(solver.weights):
             size = max(size, solver.weights[i] * abs(solution[i].real))
             change = max(change, solver.weights[i] * abs(solver.residual[i].real))
+    solver.quality[0] = change / size if size > 0 else 1.0
     return change <= TRUSTED_REFINEMENT * size
 
 
@@ -118,13 +124,18 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
 
 
 @kernel
-def solve_refined_block(solver, indptr, indices, values, block, solution):
-    """Solve for many right-hand sides and refine once; block, solution (n, n_x)."""
+def solve_refined_block(solver, indptr, indices, values, fresh, block, solution):
+    """Solve for many right-hand sides, and refine once if the factors need it; block, solution (n, n_x).
+
+    `fresh`: the factors are those of `values`, so that the last refinement of a vector tells how good they are.
+    """
     n_x = block.shape[1]
     for i in range(len(block)):
         for x in range(n_x):
             solution[i, x] = block[i, x]
     apply_inverse_block(solver, solution)
+    if fresh and solver.quality[0] <= UNREFINED:
+        return
     for i in range(len(block)):
         for x in range(n_x):
             solver.residual_block[i, x] = block[i, x]

@@ -33,7 +33,7 @@ def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str)
         failed = system.run(solve_checked, solver, plan.indptr, plan.indices, values, first, result)
     if failed >= 0:
         raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
-    system.run(solve_refined_block, solver, plan.indptr, plan.indices, values, block, out)
+    system.run(solve_refined_block, solver, plan.indptr, plan.indices, values, False, block, out)
     return out
 
 

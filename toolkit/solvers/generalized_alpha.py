@@ -32,7 +32,10 @@ def begin(plan, functions, inputs, scheme, history, memory):
 
 @kernel
 def refresh(plan, functions, inputs, scheme, q, v, acc, correction, memory):
-    """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials."""
+    """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
+
+    Returns whether the factors belong to the Jacobian.
+    """
     relinearize = plan.n_x > 0 and correction > REUSED
     if relinearize or scheme.carried_applied != 0:
         evaluate(plan, functions, inputs, q, v, acc, relinearize, memory.terms, memory.work)
@@ -42,6 +45,7 @@ def refresh(plan, functions, inputs, scheme, q, v, acc, correction, memory):
             factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
     if plan.n_x > 0:
         evaluate_design(plan, functions, inputs, q, v, acc, memory.terms, memory.work)
+    return not relinearize
 
 
 @kernel
@@ -69,9 +73,9 @@ def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolera
         outcome.counts[4] += outcome.counts[2]
         if outcome.counts[0] != CONVERGED:
             return
-        refresh(plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
+        fresh = refresh(plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
         if plan.n_x > 0:
-            sensitivity_step(plan, scheme, history, step, memory)
+            sensitivity_step(plan, scheme, history, step, fresh, memory)
         advance_auxiliary(scheme, history.acc[step], acc, plan.n_q, memory.aux)
         if carries:
             carry_over(plan, scheme, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])

@@ -82,6 +82,8 @@ def project_velocities(
     system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Velocities that satisfy the joints, nearest to the given ones, and their design derivatives."""
+    if not (np.any(v) or np.any(dv) or np.any(system.plan.joints.curve >= 0)):
+        return v, dv
     inputs, zero, n_q = system.inputs(time, np.array([0, 1.0, 0])), np.zeros_like(q), system.n_q
     terms = system.evaluate(inputs, q, v, zero, design=True)
     change = system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x

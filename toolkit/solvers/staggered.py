@@ -6,21 +6,26 @@ from toolkit.solvers.prediction import advance_auxiliary, predict
 
 
 @kernel
-def add_product(indptr, indices, factor_1, values_1, factor_2, values_2, block, out):
-    """out += (factor_1 values_1 + factor_2 values_2) block for compressed rows; block and out (n, n_x)."""
-    for i in range(len(indptr) - 1):
-        for e in range(indptr[i], indptr[i + 1]):
-            value = factor_1 * values_1[e] + factor_2 * values_2[e]
-            if value != 0:
-                row = indices[e]
+def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, out):
+    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; blocks (n, n_x)."""
+    for i in range(plan.n):
+        for e in range(plan.indptr[i], plan.indptr[i + 1]):
+            by_q = factor_i * terms.I_q[e] + factor_a * terms.A_q[e]
+            by_v = factor_a * terms.A_v[e]
+            by_acc = factor_i * terms.I_acc[e] if with_acc else 0 * by_q
+            row = plan.indices[e]
+            if by_v != 0 or by_acc != 0:
                 for x in range(out.shape[1]):
-                    out[i, x] += value * block[row, x]
+                    out[i, x] += by_q * dq[row, x] + by_v * dv[row, x] + by_acc * dacc[row, x]
+            elif by_q != 0:
+                for x in range(out.shape[1]):
+                    out[i, x] += by_q * dq[row, x]
 
 
 @kernel
-def sensitivity_step(plan, scheme, history, step, memory):
-    """Total design derivatives at n + 1 from those at n, with the factors of the converged Jacobian."""
-    terms, ptr, col = memory.terms, plan.indptr, plan.indices
+def sensitivity_step(plan, scheme, history, step, fresh, memory):
+    """Total design derivatives at n + 1 from those at n, with the converged Jacobian; `fresh` if its factors are its own."""
+    terms = memory.terms
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     dq, dv, dacc = history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1]
     count, after = plan.n_q * plan.n_x, step + 1
@@ -32,9 +37,8 @@ def sensitivity_step(plan, scheme, history, step, memory):
     for i in range(plan.n):
         for x in range(plan.n_x):
             load[i, x] = memory.dcarried[i, x] + w_i * terms.I_x[i, x] + w_a * terms.A_x[i, x]
-    add_product(ptr, col, w_i, terms.I_q, w_a, terms.A_q, dq, load)
-    add_product(ptr, col, w_a, terms.A_v, 0.0, terms.A_v, dv, load)
-    solve_refined_block(memory.solver, ptr, col, memory.jacobian, load, dacc)
+    add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
+    solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
     for i in range(plan.n):
         for x in range(plan.n_x):
@@ -48,13 +52,11 @@ def sensitivity_step(plan, scheme, history, step, memory):
 @kernel
 def carry_over(plan, scheme, memory, dq, dv, dacc):
     """The carried part of the next step's residual, and its total derivative (without it a gradient is wrong by a per cent)."""
-    terms, ptr, col = memory.terms, plan.indptr, plan.indices
+    terms = memory.terms
     c_i, c_a = scheme.carried_inertial, scheme.carried_applied
     for i in range(plan.n):
         memory.carried[i] = c_i * terms.inertial[i] + c_a * terms.applied[i]
         for x in range(plan.n_x):
             memory.dcarried[i, x] = c_i * terms.I_x[i, x] + c_a * terms.A_x[i, x]
     if plan.n_x > 0:
-        add_product(ptr, col, c_i, terms.I_q, c_a, terms.A_q, dq, memory.dcarried)
-        add_product(ptr, col, c_a, terms.A_v, 0.0, terms.A_v, dv, memory.dcarried)
-        add_product(ptr, col, c_i, terms.I_acc, 0.0, terms.I_acc, dacc, memory.dcarried)
+        add_state_change(plan, terms, c_i, c_a, dq, dv, dacc, True, memory.dcarried)
