@@ -144,3 +144,10 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,
         )  # fmt: skip
+
+
+@kernel
+def evaluate_all(plan, functions, inputs, q, v, acc, terms, work):
+    """Residual, its derivatives by the state, and its partial derivatives by the design, in one call."""
+    evaluate(plan, functions, inputs, q, v, acc, True, terms, work)
+    evaluate_design(plan, functions, inputs, q, v, acc, terms, work)
