@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from enum import Enum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperGroup
 
-from toolkit.errors import InputError, ToolkitError
-
-if TYPE_CHECKING:
-    from toolkit.scene import Scene
+from toolkit.command_line.announcements import Kind, at_work
+from toolkit.command_line.arguments import AsJson, Changes, Method, SceneFile, design_of, prepare_folder, read
+from toolkit.command_line.inspection import describe, print_description
+from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.errors import ToolkitError
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
@@ -42,31 +42,15 @@ app = typer.Typer(
 )
 
 
-class Method(str, Enum):
-    """How gradients are computed."""
-
-    direct = "direct"
-    complex_step = "complex-step"
-    forward_difference = "forward-difference"
-    central_difference = "central-difference"
-
-
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
-Changes = Annotated[
-    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
-]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
-
-
 @app.command()
 def simulate(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
     """Integrate the scene over time and print its responses."""
     from toolkit.sensitivity.analysis import prepare, result, solve
 
     described = read(scene, changes)
-    with progress_of("time steps", "transient") as progress:
+    with at_work("time steps", described, "transient") as progress:
         solution = solve(prepare(described), "transient", progress)
-    _print_result(result(described, solution, {}, "none", solution.wall["run"], 0.0), as_json)
+    print_result(result(described, solution, {}, "none", solution.wall["run"], 0.0), as_json)
 
 
 @app.command()
@@ -75,9 +59,10 @@ def statics(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) 
     from toolkit.sensitivity.analysis import direct
 
     described = read(scene, changes)
-    with progress_of("load steps", "static") as progress:
-        found = direct(described, list(described.design), "static", progress)
-    _print_result(found, as_json)
+    names = list(described.design)
+    with at_work("load steps", described, "static", names) as progress:
+        found = direct(described, names, "static", progress)
+    print_result(found, as_json)
 
 
 @app.command()
@@ -97,13 +82,13 @@ def sensitivity(
 
     described = read(scene, changes)
     names = design_of(described, variables)
-    kind: Literal["static", "transient"] = "static" if static else "transient"
-    with progress_of("steps" if method is Method.direct else "variables", kind) as progress:
+    kind: Kind = "static" if static else "transient"
+    with at_work("steps" if method is Method.direct else "variables", described, kind, names) as progress:
         if method is Method.direct:
             found = direct(described, names, kind, progress)
         else:
             found = numerical(described, names, kind, method.value, progress)
-    _print_result(found, as_json)
+    print_result(found, as_json)
 
 
 @app.command()
@@ -114,12 +99,11 @@ def modes(
     as_json: AsJson = False,
 ) -> None:
     """Print the eigenfrequencies about the static end state."""
-    from toolkit.command_line.report import print_frequencies, print_json
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
 
     described = read(scene, changes)
-    with progress_of("load steps", "static") as progress:
+    with at_work("load steps", described, "static") as progress:
         frequencies = solve_modes(solve(prepare(described), "static", progress), count).frequencies.tolist()
     if as_json:
         print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
@@ -132,9 +116,6 @@ def inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, or a scene.")], as_json: AsJson = False
 ) -> None:
     """Print what is in a reduced model (.h5) or a scene (.toml)."""
-    from toolkit.command_line.inspection import describe, print_description
-    from toolkit.command_line.report import print_json
-
     (print_json if as_json else print_description)(describe(file))
 
 
@@ -150,57 +131,19 @@ def render(
     as_json: AsJson = False,
 ) -> None:
     """Simulate the scene and draw it at several instants into PNG files."""
-    from toolkit.command_line.report import print_json
     from toolkit.render.pictures import render_solution
+    from toolkit.render.probe import drawing_environment
     from toolkit.sensitivity.analysis import prepare, solve
 
     described = read(scene, changes)
-    with progress_of("time steps", "transient") as progress:
-        files = render_solution(solve(prepare(described), "transient", progress), output, times, width)
+    folder = prepare_folder(output)
+    drawing_environment()  # refuses a machine that cannot draw before the long work begins
+    with at_work("time steps", described, "transient") as progress:
+        files = render_solution(solve(prepare(described), "transient", progress), folder, times, width)
     if as_json:
         print_json({"files": [str(file) for file in files]})
     else:
         typer.echo("\n".join(str(file) for file in files))
-
-
-def read(path: Path, changes: list[str] | None) -> Scene:
-    """The scene with its changed values."""
-    from toolkit.scene_file import read_scene
-
-    pairs = dict(split(change) for change in changes or [])
-    return read_scene(path, pairs)
-
-
-def split(change: str) -> tuple[str, str]:
-    """Path and value of `path=value`."""
-    path, equals, value = (part.strip() for part in change.partition("="))
-    if not (path and equals and value):
-        raise typer.BadParameter(f"{change!r} is not of the form path=value, for example points.A.x=73.", param_hint="--set")
-    return path, value
-
-
-def design_of(scene: Scene, names: str | None) -> list[str]:
-    """Names of the design variables that were asked for."""
-    chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
-    if not chosen:
-        raise InputError(
-            "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
-            f"{', '.join(scene.available_paths())}."
-        )
-    return chosen
-
-
-def progress_of(title: str, kind: Literal["static", "transient"]) -> Any:
-    """Progress bar on standard error."""
-    from toolkit.command_line.announcements import at_work
-
-    return at_work(title, kind)
-
-
-def _print_result(result: Any, as_json: bool) -> None:
-    from toolkit.command_line.report import print_result
-
-    print_result(result, as_json)
 
 
 def main() -> None:

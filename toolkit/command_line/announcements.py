@@ -3,31 +3,66 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bar
 
 if TYPE_CHECKING:
     from numba.core.registry import CPUDispatcher
 
+    from toolkit.scene import Scene
+    from toolkit.system import System
+
+Kind = Literal["transient", "static"]
+Progress = Callable[[int, int], None]
+
 
 @contextmanager
-def at_work(title: str, kind: Literal["transient", "static"]) -> Iterator[Callable[[int, int], None]]:
-    """Show a bar that moves with the calls (done, in all) of the function given back; it vanishes at the end."""
+def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = ()) -> Iterator[Progress]:
+    """Show a bar that moves with the calls (done, in all) of the function given back; it vanishes at the end.
+
+    Formulas that were never compiled on this machine are compiled before, so that a run's time is that of the run.
+    """
+    from toolkit.sensitivity.analysis import prepare
+
     if not is_compiled(kernel_of(kind)):
+        system = prepare(scene, list(design))
         typer.echo("compiling the formulas for this machine, once, about a minute ...", err=True)
+        with bar("compiling"):
+            compile_formulas(system, kind)
+    with bar(title) as progress:
+        yield progress
+
+
+@contextmanager
+def bar(title: str) -> Iterator[Progress]:
+    """A bar on standard error, if that is a terminal."""
+    console = Console(stderr=True)
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title, total=None)
-        yield lambda done, total: bar.update(task, completed=done, total=total)
+    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+        task = shown.add_task(title, total=None)
+        yield lambda done, total: shown.update(task, completed=done, total=total)
 
 
-def kernel_of(kind: Literal["transient", "static"]) -> CPUDispatcher:
+def compile_formulas(system: System, kind: Kind) -> None:
+    """Compile what an analysis calls, by one equilibrium or one time step."""
+    from toolkit.solvers.statics import solve_statics
+    from toolkit.solvers.transient import simulate
+
+    options = system.scene.solver
+    if kind == "static":
+        solve_statics(system, options)
+    else:
+        simulate(system, options.model_copy(update={"end_time": options.step}))
+
+
+def kernel_of(kind: Kind) -> CPUDispatcher:
     """The compiled function that an analysis calls, with everything below it."""
     if kind == "static":
         from toolkit.equations import evaluate
@@ -40,7 +75,7 @@ def kernel_of(kind: Literal["transient", "static"]) -> CPUDispatcher:
 
 def is_compiled(kernel: CPUDispatcher) -> bool:
     """Whether numba's cache on disk, wherever it is, has an index of this function for this Python."""
-    code = kernel.py_func.__code__
+    code, folder = kernel.py_func.__code__, kernel.stats.cache_path
     name = f"{Path(code.co_filename).stem}.{code.co_qualname}-{code.co_firstlineno}"
     version = f"py{sys.version_info.major}{sys.version_info.minor}"
-    return any(Path(kernel.stats.cache_path).glob(f"{name}.{version}*.nbi"))
+    return folder is not None and any(Path(folder).glob(f"{name}.{version}*.nbi"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -72,7 +73,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
     from toolkit.sensitivity.analysis import responses_of
 
-    groups = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
+    groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},

@@ -96,11 +96,9 @@ def remarks(result: Result) -> list[str]:
         for name, response in solution.system.scene.responses.items()
         if isinstance(response, KSStress)
     ]
-    steps = f"{solution.steps} steps, " if solution.steps else ""
-    lines.append(
-        f"{steps}{solution.newton_iterations} Newton iterations; joints off by {solution.drift:.1e} of the scene's size."
-    )
-    price = f"{1e3 * result.wall_primal:.1f} ms without gradients"
+    if solution.steps:
+        lines.append(f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size.")
+    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
     return [*lines, f"{price}."]

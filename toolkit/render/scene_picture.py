@@ -52,7 +52,7 @@ def draw_overview(moments: Sequence[Configuration], look: Look, path: Path, widt
     letters, columns = width // 75, min(2, len(moments))
     rows = -(-len(moments) // columns)
     wide = (width - letters) // columns - letters
-    tall, head, foot = round(0.55 * wide), 5 * letters // 2, 5 * letters if look.thickness else letters
+    tall, head, foot = round(0.55 * wide), 5 * letters // 2, 11 * letters // 2 if look.thickness else letters
     with canvas(path, width, foot + rows * (tall + head), len(moments)) as plotter:
         for k, moment in enumerate(moments):
             row, column = divmod(k, columns)

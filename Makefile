@@ -1,0 +1,42 @@
+# make demo: everything from a fresh clone to pictures in output/. make test, make lint: what CI runs.
+PYTHON ?= python3
+VENV := .venv
+INSTALLED := $(VENV)/.installed
+BIN := $(VENV)/bin
+MODEL := models/morphing_wing
+# gmsh and off-screen pictures live on these (Debian, Ubuntu); the simulation itself needs none of them.
+LIBRARIES := libegl1 libgl1-mesa-dri libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
+CAN_DRAW := 'from toolkit.render.probe import drawing_environment; drawing_environment()'
+
+.PHONY: demo test lint libraries
+.DEFAULT_GOAL := demo
+
+demo: $(INSTALLED) libraries
+	@if $(BIN)/python -c 'import gmsh' 2>/dev/null; then echo ffrf-preprocess $(MODEL)/skin.toml; $(BIN)/ffrf-preprocess $(MODEL)/skin.toml; \
+	else echo "gmsh lacks its system libraries: no meshing, going on with the reduced model that comes with the project."; fi
+	$(BIN)/ffrf statics $(MODEL)/scene.toml
+	$(BIN)/ffrf simulate $(MODEL)/scene.toml
+	$(BIN)/ffrf sensitivity $(MODEL)/scene.toml
+	@if $(BIN)/python -c $(CAN_DRAW) 2>/dev/null; then echo ffrf render $(MODEL)/scene.toml --output output; \
+	$(BIN)/ffrf render $(MODEL)/scene.toml --output output; \
+	else echo "no pictures: $(BIN)/ffrf render $(MODEL)/scene.toml says what is missing. Everything else is done."; fi
+
+test: $(INSTALLED)
+	$(BIN)/python -m pytest -n 2
+
+lint: $(INSTALLED)
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+$(INSTALLED): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
+		|| { echo "Python 3.11 or newer is needed, $(PYTHON) is not. Try: make $(MAKECMDGOALS) PYTHON=python3.12"; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null \
+		|| { echo "$(PYTHON) cannot make an environment: on Debian and Ubuntu run: apt-get install python3-venv"; exit 1; }
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet -e '.[all]'
+	@touch $@
+
+libraries:
+	@.ci/system-libraries $(LIBRARIES)

@@ -1,0 +1,262 @@
+"""The command `ffrf`: purity and keys of its JSON, overrides, numbers of the reference scene, messages and exit codes."""
+
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from toolkit.cli import app
+from toolkit.command_line.announcements import is_compiled, kernel_of
+from toolkit.command_line.report import record_of, undefined_numbers
+from toolkit.scene_file import read_scene
+from toolkit.sensitivity.analysis import prepare, result, solve
+
+ROOT = Path(__file__).parents[1]
+SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
+MODEL = str(ROOT / "models" / "morphing_wing" / "skin.h5")
+RESPONSES = {"max_stress": "MPa", "max_stress_true": "MPa", "shape_rmse": "mm", "shape_max_error": "mm", "drive_angle": "rad"}
+VARIABLES = {"t_w", "M_t", "x_A", "y_A", "E"}
+
+CHECK_VALUES = {"max_stress_true": "56.78", "shape_rmse": "0.330", "shape_max_error": "0.564", "drive_angle": "0.503"}
+"""Printed with the reference scene; the digits are the tolerance."""
+
+
+def run(*arguments: str):
+    """Run a command in this process: exit_code, stdout, stderr."""
+    return CliRunner().invoke(app, list(arguments))
+
+
+def record(*arguments: str) -> dict:
+    """The JSON object of a command that succeeds."""
+    done = run(*arguments, "--json")
+    assert done.exit_code == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def refused(*arguments: str) -> str:
+    """Message of a command that fails as it should: exit code 1, nothing on standard output, no traceback."""
+    done = run(*arguments)
+    assert done.exit_code == 1
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    return done.stderr
+
+
+def start(*arguments: str, **options) -> subprocess.Popen:
+    """Start a command in a process of its own."""
+    command = [sys.executable, "-m", "toolkit.cli", *arguments]
+    return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
+
+
+@pytest.mark.parametrize("arguments", [("simulate",), ("statics",), ("sensitivity",), ("sensitivity", "--static")])
+def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_nothing_else(arguments):
+    process = start(arguments[0], SCENE, *arguments[1:], "--json")
+    output, errors = process.communicate()
+    assert process.returncode == 0, errors
+    found = json.loads(output)  # fails on anything before or after the object
+    assert set(found) == {"responses", "gradients", "run"}
+    assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
+    assert all(isinstance(each["value"], float) for each in found["responses"].values())
+    assert set(found["run"]) == {"method", "steps", "newton_iterations", "wall_s"}
+    assert set(found["run"]["wall_s"]) == {"primal", "sensitivity"}
+    if arguments[0] != "simulate":
+        assert set(found["gradients"]) == set(RESPONSES)
+        assert all(set(slopes) == VARIABLES for slopes in found["gradients"].values())
+        assert all(isinstance(slope, float) for slopes in found["gradients"].values() for slope in slopes.values())
+
+
+def digits(value: float, printed: str) -> str:
+    """The value with as many decimals as the printed one."""
+    return f"{value:.{len(printed.partition('.')[2])}f}"
+
+
+def test_statics_meets_the_check_values_of_the_reference_scene():
+    found = record("statics", SCENE)
+    values = {name: digits(found["responses"][name]["value"], printed) for name, printed in CHECK_VALUES.items()}
+    assert values == CHECK_VALUES
+
+
+def test_the_lowest_mode_meets_the_check_value_and_modes_ascend():
+    frequencies = record("modes", SCENE, "--count", "4")["frequencies"]
+    assert digits(frequencies["value"][0], "78") == "78"
+    assert len(frequencies["value"]) == 4
+    assert frequencies["value"] == sorted(frequencies["value"])
+
+
+def test_the_motion_ends_in_the_static_state_with_all_steps_counted():
+    found = record("simulate", SCENE)
+    assert found["run"]["steps"] == 24  # 1.2 s in steps of 0.05 s
+    assert digits(found["responses"]["drive_angle"]["value"], "0.503") == "0.503"
+
+
+@pytest.mark.parametrize("options", [(), ("--static", "--variables", "t_w,x_A")])  # static complex steps are slow: two suffice
+def test_direct_differentiation_and_complex_step_agree(options):
+    direct, judge = (record("sensitivity", SCENE, *options, "--method", method) for method in ("direct", "complex-step"))
+    assert judge["run"]["method"] == "complex-step"
+    for name, slopes in judge["gradients"].items():
+        for variable, slope in slopes.items():
+            # both are exact; what is left is round-off and the Newton tolerance
+            assert direct["gradients"][name][variable] == pytest.approx(slope, rel=1e-9), (name, variable)
+
+
+def test_differences_agree_with_direct_differentiation_to_their_own_accuracy():
+    chosen = ("--variables", "t_w,points.D.x")
+    direct = record("sensitivity", SCENE, *chosen)["gradients"]["max_stress"]
+    # relative steps of 1e-5 and 1e-6: truncation grows with the step, round-off with its inverse
+    for method, tolerance in (("central-difference", 1e-3), ("forward-difference", 1e-2)):
+        found = record("sensitivity", SCENE, *chosen, "--method", method)["gradients"]["max_stress"]
+        assert found == pytest.approx(direct, rel=tolerance)
+
+
+def test_set_changes_numbers_of_scene_model_and_solver():
+    changed = record("simulate", SCENE, "--set", "solver.step=0.1", "--set", "bodies.skin.thickness=1.6")
+    assert changed["run"]["steps"] == 12
+    slope = record("sensitivity", SCENE, "--variables", "t_w")["gradients"]["drive_angle"]["t_w"]
+    moved = changed["responses"]["drive_angle"]["value"] - record("simulate", SCENE)["responses"]["drive_angle"]["value"]
+    assert moved == pytest.approx(0.1 * slope, rel=0.2)  # the curvature over 7 % of the thickness
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("points.Q.x=3", "there is no 'Q'; possible here: A, B, D, C, E, G"),
+        ("points.A.z=3", "possible here: x, y"),
+        ("bodies.body2.area=-3", "bodies.body2.area: .* greater than 0"),
+        ("loads.drive.torque=much", "loads.drive.torque: .* number"),
+        ("solver.stepp=0.1", "solver.stepp: unknown key, did you mean 'step'"),
+        ("solver.step=5", "solver.step = 5 is larger than solver.end_time"),
+    ],
+)
+def test_a_wrong_change_is_refused_with_what_would_be_right(change, message):
+    assert re.search(message, refused("simulate", SCENE, "--set", change))
+
+
+def test_a_change_without_a_value_is_a_usage_error():
+    done = run("simulate", SCENE, "--set", "points.A.x")
+    assert done.exit_code == 2
+    assert "path=value" in done.stderr
+
+
+def test_a_missing_scene_is_named():
+    assert "there is no scene file 'nowhere.toml'" in refused("statics", "nowhere.toml")
+
+
+def test_an_unknown_variable_lists_the_available_ones():
+    message = refused("sensitivity", SCENE, "--variables", "t_w,chord")
+    assert "unknown design variable 'chord'; short names of the scene: t_w, M_t, x_A, y_A, E" in message
+    assert "bodies.skin.thickness" in message
+
+
+def test_an_empty_list_of_variables_lists_the_available_ones():
+    assert "bodies.skin.thickness" in refused("sensitivity", SCENE, "--variables", ",")
+
+
+def test_an_unknown_method_is_a_usage_error_that_lists_the_methods():
+    done = run("sensitivity", SCENE, "--method", "adjoint")
+    assert done.exit_code == 2
+    assert "complex-step" in done.stderr
+
+
+def test_tables_for_people_hold_values_gradients_and_the_distance_of_the_smooth_maximum():
+    done = run("sensitivity", SCENE)
+    assert done.exit_code == 0
+    for text in (*RESPONSES, *VARIABLES, "MPa", "at most ln(n)/rho", "Newton iterations", "24 steps"):
+        assert text in done.stdout
+
+
+def test_a_number_that_does_not_exist_is_null_and_named():
+    scene = read_scene(SCENE)
+    solution = solve(prepare(scene), "static")
+    slopes = {name: {"t_w": np.nan if name == "shape_rmse" else 1.0} for name in RESPONSES}
+    found = result(scene, solution, slopes, "direct", 0.0, 0.0)
+    assert undefined_numbers(found) == ["the derivative of shape_rmse by t_w"]
+    assert record_of(found)["gradients"]["shape_rmse"] == {"t_w": None}
+
+
+def test_inspect_shows_a_reduced_model_with_units_parameters_interfaces_and_derivatives():
+    found = record("inspect", MODEL)
+    assert found["units"] == "mm-t-s"
+    assert found["parameters"]["thickness"] == {"value": 1.5, "unit": "mm"}
+    assert found["sizes"]["elastic coordinates"] == 90
+    assert found["sizes"]["stress points"] == 120
+    assert found["interfaces"]["G"]["arc_length"] == pytest.approx(291.551, abs=5e-4)  # stated with the scene, to its digits
+    assert "stiffness" in found["derivatives"]["youngs_modulus"]
+    assert len(found["input_hash"]) == 64
+    text = run("inspect", MODEL).stdout
+    for part in ("ffrf-reduced-model, version", "thickness: value 1.5, unit mm", "gmsh", "no derivative by the arc length"):
+        assert part in text
+
+
+def test_inspect_shows_the_paths_of_a_scene():
+    found = record("inspect", SCENE)
+    assert found["design"]["t_w"] == {"path": "bodies.skin.thickness", "value": 1.5}
+    assert found["paths"]["points.A.x"] == 72.5
+    assert found["responses"]["max_stress"] == {"type": "ks-stress", "unit": "MPa"}
+
+
+def test_inspect_refuses_what_is_neither(tmp_path):
+    foreign = tmp_path / "skin.h5"
+    foreign.write_text("no HDF5")
+    assert "not an HDF5 file" in refused("inspect", str(foreign))
+    assert "there is no reduced model" in refused("inspect", str(tmp_path / "none.h5"))
+
+
+def test_render_refuses_a_file_as_its_folder_before_it_simulates(tmp_path):
+    occupied = tmp_path / "output"
+    occupied.write_text("")
+    assert "cannot be made a folder" in refused("render", SCENE, "--output", str(occupied))
+
+
+def test_help_and_start_import_nothing_heavy():
+    heavy = {"numba", "scipy", "h5py", "pyvista", "matplotlib", "gmsh", "preprocessing"}
+    code = f"import sys, toolkit.cli; print(*sorted({heavy} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == []
+
+
+def test_simulate_imports_no_drawing():
+    code = (
+        f"import sys; from toolkit.cli import app; app(['modes', {SCENE!r}], standalone_mode=False); print(sorted(sys.modules))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert "'numba'" in done.stdout
+    for heavy in ("pyvista", "vtk", "matplotlib", "gmsh", "preprocessing"):
+        assert f"'{heavy}'" not in done.stdout
+
+
+def test_code_that_is_not_compiled_yet_is_recognised(tmp_path):
+    code = (
+        "from toolkit.command_line.announcements import is_compiled, kernel_of;"
+        "print(*(is_compiled(kernel_of(kind)) for kind in ('static', 'transient')))"
+    )
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "False"]
+    solve(prepare(read_scene(SCENE)), "transient")
+    assert is_compiled(kernel_of("transient"))
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
+def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
+    code = "import os, signal, toolkit.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT); c.main()"
+    command = [sys.executable, "-c", code, "statics", SCENE]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 128 + signal.SIGINT
+    assert done.stderr == "interrupted.\n"
+
+
+def test_paths_of_models_start_at_the_scene_not_at_the_working_directory(tmp_path, monkeypatch):
+    for file in (SCENE, MODEL):
+        shutil.copy(file, tmp_path)
+    monkeypatch.chdir("/")
+    assert record("inspect", str(tmp_path / "scene.toml"))["units"] == "mm-t-s"
+    (tmp_path / "skin.h5").unlink()
+    assert "there is no reduced model" in refused("statics", str(tmp_path / "scene.toml"))

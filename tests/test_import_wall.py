@@ -1,0 +1,105 @@
+"""Who may import whom: the runtime never sees preprocessing or meshing, and inside the runtime arrows run one way."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FORBIDDEN = ("preprocessing", "gmsh", "meshio", "skfem")
+PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
+SHARED = ("toolkit.reduced_model", "toolkit.errors", "toolkit.units")
+
+LAYERS = [
+    ("errors", "kernel", "planar", "units", "design", "sparse_lu", "dense_lu"),
+    ("description", "run_options", "reduced_model"),
+    ("point", "component", "bodies", "joints", "loads"),
+    ("scene",),
+    ("scene_file", "numbering", "pattern", "quantities", "plan", "equations", "system"),
+    ("solution", "solvers"),
+    ("sensitivity", "responses"),
+    ("studies",),
+    ("render", "inspect"),
+    ("cli", "command_line"),
+]
+"""Modules of the toolkit in the order of the arrows: each may import from its own layer and the layers before it."""
+MAY_LOOK_AHEAD = {
+    ("toolkit.scene_file", "toolkit.responses"),  # a scene file names its responses; importing the catalogue makes them known
+}
+
+
+def modules(package: str) -> dict[str, Path]:
+    """Dotted name to file of every module of a package."""
+    found = {}
+    for path in sorted((ROOT / package).rglob("*.py")):
+        parts = path.relative_to(ROOT).with_suffix("").parts
+        found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+def imports(path: Path) -> set[str]:
+    """Everything that a file imports, at its top or inside of functions."""
+    found: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{path} uses a relative import"
+            found |= {f"{node.module}.{alias.name}" for alias in node.names} | {str(node.module)}
+    return found
+
+
+def belongs(name: str, packages: tuple[str, ...]) -> bool:
+    return any(name == package or name.startswith(package + ".") for package in packages)
+
+
+def layer(module: str) -> int:
+    part = module.split(".")[1]
+    found = [k for k, names in enumerate(LAYERS) if part in names]
+    assert found, f"{module} is in no layer: add toolkit/{part} to LAYERS in {Path(__file__).name}"
+    return found[0]
+
+
+TOOLKIT, PREPROCESSING = modules("toolkit"), modules("preprocessing")
+
+
+def test_importing_the_runtime_loads_no_preprocessing_and_no_pictures():
+    names = [name for name in TOOLKIT if not belongs(name, ("toolkit.render",))]
+    code = "import importlib, sys\n" + "".join(f"importlib.import_module({name!r})\n" for name in names)
+    code += "print(*sorted({name.split('.')[0] for name in sys.modules}))"
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    loaded = set(run.stdout.split())
+    assert "toolkit" in loaded
+    assert not loaded & {*FORBIDDEN, *PICTURES}
+
+
+@pytest.mark.parametrize("name", TOOLKIT)
+def test_the_runtime_never_imports_preprocessing(name):
+    wrong = [found for found in imports(TOOLKIT[name]) if belongs(found, FORBIDDEN)]
+    if not belongs(name, ("toolkit.render",)):
+        wrong += [found for found in imports(TOOLKIT[name]) if belongs(found, PICTURES)]
+    assert not wrong
+
+
+@pytest.mark.parametrize("name", PREPROCESSING)
+def test_preprocessing_imports_only_the_reduced_model_of_the_runtime(name):
+    assert not [found for found in imports(PREPROCESSING[name]) if belongs(found, ("toolkit",)) and not belongs(found, SHARED)]
+
+
+@pytest.mark.parametrize("name", [name for name in TOOLKIT if "." in name])
+def test_arrows_inside_the_runtime_run_one_way(name):
+    known = (*TOOLKIT, "toolkit")
+    for found in sorted(imports(TOOLKIT[name])):
+        target = found if found in known else found.rpartition(".")[0]
+        if target in TOOLKIT and "." in target and not any(name == a and belongs(target, (b,)) for a, b in MAY_LOOK_AHEAD):
+            assert layer(target) <= layer(name), f"{name} imports {target} from a later layer"
+
+
+def test_only_the_runtime_modules_named_here_are_shared_with_preprocessing():
+    for name in SHARED:
+        needed = {found for found in imports(TOOLKIT[name]) if belongs(found, ("toolkit",))}
+        assert all(belongs(found, SHARED) for found in needed), f"{name} pulls {needed} into preprocessing"

@@ -1,0 +1,102 @@
+"""Fitted orders of the integration schemes, in states, multipliers and sensitivities, on a double pendulum in full swing."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from toolkit.bodies.rigid import Rod
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.point import Point
+from toolkit.run_options import Baumgarte, RunOptions
+from toolkit.scene import Scene
+from toolkit.solvers.transient import simulate
+from toolkit.system import System, compile_scene
+
+DURATION, SAMPLES = 0.8, 20
+STEPS = (400, 800, 1600)
+DESIGN = ["points.A.x", "points.B.y", "bodies.lower.density", "loads.gravity.acceleration.y"]
+QUANTITIES = ("q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")
+SECOND = 0.1
+"""Tolerance of a fitted order: what the next power of the step, 0.8 / 400 against a time scale of 0.1, still contributes."""
+
+
+@pytest.fixture(scope="module")
+def system() -> System:
+    scene = Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)},
+        bodies={"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": Rod(between=("A", "B"), area=1.0, density=1.5)},
+        joints={
+            "O": Revolute(bodies=("upper", "ground"), point="O"),
+            "A": Revolute(bodies=("upper", "lower"), point="A"),
+        },
+        loads={"gravity": Gravity(acceleration=(0.0, -9.81))},
+    )
+    return compile_scene(scene, DESIGN)
+
+
+def samples(system: System, steps: int, **options) -> list[np.ndarray]:
+    """All quantities at the same few times."""
+    # Newton's error has to stay below the smallest error of the scheme, 1e-6
+    run = simulate(system, RunOptions(end_time=DURATION, step=DURATION / steps, tolerance=1e-13, **options))
+    return [getattr(run, name)[:: steps // SAMPLES] for name in QUANTITIES]
+
+
+@pytest.fixture(scope="module")
+def reference(system) -> list[np.ndarray]:
+    """Two fine runs, extrapolated: their own error is 1e-9."""
+    coarse, fine = samples(system, 6400, rho_inf=1.0), samples(system, 12800, rho_inf=1.0)
+    return [b + (b - a) / 3 for a, b in zip(coarse, fine, strict=True)]
+
+
+def orders(system: System, reference: list[np.ndarray], **options) -> dict[str, float]:
+    """Fitted order of every quantity, after the start (which is exact)."""
+    errors = [
+        [np.abs(ours - exact)[1:].max() for ours, exact in zip(samples(system, n, **options), reference, strict=True)]
+        for n in STEPS
+    ]
+    return dict(zip(QUANTITIES, -np.polyfit(np.log(STEPS), np.log(errors), 1)[0], strict=True))
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8, 1.0])
+def test_arnold_bruels_is_of_second_order_for_every_rho_inf(system, reference, rho_inf):
+    for name, order in orders(system, reference, scheme="arnold-bruels", rho_inf=rho_inf).items():
+        assert order == pytest.approx(2.0, abs=SECOND), name
+
+
+def test_the_papers_weighting_is_of_second_order_for_rho_inf_one(system, reference):
+    for name, order in orders(system, reference, scheme="paper", rho_inf=1.0).items():
+        assert order == pytest.approx(2.0, abs=SECOND), name
+
+
+@pytest.mark.parametrize("rho_inf", [0.5, 0.8])
+def test_the_papers_weighting_is_of_first_order_for_smaller_rho_inf(system, reference, rho_inf):
+    for name, order in orders(system, reference, scheme="paper", rho_inf=rho_inf).items():
+        assert 0.9 <= order < 1.1, name
+
+
+def test_constant_baumgarte_parameters_keep_the_order(system, reference):
+    options = {"rho_inf": 0.5, "baumgarte": Baumgarte(damping=20.0, stiffness=20.0)}
+    for name, order in orders(system, reference, scheme="arnold-bruels", **options).items():
+        assert order == pytest.approx(2.0, abs=SECOND), name
+
+
+@pytest.mark.parametrize("scheme", ["paper", "arnold-bruels"])
+def test_sensitivities_are_exact_at_every_step_size(scheme):
+    """They differentiate the discrete equations: a complex step of the whole run agrees however coarse the step is."""
+    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)}
+    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": Rod(between=("A", "B"), area=1.0, density=1.5)}
+    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
+    loads = {"gravity": Gravity(acceleration=(0.0, -9.81))}
+    scene = Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads=loads)
+    options = RunOptions(end_time=0.8, step=0.05, scheme=scheme, rho_inf=0.5, tolerance=1e-13)
+    run = simulate(compile_scene(scene, DESIGN), options)
+    for x, path in enumerate(DESIGN):
+        stepped = simulate(compile_scene(scene.with_number(path, scene.number(path) + 1e-30j)), options)
+        for name in ("q", "v", "a", "multipliers"):
+            exact = getattr(stepped, name).imag / 1e-30
+            ours = getattr(run, f"d{name}")[..., x]
+            # round-off, multiplied by the condition of the multipliers' equations
+            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")

@@ -1,0 +1,284 @@
+"""Pictures: what is drawn has the numbers of the solution, and a machine without OpenGL gets a message instead of a crash."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toolkit.render.probe as probe
+from toolkit.bodies.rigid import Rod
+from toolkit.errors import InputError, ToolkitError
+from toolkit.joints.revolute import Revolute
+from toolkit.loads.gravity import Gravity
+from toolkit.point import Point
+from toolkit.render.configuration import Configuration, joints_by_place
+from toolkit.render.curves import shape_errors, stress_range
+from toolkit.render.labels import label_places
+from toolkit.render.look import choose_look
+from toolkit.render.panel import Window, multiples, tick_step
+from toolkit.render.pictures import chosen_steps, render_solution
+from toolkit.render.probe import RenderError, drawing, drawing_environment
+from toolkit.render.skin_shape import skin_shape
+from toolkit.responses.shape_error import ShapeRMS
+from toolkit.responses.stress import MaxStress, stress_field
+from toolkit.scene import Scene
+from toolkit.scene_file import read_scene
+from toolkit.solution import Solution
+from toolkit.system import compile_scene
+
+SCENE = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
+WIDTH = 700
+
+
+def rest(scene, steps):
+    """A solution that stays in the undeformed state."""
+    system = compile_scene(scene)
+    q = np.tile(system.start()[0][: system.n_q], (steps + 1, 1))
+    zero, none = np.zeros_like(q), np.zeros((*q.shape, 0))
+    multipliers = np.zeros((steps + 1, system.n - system.n_q))
+    times = np.linspace(0, 1, steps + 1)
+    return Solution(system, times, q, zero, zero, multipliers, none, none, none, np.zeros((*multipliers.shape, 0)))
+
+
+@pytest.fixture(scope="module")
+def wing():
+    """The wing in made-up states, which need no solver: the skin grows towards its target, the rods stay where they are."""
+    solution = rest(read_scene(SCENE), 4)
+    model = solution.system.scene.model("skin.h5", "shape")
+    where = solution.coordinates("skin")
+    position = model.shape.position.reshape(-1, model.n_f + 1)
+    elastic = np.linalg.lstsq(position[:, 1:], model.shape.target.ravel() - position[:, 0], rcond=None)[0]
+    solution.q[:, where] = 0.9 * solution.times[:, None] * elastic
+    return solution
+
+
+def pendulum(steps=0):
+    """A scene without flexible bodies."""
+    scene = Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.0)},
+        bodies={"rod": Rod(between=("O", "P"), area=1e-4, density=1e3)},
+        joints={name: Revolute(bodies=("rod", "ground"), point="O") for name in ("pivot", "twin|name")},
+        loads={"gravity": Gravity(acceleration=(0.0, -9.81))},
+    )
+    return rest(scene, steps)
+
+
+@pytest.fixture(scope="module")
+def opengl():
+    """Skip where no picture can be drawn, and say why."""
+    try:
+        drawing_environment()
+    except RenderError as error:
+        pytest.skip(f"OpenGL is missing: {error}")
+
+
+def image(path):
+    """Pixels of a picture, (height, width, channels)."""
+    from PIL import Image
+
+    with Image.open(path) as opened:
+        return np.asarray(opened)
+
+
+def distinct_colors(pixels):
+    return len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0))
+
+
+def test_every_instant_the_overview_and_the_curves_are_written(opengl, wing, tmp_path):
+    files = render_solution(wing, tmp_path / "new", instants=[0.5, 1.0], width=WIDTH)
+    assert [file.name for file in files] == ["step-2.png", "step-4.png", "overview.png", "curves.png"]
+    assert sorted(files) == sorted((tmp_path / "new").iterdir())  # no temporary file is left
+    for file in files:
+        pixels = image(file)
+        assert pixels.shape[1] == WIDTH
+        assert distinct_colors(pixels) > 100  # a colour bar and smoothed lines; an empty sheet has one
+    assert not np.array_equal(image(files[0]), image(files[1]))
+
+
+def test_a_scene_without_flexible_bodies_is_drawn_in_one_picture(opengl, tmp_path):
+    files = render_solution(pendulum(), tmp_path, width=WIDTH)
+    assert [file.name for file in files] == ["step-0.png"]
+    assert distinct_colors(image(files[0])) > 20  # a shaded tube on white
+
+
+def test_an_interrupted_picture_leaves_the_old_one(opengl, wing, tmp_path, monkeypatch):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    (tmp_path / "step-4.png").write_bytes(b"old")
+    import toolkit.render.scene_picture
+
+    monkeypatch.setattr(toolkit.render.scene_picture, "draw_instant", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        render_solution(wing, tmp_path, instants=[1.0], width=WIDTH)
+    assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"old"]
+
+
+def test_drawn_stress_has_the_range_of_the_response(wing):
+    from toolkit.render import parts
+
+    moment = Configuration(wing, 4)
+    drawn = parts.skin(skin_shape(moment, "skin"), 1.5, "stress", 0.0).point_data["stress"]
+    largest = MaxStress(body="skin", when="end").value(wing)
+    smallest = stress_field(wing, "skin")[0][-1].min()
+    np.testing.assert_allclose([drawn.min(), drawn.max()], [smallest, largest], rtol=1e-12)  # round-off of the interpolation
+    np.testing.assert_allclose(stress_range(wing, "skin")[4], [smallest, largest], rtol=1e-12)
+    assert largest <= choose_look(wing, [4]).stress_limit < 2 * max(largest, -smallest)
+
+
+def test_drawn_line_passes_through_the_nodes(wing):
+    model = wing.system.scene.model("skin.h5", "mesh")
+    elastic = wing.q[4, wing.coordinates("skin")]
+    nodes = (model.mesh.recovery @ np.append(1.0, elastic)).reshape(-1, 3)[:, :2]
+    line = skin_shape(Configuration(wing, 4), "skin").line
+    np.testing.assert_allclose(line[:, 0], nodes[:-1], atol=1e-10)  # mm, round-off of coordinates of 100 mm
+    np.testing.assert_allclose(line[:, -1], nodes[1:], atol=1e-10)
+
+
+def test_drawn_line_stays_an_arc_under_a_rigid_rotation_of_the_nodes():
+    """A small rotation by eps moves every point of the line by eps times its distance; the elements represent it exactly."""
+    from toolkit.reduced_model import Mesh
+    from toolkit.render.skin_shape import _displacement
+
+    nodes = np.array([[0.0, 0.0], [2.0, 1.0], [3.0, 3.0]])
+    mesh = Mesh(nodes, np.array([[0, 1], [1, 2]]), np.zeros((9, 1)), nodes, nodes)
+    nodal = 1e-3 * np.column_stack([-nodes[:, 1], nodes[:, 0], np.ones(3)])
+    moved, turned = _displacement(mesh, nodal)
+    ratio = np.linspace(0, 1, moved.shape[1])[:, None]
+    straight = nodes[:-1, None] * (1 - ratio) + nodes[1:, None] * ratio
+    np.testing.assert_allclose(moved, 1e-3 * np.stack([-straight[..., 1], straight[..., 0]], axis=2), atol=1e-15)  # round-off
+    np.testing.assert_allclose(turned, 1e-3, rtol=1e-12)
+
+
+def test_outer_fibre_lies_outside(wing):
+    shape = skin_shape(Configuration(wing, 0), "skin")
+    nose = np.unravel_index(np.argmin(shape.line[..., 0]), shape.line.shape[:2])
+    assert shape.outward[nose][0] < -0.99  # the outside of the foremost point is ahead
+    np.testing.assert_allclose(np.linalg.norm(shape.outward, axis=2), 1, rtol=1e-12)
+
+
+def test_curve_of_the_shape_error_ends_at_the_response(wing):
+    rms = np.sqrt((shape_errors(wing, "skin")[-1] ** 2).mean())
+    assert rms == pytest.approx(ShapeRMS(body="skin").value(wing), rel=1e-12)  # the same sum in another order
+
+
+def test_points_of_a_turned_rod_turn_about_its_centre():
+    solution = pendulum()
+    solution.q[0] = [0.0, 0.5, np.pi / 2]
+    moment = Configuration(solution, 0)
+    np.testing.assert_allclose(moment.segments("rod"), [[[0, 0], [0, 1]]], atol=1e-15)  # round-off of cos(pi / 2)
+    np.testing.assert_array_equal(moment.ground_points(), [[0, 0]])
+
+
+def test_joints_at_one_place_share_a_label():
+    assert [name for _, name in joints_by_place(Configuration(pendulum(), 0), 1e-6)] == ["pivot, twin|name"]
+
+
+def test_labels_keep_clear_of_lines_and_of_each_other():
+    wall = np.column_stack([np.full(200, 100.0), np.linspace(0, 200, 200)])
+    points = np.array([[100.0, 100.0], [100.0, 110.0]])
+    places = label_places(points, ["one", "two"], wall, 10.0, np.array([200.0, 200.0]))
+    half_width = 10.0  # (0.3 * 3 + 0.1) letters of 10 pixels
+    assert np.all(np.abs(places[:, 0] - 100) > half_width)
+    assert np.any(np.abs(places[0] - places[1]) > [2 * half_width, 10.0])
+
+
+def test_window_holds_all_points_at_the_wanted_aspect():
+    window = Window.around(np.array([[0.0, 0.0], [2.0, 1.0]]), 1.0, 0.1)
+    assert np.all(window.contains(np.array([[0.0, 0.0], [2.0, 1.0]])))
+    assert window.size[0] == pytest.approx(window.size[1])
+    assert window.size[0] == pytest.approx(2.4)
+
+
+def test_ticks_are_round_numbers():
+    assert [tick_step(least) for least in (0.9, 1.1, 13.0, 0.03)] == pytest.approx([1, 2, 20, 0.05])
+    np.testing.assert_array_equal(multiples(-3.0, 10.0, 5.0), [0.0, 5.0])
+
+
+def test_instants_are_the_nearest_steps_each_once(wing):
+    assert chosen_steps(wing, None) == [1, 2, 3, 4]
+    assert chosen_steps(wing, [1.0, 0.24, 0.26]) == [1, 4]
+    assert chosen_steps(pendulum(), None) == [0]
+
+
+def test_an_instant_outside_the_solution_is_refused(wing):
+    with pytest.raises(InputError, match=r"t = 1\.5: the solution runs from 0 to 1"):
+        chosen_steps(wing, [1.5])
+
+
+@pytest.fixture
+def no_screen(monkeypatch):
+    """A Linux machine without a screen, whatever this one is."""
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("DISPLAY", raising=False)
+    monkeypatch.delenv(probe.VARIABLE, raising=False)
+
+
+def missing(monkeypatch):
+    """Let the trial look for libraries that do not exist; the rest of it is real."""
+    monkeypatch.setattr(probe, "LIBRARIES", {"vtkEGLRenderWindow": "libEGL-absent.so.1"})
+
+
+def test_missing_library_is_an_error_that_names_the_debian_packages(no_screen, monkeypatch, wing, tmp_path):
+    missing(monkeypatch)
+    with pytest.raises(RenderError, match="libEGL-absent") as caught:
+        render_solution(wing, tmp_path / "pictures", width=WIDTH)
+    assert "apt-get install libegl1 libgl1-mesa-dri" in str(caught.value)
+    assert isinstance(caught.value, ToolkitError)
+    assert not (tmp_path / "pictures").exists()
+
+
+def test_crash_of_the_trial_is_an_error_and_not_a_crash(no_screen, monkeypatch):
+    monkeypatch.setattr(probe, "_TRIAL", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)")
+    with pytest.raises(RenderError, match=r"crashed with signal 11.*libegl1 libgl1-mesa-dri"):
+        drawing_environment()
+
+
+def test_empty_trial_picture_is_an_error(no_screen, monkeypatch):
+    monkeypatch.setattr(probe, "_TRIAL", "import sys; sys.exit('the picture is empty')")
+    with pytest.raises(RenderError, match="the picture is empty"):
+        drawing_environment()
+
+
+def test_endless_trial_is_an_error(no_screen, monkeypatch):
+    monkeypatch.setattr(probe, "_TRIAL", "import time; time.sleep(60)")
+    monkeypatch.setattr(probe, "_PATIENCE", 0.1)
+    with pytest.raises(RenderError, match=r"no picture after 0\.1 s"):
+        drawing_environment()
+
+
+def test_missing_pyvista_is_an_error_that_names_the_extra(monkeypatch):
+    monkeypatch.setattr(probe, "find_spec", lambda name: None)
+    with pytest.raises(RenderError, match=r"pip install 'ffrf-toolkit\[render\]'"):
+        drawing_environment()
+
+
+@pytest.mark.parametrize("display", [None, ":7"])
+def test_trial_runs_in_a_subprocess_and_prefers_the_screen(no_screen, monkeypatch, display):
+    seen = []
+
+    def run(command, **options):
+        seen.append((command, options["env"].get(probe.VARIABLE)))
+        return subprocess.CompletedProcess(command, 0, "", "")
+
+    monkeypatch.setattr(probe.subprocess, "run", run)
+    if display:
+        monkeypatch.setenv("DISPLAY", display)
+    window = None if display else "vtkEGLRenderWindow"
+    with drawing():
+        assert probe.os.environ.get(probe.VARIABLE) == window
+    assert probe.VARIABLE not in probe.os.environ  # the choice is for this task only
+    assert [(command[0], chosen) for command, chosen in seen] == [(sys.executable, window)]
+
+
+def test_first_window_that_works_is_taken(no_screen, monkeypatch):
+    monkeypatch.setattr(probe, "_trial", lambda tried: None if "OSOpenGL" in tried[probe.VARIABLE] else "no")
+    assert drawing_environment() == {probe.VARIABLE: "vtkOSOpenGLRenderWindow"}
+
+
+def test_importing_the_pictures_does_not_import_pyvista():
+    command = "import sys, toolkit.render.pictures; sys.exit('pyvista' in sys.modules or 'matplotlib' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", command], cwd=SCENE.parents[2], check=False).returncode == 0

@@ -1,0 +1,72 @@
+"""What a user writes on the command line: the scene, its changed values, the names of variables and methods."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from toolkit.errors import InputError
+
+if TYPE_CHECKING:
+    from toolkit.scene import Scene
+
+
+class Method(StrEnum):
+    """How gradients are computed."""
+
+    direct = "direct"
+    complex_step = "complex-step"
+    forward_difference = "forward-difference"
+    central_difference = "central-difference"
+
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
+Changes = Annotated[
+    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+
+
+def read(path: Path, changes: list[str] | None) -> Scene:
+    """The scene with its changed values."""
+    from toolkit.scene_file import read_scene
+
+    pairs = dict(split(change) for change in changes or [])
+    return read_scene(path, pairs)
+
+
+def split(change: str) -> tuple[str, str]:
+    """Path and value of `path=value`."""
+    path, equals, value = (part.strip() for part in change.partition("="))
+    if not (path and equals and value):
+        raise typer.BadParameter(f"{change!r} is not of the form path=value, for example points.A.x=73.", param_hint="--set")
+    return path, value
+
+
+def design_of(scene: Scene, names: str | None) -> list[str]:
+    """Names of the design variables that were asked for."""
+    chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
+    if not chosen:
+        raise InputError(
+            "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
+            f"{', '.join(scene.available_paths())}."
+        )
+    return chosen
+
+
+def prepare_folder(path: Path) -> Path:
+    """Make the folder that results go to, before anything long begins.
+
+    Raises
+    ------
+    InputError
+        It cannot be made, or it is a file.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be made a folder ({error.strerror}). Give another with --output.") from error
+    return path
