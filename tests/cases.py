@@ -22,10 +22,10 @@ from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.point import BodyPoint, Point
+from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.scene import Scene
 
 SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)

@@ -9,16 +9,15 @@ import pytest
 
 from tests.cases import CASES, SINE, Case, write_models
 from toolkit.bodies.rigid import Rigid
+from toolkit.compilation.plan import families
+from toolkit.compilation.quantities import loads_of
 from toolkit.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.joints.driver import PositionDriver
 from toolkit.joints.joint import Joint, PointJoint
-from toolkit.joints.joint_kernel import SIGNATURE
-from toolkit.kernel import family, plain
+from toolkit.kernel import kernel, plain
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
-from toolkit.compilation.plan import families
 from toolkit.point import Point
-from toolkit.compilation.quantities import loads_of
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.solvers.transient import simulate
@@ -178,7 +177,7 @@ def test_inertia_forces_are_those_of_lagrange(case, directory):
     np.testing.assert_allclose(M, M.T, rtol=0, atol=1e-14)
 
 
-@family(SIGNATURE)
+@kernel
 def parabola(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = d_y - p d_x^2, d = r_a - r_b."""
     d_x, rate = z[0] - z[3], w[0] - w[3]
@@ -241,6 +240,8 @@ def test_a_component_without_formula_cannot_be_created(base):
 def test_two_components_of_one_kind_share_one_family(directory):
     case = next(case for case in CASES if case.kind is PositionDriver)
     scene = case.scene(directory)
-    twice = scene.model_copy(update={"joints": {**scene.joints, "again": scene.joints["component"].model_copy(update={"curve": SINE})}})
+    twice = scene.model_copy(
+        update={"joints": {**scene.joints, "again": scene.joints["component"].model_copy(update={"curve": SINE})}}
+    )
     assert len(families(list(twice.joints.values()))) == 1
     check_state_derivatives(twice)

@@ -77,7 +77,13 @@ def test_moving_a_point_moves_everything_that_hangs_on_it():
 
 def test_paths_reach_every_number_also_those_of_the_reduced_model():
     paths = wing_in_python().available_paths()
-    for path in ("points.A.x", "loads.drive.torque", "loads.drive.curve.duration", "bodies.skin.thickness", "points.C.arc_length"):
+    for path in (
+        "points.A.x",
+        "loads.drive.torque",
+        "loads.drive.curve.duration",
+        "bodies.skin.thickness",
+        "points.C.arc_length",
+    ):
         assert path in paths
     assert wing_in_python().number("bodies.skin.thickness") == 1.5
 

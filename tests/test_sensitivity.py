@@ -10,8 +10,8 @@ from toolkit.errors import InputError
 from toolkit.joints.distance import Distance
 from toolkit.joints.revolute import Revolute
 from toolkit.point import Point
-from toolkit.responses.motion import Rotation
 from toolkit.reduced_model_file import save
+from toolkit.responses.motion import Rotation
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene

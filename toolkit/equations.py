@@ -147,7 +147,8 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
 
 
 @kernel
-def evaluate_all(plan, functions, inputs, q, v, acc, terms, work):
-    """Residual, its derivatives by the state, and its partial derivatives by the design, in one call."""
+def evaluate_all(plan, functions, inputs, q, v, acc, design, terms, work):
+    """Residual, its derivatives by the state and, if `design`, its partial derivatives by the design, in one call."""
     evaluate(plan, functions, inputs, q, v, acc, True, terms, work)
-    evaluate_design(plan, functions, inputs, q, v, acc, terms, work)
+    if design:
+        evaluate_design(plan, functions, inputs, q, v, acc, terms, work)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from types import FunctionType
 from typing import Any
 
@@ -15,12 +17,31 @@ from numba.core.types.function_type import CompileResultWAP
 
 from toolkit.errors import InputError
 
-kernel = numba.njit(cache=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
-"""Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels.
 
-Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of the
-step loop and halves the time to compile it.
-"""
+def kernel(function: Callable) -> CPUDispatcher:
+    """Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels.
+
+    Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
+    the step loop and halves the time to compile it.
+    """
+    dispatcher = numba.njit(function, cache=True, error_model="numpy", _nrt=False)
+    if isinstance(dispatcher, CPUDispatcher):
+        file = dispatcher._cache._cache_file
+        file._source_stamp = (file._source_stamp, formulas_stamp())
+    return dispatcher
+
+
+@cache
+def formulas_stamp() -> str:
+    """Hash of all files with kernels.
+
+    Compiled code holds copies of the kernels it calls, while numba looks only at a kernel's own file to see whether its code on disk is
+    still good; with this stamp an edit of any formula compiles all of them anew.
+    """
+    files = sorted(Path(__file__).parent.rglob("*.py"))
+    texts = [text for text in (file.read_bytes() for file in files) if b"kernel" in text]
+    return sha256(b"".join(texts)).hexdigest()
+
 
 SLOTS = 8
 """Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene, and small,
@@ -34,11 +55,6 @@ def copy(source, target):
         target[i] = source[i]
 
 
-def family(signature: Any) -> Callable[[Callable], CPUDispatcher]:
-    """Decorator of a formula that the loop receives as an argument: all formulas of one signature are interchangeable."""
-    return numba.njit(signature, cache=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
-
-
 def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
     """The functions as the fixed-length tuple of one type that the compiled loop accepts."""
     if len(functions) > SLOTS:
@@ -48,6 +64,8 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
         )
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        for function in functions:
+            function.compile(signature)
         wrapped = [CompileResultWAP(function.get_compile_result(signature)) for function in functions]
     return tuple((wrapped * SLOTS)[:SLOTS])
 

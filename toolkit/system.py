@@ -14,7 +14,7 @@ from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
 from toolkit.design import Design
-from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate, evaluate_all
+from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
 from toolkit.kernel import call, plain, slots
@@ -70,10 +70,8 @@ class System:
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-        if design and self.n_x:
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, terms, work)
-        else:
-            self.run(evaluate, self.plan, self.functions, inputs, q, v, acc, True, terms, work)
+        design = design and self.n_x > 0
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, design, terms, work)
         return terms
 
     def matrix(self, values: np.ndarray) -> csr_array:

@@ -12,9 +12,7 @@ def chain(n: int, step: float = 1e-3, steps: int = 200) -> Scene:
     """`n` rods of 1 m between revolute joints, let go from the horizontal; its points and densities are design variables."""
     names = [f"P{k}" for k in range(n + 1)]
     bodies = {f"rod{k}": Rod(between=(names[k], names[k + 1]), area=1e-4, density=7800.0) for k in range(n)}
-    joints = {
-        f"J{k}": Revolute(bodies=(f"rod{k}", f"rod{k - 1}" if k else "ground"), point=names[k]) for k in range(n)
-    }
+    joints = {f"J{k}": Revolute(bodies=(f"rod{k}", f"rod{k - 1}" if k else "ground"), point=names[k]) for k in range(n)}
     return Scene(
         units="m-kg-s",
         points={name: Point(x=float(k), y=0.0) for k, name in enumerate(names)},

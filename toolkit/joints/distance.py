@@ -10,11 +10,10 @@ from pydantic import model_validator
 from toolkit.component import Skeleton
 from toolkit.description import Positive
 from toolkit.joints.joint import Joint
-from toolkit.joints.joint_kernel import SIGNATURE
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 
 
-@family(SIGNATURE)
+@kernel
 def distance(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = (d . d / L - L) / 2 with d = r_a - r_b and L the first parameter; its multiplier is the rod's force."""
     length = z[6]

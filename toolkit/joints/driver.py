@@ -9,14 +9,13 @@ from pydantic import field_validator
 
 from toolkit.component import Skeleton
 from toolkit.joints.joint import PointJoint
-from toolkit.joints.joint_kernel import SIGNATURE
 from toolkit.joints.slider import AlongAxis, offset_along
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 from toolkit.planar import unit_vector
 from toolkit.profile import Curve, is_smooth
 
 
-@family(SIGNATURE)
+@kernel
 def relative_angle(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = angle_a - angle_b."""
     phi[0] = z[2] - z[5]

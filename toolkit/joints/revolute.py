@@ -6,11 +6,10 @@ from typing import Any
 
 from toolkit.component import Skeleton
 from toolkit.joints.joint import PointJoint
-from toolkit.joints.joint_kernel import SIGNATURE
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 
 
-@family(SIGNATURE)
+@kernel
 def revolute(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = r_a - r_b."""
     for i in range(2):

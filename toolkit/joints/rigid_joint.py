@@ -6,12 +6,11 @@ from typing import Any
 
 from toolkit.component import Skeleton
 from toolkit.joints.joint import PointJoint
-from toolkit.joints.joint_kernel import SIGNATURE
 from toolkit.joints.revolute import revolute
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 
 
-@family(SIGNATURE)
+@kernel
 def rigid(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = [r_a - r_b, angle_a - angle_b]."""
     revolute(z, w, phi, phi_z, phi_zz, phi_zww)

@@ -10,12 +10,11 @@ from pydantic import field_validator
 from toolkit.component import Skeleton
 from toolkit.description import Pair
 from toolkit.joints.joint import PointJoint
-from toolkit.joints.joint_kernel import SIGNATURE
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 from toolkit.planar import unit_vector
 
 
-@family(SIGNATURE)
+@kernel
 def offset_along(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = [e . d, angle_a - angle_b] with d = r_a - r_b, e = A(angle_b) (p_0, p_1), e' = J e, e'' = -e; J = [[0,-1],[1,0]]."""
     c, s = np.cos(z[5]), np.sin(z[5])

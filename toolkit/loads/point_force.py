@@ -8,13 +8,13 @@ import numpy as np
 
 from toolkit.component import Skeleton
 from toolkit.description import Pair
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 from toolkit.loads.load import Load
-from toolkit.loads.load_kernel import CURVE, SIGNATURE
+from toolkit.loads.load_kernel import CURVE
 from toolkit.profile import Constant, Curve
 
 
-@family(SIGNATURE)
+@kernel
 def point_force(z, w, force, force_z, force_w):
     """f_a = s A(k angle_a) (p_0, p_1), k = p_2: 0 for a force fixed in space, 1 for one that follows the body."""
     follow = z[8]

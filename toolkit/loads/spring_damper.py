@@ -8,12 +8,11 @@ import numpy as np
 from pydantic import FiniteFloat, NonNegativeFloat, model_validator
 
 from toolkit.component import Skeleton
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 from toolkit.loads.load import Load
-from toolkit.loads.load_kernel import SIGNATURE
 
 
-@family(SIGNATURE)
+@kernel
 def spring_damper(z, w, force, force_z, force_w):
     """f_a = -T e = -f_b, T = k (l - l_0) + c l', d = r_a - r_b, l = |d|, e = d / l, (k, c, l_0) = parameters.
 
@@ -45,7 +44,7 @@ def spring_damper(z, w, force, force_z, force_w):
                     force_w[row, column] = -sign * (1 - 2 * other) * c * e_i * e_j
 
 
-@family(SIGNATURE)
+@kernel
 def rotational_spring_damper(z, w, force, force_z, force_w):
     """torque_a = -k (angle_a - angle_b - angle_0) - c (angle_a - angle_b)' = -torque_b, (k, c, angle_0) = parameters."""
     angle, rate = z[2] - z[5] - z[8], w[2] - w[5]

@@ -7,13 +7,13 @@ from typing import Any
 from pydantic import FiniteFloat
 
 from toolkit.component import Skeleton
-from toolkit.kernel import family
+from toolkit.kernel import kernel
 from toolkit.loads.load import Load
-from toolkit.loads.load_kernel import CURVE, SIGNATURE
+from toolkit.loads.load_kernel import CURVE
 from toolkit.profile import Constant, Curve
 
 
-@family(SIGNATURE)
+@kernel
 def torque(z, w, force, force_z, force_w):
     """f = [0, 0, M s, 0, 0, -M s] with the torque M and the curve's value s."""
     force[2], force[5] = z[6] * z[CURVE], -z[6] * z[CURVE]
