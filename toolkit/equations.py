@@ -147,8 +147,8 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
 
 
 @kernel
-def evaluate_all(plan, functions, inputs, q, v, acc, design, terms, work):
-    """Residual, its derivatives by the state and, if `design`, its partial derivatives by the design, in one call."""
-    evaluate(plan, functions, inputs, q, v, acc, True, terms, work)
+def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, work):
+    """Residual; if `linearize` its derivatives by the state; if `design` its partial derivatives by the design."""
+    evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work)
     if design:
         evaluate_design(plan, functions, inputs, q, v, acc, terms, work)

@@ -62,12 +62,15 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
             f"the scene uses {len(functions)} different kinds of joints or of loads, at most {SLOTS} are possible. "
             "Unite kinds that differ only in a parameter."
         )
+    return tuple(([first_class(function, signature) for function in functions] * SLOTS)[:SLOTS])
+
+
+def first_class(function: CPUDispatcher, signature: Any) -> CompileResultWAP:
+    """A kernel compiled for one signature, as an argument for other kernels: they are compiled without its code."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        for function in functions:
-            function.compile(signature)
-        wrapped = [CompileResultWAP(function.get_compile_result(signature)) for function in functions]
-    return tuple((wrapped * SLOTS)[:SLOTS])
+        function.compile(signature)
+        return CompileResultWAP(function.get_compile_result(signature))
 
 
 def call(function: Callable, *arguments: Any) -> Any:

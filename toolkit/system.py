@@ -17,7 +17,7 @@ from toolkit.design import Design
 from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
-from toolkit.kernel import call, plain, slots
+from toolkit.kernel import call, first_class, plain, slots
 from toolkit.linear.sparse_lu import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
@@ -71,8 +71,12 @@ class System:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
         design = design and self.n_x > 0
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, design, terms, work)
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, design, terms, work)
         return terms
+
+    def evaluator(self) -> Any:
+        """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
+        return first_class(evaluate_all, evaluate_all.nopython_signatures[-1]) if self.compiled else plain(evaluate_all)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""

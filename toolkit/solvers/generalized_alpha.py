@@ -4,7 +4,7 @@ Per step: predict, iterate to convergence, then (with design variables) solve wi
 derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
 """
 
-from toolkit.equations import Inputs, evaluate, evaluate_design
+from toolkit.equations import Inputs
 from toolkit.kernel import copy, kernel
 from toolkit.linear.linear_solver import factorize
 from toolkit.solvers.newton import CONVERGED, newton, newton_matrix
@@ -17,42 +17,41 @@ least its factors still serve: one refinement with the converged Jacobian square
 
 
 @kernel
-def begin(plan, functions, inputs, scheme, history, memory):
+def begin(evaluator, plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
     for i in range(plan.n_q):
         memory.aux[i] = history.acc[0, i]
         for x in range(plan.n_x):
             memory.daux[i, x] = history.dacc[0, i, x]
     if scheme.carried_applied != 0:
-        evaluate(plan, functions, inputs, history.q[0], history.v[0], history.acc[0], True, memory.terms, memory.work)
-        if plan.n_x > 0:
-            evaluate_design(plan, functions, inputs, history.q[0], history.v[0], history.acc[0], memory.terms, memory.work)
+        q, v, acc = history.q[0], history.v[0], history.acc[0]
+        evaluator(plan, functions, inputs, q, v, acc, True, plan.n_x > 0, memory.terms, memory.work)
         carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
 
 
 @kernel
-def refresh(plan, functions, inputs, scheme, q, v, acc, correction, memory):
+def refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, correction, memory):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
     Returns whether the factors belong to the Jacobian.
     """
     relinearize = plan.n_x > 0 and correction > REUSED
-    if relinearize or scheme.carried_applied != 0:
-        evaluate(plan, functions, inputs, q, v, acc, relinearize, memory.terms, memory.work)
+    if plan.n_x > 0 or scheme.carried_applied != 0:
+        evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize:
         newton_matrix(scheme, memory.terms, memory.jacobian)
         if correction > SHARP:
             factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    if plan.n_x > 0:
-        evaluate_design(plan, functions, inputs, q, v, acc, memory.terms, memory.work)
     return not relinearize
 
 
 @kernel
-def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolerance, most, first, last, history, memory, outcome):
+def integrate(
+    evaluator, plan, functions, curves, curves_x, levels, scheme, weights, tolerance, most, first, last, history, memory, outcome
+):
     """Steps first ... last - 1; step n goes from time n to n + 1. Stops at the first step that fails."""
     if first == 0:
-        begin(plan, functions, Inputs(curves[0], curves_x[0], 1.0, levels), scheme, history, memory)
+        begin(evaluator, plan, functions, Inputs(curves[0], curves_x[0], 1.0, levels), scheme, history, memory)
     carries = scheme.carried_applied != 0
     for step in range(first, last):
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels)
@@ -69,11 +68,13 @@ def integrate(plan, functions, curves, curves_x, levels, scheme, weights, tolera
         )
         copy(history.acc[step], acc)
         outcome.counts[1] = step
-        outcome.counts[0] = newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome)
+        outcome.counts[0] = newton(
+            evaluator, plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome
+        )
         outcome.counts[4] += outcome.counts[2]
         if outcome.counts[0] != CONVERGED:
             return
-        fresh = refresh(plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
+        fresh = refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
         if plan.n_x > 0:
             sensitivity_step(plan, scheme, history, step, fresh, memory)
         advance_auxiliary(scheme, history.acc[step], acc, plan.n_q, memory.aux)

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from toolkit.equations import evaluate
 from toolkit.kernel import kernel
 from toolkit.linear.linear_solver import factorize, solve_checked
 
@@ -30,7 +29,7 @@ def is_finite(vector):
 
 
 @kernel
-def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
+def newton(evaluator, plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
     """Iterate on [a; lam] until a correction moves nothing by more than the tolerance, or than round-off; returns the status."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
     terms, n_q = memory.terms, plan.n_q
@@ -38,7 +37,7 @@ def newton(plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc,
         q[i] = memory.q_predicted[i] + c_q * acc[i]
         v[i] = memory.v_predicted[i] + c_v * acc[i]
     for iteration in range(most):
-        evaluate(plan, functions, inputs, q, v, acc, True, terms, memory.work)
+        evaluator(plan, functions, inputs, q, v, acc, True, False, terms, memory.work)
         newton_matrix(scheme, terms, memory.jacobian)
         for i in range(plan.n):
             total = scheme.weight_inertial * terms.inertial[i] + scheme.weight_applied * terms.applied[i]

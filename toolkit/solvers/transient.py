@@ -66,7 +66,7 @@ def simulate(
     for first in range(0, len(times) - 1, PIECE):
         last = min(first + PIECE, len(times) - 1)
         system.run(
-            integrate, system.plan, system.functions, curves, curves_x, levels, scheme, system.weights, options.tolerance,
+            integrate, system.evaluator(), system.plan, system.functions, curves, curves_x, levels, scheme, system.weights, options.tolerance,
             options.max_iterations, first, last, history, memory, outcome,
         )  # fmt: skip
         if outcome.counts[0] != CONVERGED:
