@@ -22,8 +22,8 @@ def add_frame_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v)
         I_acc[at[2 * w + k]] += mixed
     spin, rate = 0 * nx, 0 * nx
     for i in range(1 + n):
-        spin += hat(q, frame, i, 1) * work.products[0, i]
-        rate += hat(q, frame, i, 1) * work.products[1, i]
+        spin += hat(q, frame, i, 1.0) * work.products[0, i]
+        rate += hat(q, frame, i, 1.0) * work.products[1, i]
     I_acc[at[2 * w + 2]] += spin
     I_q[at[2]] += -nx * alpha - ay
     I_q[at[w + 2]] += -ny * alpha + ax

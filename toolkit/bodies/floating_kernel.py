@@ -74,15 +74,15 @@ def multiply_block(part, block, q, v, acc, work):
     for i in range(1 + n):
         for k in range(2):
             moment = part.moment[part.moment_start[block] + i, k]
-            work.first[0, k] += moment * hat(q, frame, i, 1)
-            work.first[1, k] += moment * hat(v, frame, i, 0)
-            work.first[2, k] += moment * hat(acc, frame, i, 0)
+            work.first[0, k] += moment * hat(q, frame, i, 1.0)
+            work.first[1, k] += moment * hat(v, frame, i, 0.0)
+            work.first[2, k] += moment * hat(acc, frame, i, 0.0)
     for k in range(3):
         x, y = work.first[k, 0], work.first[k, 1]
         work.first[k, 0], work.first[k, 1] = c * x - s * y, s * x + c * y
     for e in range(part.entry_start[block], part.entry_start[block + 1]):
         i, k = part.entry_row[e], part.entry_column[e]
-        z, dz, ddz = hat(q, frame, k, 1), hat(v, frame, k, 0), hat(acc, frame, k, 0)
+        z, dz, ddz = hat(q, frame, k, 1.0), hat(v, frame, k, 0.0), hat(acc, frame, k, 0.0)
         for j, factor in enumerate((z, dz, ddz)):
             work.products[j, i] += part.inertia[e] * factor
             work.products[3 + j, i] += part.gyroscopic[e] * factor
@@ -102,7 +102,7 @@ def add_block_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied
     applied[frame + 1] += -omega * omega * ny + 2 * omega * dx - m * g_y
     spin, coupling, rate = 0 * x, 0 * x, 0 * x
     for i in range(1 + n):
-        z = hat(q, frame, i, 1)
+        z = hat(q, frame, i, 1.0)
         spin += z * work.products[0, i]
         coupling += z * work.products[5, i]
         rate += z * work.products[1, i]

@@ -33,10 +33,10 @@ def store_design(state, d, frame, q, v, acc, u, du, ddu):
         return
     c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
     omega, alpha = v[frame + 2], acc[frame + 2]
-    rotated(state.y_x[d], c, s, 1, u[0], u[1])
+    rotated(state.y_x[d], c, s, 1.0, u[0], u[1])
     state.y_x[d, 2] = u[2]
-    rotate_sum(state.rate_x[d], c, s, 0, u, omega, u)
-    rotate_sum(state.acceleration_x[d], c, s, 0, u, alpha, u)
+    rotate_sum(state.rate_x[d], c, s, 0.0, u, omega, u)
+    rotate_sum(state.acceleration_x[d], c, s, 0.0, u, alpha, u)
     for i in range(2):
         state.rate_x[d, i] += (c * du[0] - s * du[1]) if i == 0 else (s * du[0] + c * du[1])
         state.acceleration_x[d, i] += (c * ddu[0] - s * ddu[1]) if i == 0 else (s * ddu[0] + c * ddu[1])

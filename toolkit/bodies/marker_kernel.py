@@ -108,23 +108,23 @@ def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     turn = first + 2
     for i in range(2):
         state.B[first + i, i] = 1
-    turned(state.B[turn], c, s, 1, u[0], u[1])
+    turned(state.B[turn], c, s, 1.0, u[0], u[1])
     state.B[turn, 2] = 1
     for k in range(turn + 1, last):
         x, y = markers.shape[k, 0], markers.shape[k, 1]
-        rotated(state.B[k], c, s, 1, x, y)
+        rotated(state.B[k], c, s, 1.0, x, y)
         state.B[k, 2] = markers.shape[k, 2]
         turned(state.B_v[k], c, s, omega, x, y)
         turned(state.B_a[k], c, s, alpha, x, y)
         rotated(state.b_q[k], c, s, -omega * omega, x, y)
-    rotate_sum(state.B_v[turn], c, s, -omega, u, 1, du)
-    rotate_sum(state.B_a[turn], c, s, -alpha, u, 1, ddu)
+    rotate_sum(state.B_v[turn], c, s, -omega, u, 1.0, du)
+    rotate_sum(state.B_a[turn], c, s, -alpha, u, 1.0, ddu)
     rotate_sum(state.centripetal[m], c, s, -omega * omega, u, 2 * omega, du)
     turned(state.b_q[turn], c, s, -omega * omega, u[0], u[1])
     state.b_q[turn, 0] -= 2 * omega * (c * du[0] - s * du[1])
     state.b_q[turn, 1] -= 2 * omega * (s * du[0] + c * du[1])
-    rotated(state.y[m], c, s, 1, u[0], u[1])
-    rotate_sum(state.rate[m], c, s, 0, u, 0, du)
+    rotated(state.y[m], c, s, 1.0, u[0], u[1])
+    rotate_sum(state.rate[m], c, s, 0.0, u, 0.0, du)
     for i in range(2):
         state.y[m, i] += q[frame + i]
     state.y[m, 2] = q[frame + 2] + u[2]

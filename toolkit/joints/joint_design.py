@@ -18,7 +18,7 @@ def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curv
             y, rate, acceleration, centripetal = state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d]
             direction_rows(joints, j, 3 * side, 3, y, rate, acceleration, centripetal, levels, work)
             add_direction(joints, j, markers, state, 3 * side, 3, y, markers.design_variable[d], work, I_x, A_x)
-            add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], 1, c, s, I_x)
+            add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], 1.0, c, s, I_x)
     y, still = work.unit[0], work.unit[1]
     for d in range(joints.design_start[j], joints.design_start[j + 1]):
         y[0] = joints.design_value[d]
@@ -41,4 +41,4 @@ def add_direction(joints, j, markers, state, first, size, y, x, work, I_x, A_x):
     if joints.curved[j]:
         direction_force(first, size, y, work)
         for side in range(2):
-            add_force(markers, state, joints.marker[j, side], work.dforce[3 * side : 3 * side + 3], 1, I_x[:, x])
+            add_force(markers, state, joints.marker[j, side], work.dforce[3 * side : 3 * side + 3], 1.0, I_x[:, x])

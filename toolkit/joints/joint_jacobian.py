@@ -68,7 +68,7 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
             if joints.curved[j]:
                 direction_force(3 * side, 3, state.B[k], work)
                 curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q)
-        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1, position, n, side * n_a, I_q)
+        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1.0, position, n, side * n_a, I_q)
 
 
 @kernel

@@ -132,5 +132,5 @@ def joint_residual(joints, j, markers, state, curves, levels, work, inertial, ap
     if joints.curve[j] >= 0:
         f = curves[joints.curve[j]]
         applied[row + joints.n_rows[j] - 1] -= k2 * f[2] + k1 * f[1] + k0 * f[0]
-    add_force(markers, state, a, work.force[:3], 1, inertial)
-    add_force(markers, state, b, work.force[3:6], 1, inertial)
+    add_force(markers, state, a, work.force[:3], 1.0, inertial)
+    add_force(markers, state, b, work.force[3:6], 1.0, inertial)

@@ -76,7 +76,7 @@ def evaluate_load(functions, loads, k, state, curves, scale, work):
 def load_residual(loads, k, markers, state, work, applied):
     """- B^T f."""
     for side in range(2):
-        add_force(markers, state, loads.marker[k, side], work.force[3 * side : 3 * side + 3], -1, applied)
+        add_force(markers, state, loads.marker[k, side], work.force[3 * side : 3 * side + 3], -1.0, applied)
 
 
 @kernel
@@ -105,7 +105,7 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
                 for c in range(3):
                     work.rateforce[i] += work.force_w[i, 3 * side + c] * state.B[column, c]
             load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_v)
-        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], -1, position, n, side * n_a, A_q)
+        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], -1.0, position, n, side * n_a, A_q)
 
 
 @kernel
@@ -130,7 +130,7 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             direction_force(work, 3 * side, state.y_x[d], state.rate_x[d])
             add_both(loads, k, markers, state, work.dforce, A_x[:, markers.design_variable[d]])
-            add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], -1, c, s, A_x)
+            add_force_design(markers, state, m, d, work.force[3 * side : 3 * side + 3], -1.0, c, s, A_x)
     for d in range(loads.design_start[k], loads.design_start[k + 1]):
         for i in range(6):
             work.dforce[i] = work.force_z[i, 6 + loads.design_parameter[d]] * loads.design_value[d]
@@ -146,4 +146,4 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
 def add_both(loads, k, markers, state, force, residual):
     """residual -= B^T force, on both markers."""
     for side in range(2):
-        add_force(markers, state, loads.marker[k, side], force[3 * side : 3 * side + 3], -1, residual)
+        add_force(markers, state, loads.marker[k, side], force[3 * side : 3 * side + 3], -1.0, residual)
