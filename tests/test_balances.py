@@ -58,7 +58,9 @@ def balance(inv, q: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, float, float
     lever, relative = A @ TILDE @ inv.first_moment @ z, A @ inv.first_moment @ z_rate
     momentum = inv.mass * v[:2] + omega * lever + relative
     spin = lever @ v[:2] + omega * z @ inv.inertia @ z + z @ inv.gyroscopic @ z_rate
-    kinetic = (v[:2] @ momentum + omega * spin + v[:2] @ relative + z_rate @ inv.inertia @ z_rate + omega * z @ inv.gyroscopic @ z_rate) / 2
+    kinetic = (
+        v[:2] @ momentum + omega * spin + v[:2] @ relative + z_rate @ inv.inertia @ z_rate + omega * z @ inv.gyroscopic @ z_rate
+    ) / 2
     return momentum, q[0] * momentum[1] - q[1] * momentum[0] + spin, kinetic + q[3:] @ inv.stiffness @ q[3:] / 2
 
 
@@ -81,7 +83,9 @@ def test_a_free_tumbling_vibrating_skin_conserves_momentum_angular_momentum_and_
     steps, errors = [1600, 3200, 6400], []
     for count in steps:
         solution = run(system, count, v=v)
-        p, spin, energy = map(np.array, zip(*(balance(invariants, *state) for state in zip(solution.q, solution.v, strict=True)), strict=True))
+        p, spin, energy = map(
+            np.array, zip(*(balance(invariants, *state) for state in zip(solution.q, solution.v, strict=True)), strict=True)
+        )
         drift = np.abs(p - p[0]).max() / np.linalg.norm(p[0]), np.ptp(spin) / abs(spin[0]), np.ptp(energy) / energy[0]
         errors.append(drift)
     strain = solution.q[:, 3:] @ invariants.stiffness * solution.q[:, 3:]
@@ -98,10 +102,17 @@ def test_gravity_changes_momentum_by_impulse_and_energy_by_work(invariants):
     steps, errors = [1600, 3200], []
     for count in steps:
         solution = run(system, count, v=v)
-        p, _, energy = map(np.array, zip(*(balance(invariants, *state) for state in zip(solution.q, solution.v, strict=True)), strict=True))
+        p, _, energy = map(
+            np.array, zip(*(balance(invariants, *state) for state in zip(solution.q, solution.v, strict=True)), strict=True)
+        )
         height = np.array([center(invariants, q) for q in solution.q]) @ g
         impulse = invariants.mass * np.outer(solution.times, g)
-        errors.append((np.abs(p - p[0] - impulse).max() / np.linalg.norm(impulse[-1]), np.ptp(energy - invariants.mass * height) / energy[0]))
+        errors.append(
+            (
+                np.abs(p - p[0] - impulse).max() / np.linalg.norm(impulse[-1]),
+                np.ptp(energy - invariants.mass * height) / energy[0],
+            )
+        )
     assert np.all(np.array(errors[-1]) < 3e-5)  # second order in the step, as without gravity
     assert np.all(rates(steps, errors) > 1.7)
 
@@ -136,7 +147,9 @@ def test_linear_vibration_with_rho_inf_one_keeps_its_energy_to_round_off(tmp_pat
     solution = run(system, 400, 0.4, v)
     kinetic = np.einsum("ti,ij,tj->t", solution.v, inv.inertia[1:, 1:], solution.v) / 2
     energy = kinetic + np.einsum("ti,ij,tj->t", solution.q, inv.stiffness, solution.q) / 2
-    np.testing.assert_allclose(energy, energy[0], rtol=1e-7)  # the Newton tolerance 1e-10, times the stiffest frequency over the lowest
+    np.testing.assert_allclose(
+        energy, energy[0], rtol=1e-7
+    )  # the Newton tolerance 1e-10, times the stiffest frequency over the lowest
 
 
 def rigid_energy(solution: Solution, masses: list[tuple[float, float]]) -> np.ndarray:

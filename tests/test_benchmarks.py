@@ -225,7 +225,9 @@ EXACT = 1e-9
 """Beam elements are exact for forces at nodes; condition of the stiffness 1e6 times round-off."""
 
 
-def straight(directory: Path, elements: int, frame: str = "grounded", joints: dict | None = None, loads: dict | None = None) -> Scene:
+def straight(
+    directory: Path, elements: int, frame: str = "grounded", joints: dict | None = None, loads: dict | None = None
+) -> Scene:
     """A beam of 1 m along x; points 'root', 'middle', 'tip'; grounded at its root, or with a moving frame and joints."""
     nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
     return structure(directory, nodes, frame, joints or {}, loads or {})
@@ -333,7 +335,11 @@ def test_axial_frequencies_converge_to_those_of_a_bar(tmp_path):
 def test_a_quarter_arch_of_straight_elements_converges_with_second_order(tmp_path, direction):
     known = np.array(KNOWN[f"quarter_arch_tip_disp_for_unit_{direction}"])
     force = {"Fx": (1.0, 0.0), "Fy": (0.0, 1.0)}
-    loads = {"tip": PointForce(body="beam", point="tip", force=force[direction]) if direction in force else Torque(body="beam", point="tip", torque=1.0)}
+    loads = {
+        "tip": PointForce(body="beam", point="tip", force=force[direction])
+        if direction in force
+        else Torque(body="beam", point="tip", torque=1.0)
+    }
     errors = []
     for elements in (16, 32):
         u = displacement(structure(tmp_path, quarter(elements), "grounded", {}, loads))[-1]
