@@ -1,4 +1,4 @@
-"""One list of all joints and loads, each as a small scene in a configuration without symmetries; a new component is one new line."""
+"""One list of all joints and loads, each as a small scene without symmetries; a new component is one new line."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def points(bodies: dict[str, Any]) -> dict[str, Any]:
 
 
 def write_models(directory: Path) -> None:
-    """The flexible body of all cases: a damped, bent beam whose numbers are of order one, gripped inside an element and at its end."""
+    """The flexible body of all cases: a damped, bent beam with numbers of order one, gripped inside an element and at its end."""
     nodes = np.array([[0.0, 0.0], [0.6, 0.1], [1.0, 0.5], [1.1, 1.2]])
     length = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
     section = Section(youngs_modulus=1.2, density=0.9, thickness=0.3, width=0.8)

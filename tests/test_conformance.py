@@ -237,6 +237,12 @@ def test_a_component_without_formula_cannot_be_created(base):
         type("Forgetful", (base,), {"kind": "test-forgetful", "__module__": __name__})
 
 
+def test_a_refused_component_cannot_be_named_in_a_scene_file():
+    with pytest.raises(TypeError, match="no `formula`"):
+        type("Refused", (Joint,), {"kind": "test-refused", "__module__": __name__})
+    assert "test-refused" not in Joint.kinds
+
+
 def test_two_components_of_one_kind_share_one_family(directory):
     case = next(case for case in CASES if case.kind is PositionDriver)
     scene = case.scene(directory)

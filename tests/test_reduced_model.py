@@ -1,0 +1,240 @@
+"""The reduced-model file: nothing is lost, nothing is read in vain, and nothing wrong is accepted."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import fields, replace
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from toolkit.errors import InputError, ModelFileError
+from toolkit.reduced_model import PARTS, Invariants, ReducedModel, load
+
+SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.h5"
+
+
+@pytest.fixture
+def path(tmp_path) -> Path:
+    """A copy of the skin, to be damaged."""
+    return Path(shutil.copy(SKIN, tmp_path / "skin.h5"))
+
+
+@pytest.fixture(scope="module")
+def model() -> ReducedModel:
+    return load(SKIN)
+
+
+def equal(one, other) -> bool:
+    """Equality through all levels of dataclasses, dictionaries and arrays."""
+    if isinstance(one, np.ndarray):
+        return one.dtype == other.dtype and np.array_equal(one, other)
+    if isinstance(one, dict):
+        return list(one) == list(other) and all(equal(one[key], other[key]) for key in one)
+    if hasattr(one, "__dataclass_fields__"):
+        return all(equal(getattr(one, f.name), getattr(other, f.name)) for f in fields(one) if f.compare)
+    return one == other
+
+
+def test_saving_and_loading_loses_nothing(model, tmp_path):
+    model.save(tmp_path / "copy.h5")
+    again = load(tmp_path / "copy.h5")
+    for item in fields(ReducedModel):
+        if item.compare:
+            assert equal(getattr(model, item.name), getattr(again, item.name)), item.name
+
+
+def test_a_saved_file_depends_on_its_content_alone(model, tmp_path):
+    for name in ("one.h5", "two.h5"):
+        model.save(tmp_path / name)
+    assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "two.h5").read_bytes()
+
+
+def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
+    """Bytes read from datasets: what the equations need is a small part of the file."""
+    read: list[tuple[str, int]] = []
+    original = h5py.Dataset.__getitem__
+
+    def counted(dataset, arguments):
+        value = original(dataset, arguments)
+        read.append((dataset.name, np.asarray(value).nbytes))
+        return value
+
+    monkeypatch.setattr(h5py.Dataset, "__getitem__", counted)
+    small = load(SKIN, ())
+    lean = sum(size for _, size in read)
+    assert {name.split("/")[1] for name, _ in read} == {"invariants"}
+    assert all(getattr(small, part) is None for part in PARTS if part != "invariants")
+    read.clear()
+    assert load(SKIN, ("interfaces",)).mesh is None
+    assert {name.split("/")[1] for name, _ in read} == {"invariants", "interfaces"}
+    read.clear()
+    load(SKIN)
+    assert {name.split("/")[1] for name, _ in read} >= set(PARTS) - {"derivatives"}
+    assert lean < 0.5 * sum(size for _, size in read)
+
+
+def test_an_interrupted_write_leaves_the_old_file_and_no_rest(model, tmp_path, monkeypatch):
+    target = tmp_path / "skin.h5"
+    model.save(target)
+    before = target.read_bytes()
+
+    def full_disk(*_args, **_kwargs):
+        raise OSError("no space left on device")
+
+    monkeypatch.setattr(h5py.Group, "create_dataset", full_disk)
+    with pytest.raises(OSError, match="no space left"):
+        model.save(target)
+    assert target.read_bytes() == before
+    assert [item.name for item in tmp_path.iterdir()] == ["skin.h5"]
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(ModelFileError, match=r"there is no reduced model .*absent\.h5.*ffrf-preprocess"):
+        load(tmp_path / "absent.h5")
+
+
+def test_a_folder_or_a_text_is_no_model(tmp_path):
+    (tmp_path / "text.h5").write_text("x, y\n1, 2\n")
+    for path in (tmp_path / "text.h5", tmp_path):
+        with pytest.raises(ModelFileError, match=r"(?s)cannot be read as a reduced model.*not an HDF5 file.*Build it again"):
+            load(path)
+
+
+@pytest.mark.parametrize("part", [0.01, 0.5, 0.9, 0.999])
+def test_a_truncated_file_is_damaged(path, part):
+    content = path.read_bytes()
+    path.write_bytes(content[: int(part * len(content))])
+    with pytest.raises(ModelFileError, match=r"skin\.h5.*damaged"):
+        load(path)
+
+
+def test_a_file_with_flipped_bytes_raises_no_foreign_error(path):
+    """Anything but a model or a ModelFileError would leave a user alone with the error of a library."""
+    content, rng = path.read_bytes(), np.random.default_rng(5)
+    for _ in range(40):
+        damaged = bytearray(content)
+        for place in rng.integers(0, len(content), 20):
+            damaged[place] ^= 0xFF
+        path.write_bytes(bytes(damaged))
+        try:
+            load(path)
+        except ModelFileError as error:
+            assert "skin.h5" in str(error)  # noqa: PT017 (a model that survives is as welcome)
+
+
+def test_a_foreign_hdf5_file_is_recognised(tmp_path):
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["data"] = np.arange(3)
+    with pytest.raises(
+        ModelFileError, match=r"other\.h5' is an HDF5 file but not a reduced model: its attribute 'schema' is None"
+    ):
+        load(tmp_path / "other.h5")
+
+
+def test_another_schema_version_names_both(path):
+    with h5py.File(path, "a") as file:
+        file.attrs["schema_version"] = 99
+    with pytest.raises(ModelFileError, match=r"schema version 99, this program reads version 1"):
+        load(path)
+
+
+@pytest.mark.parametrize(
+    "name", ["invariants", "invariants/mass", "interfaces/C/position", "stress/fibre", "affine/inertia/exponents"]
+)
+def test_a_missing_group_or_dataset_is_named(path, name):
+    with h5py.File(path, "a") as file:
+        del file[name]
+    with pytest.raises(ModelFileError, match=rf"{name.split('/')[-1]}.*Build it again"):
+        load(path)
+
+
+@pytest.mark.parametrize("name", ["nominal", "nominal_units", "writers"])
+def test_a_missing_table_of_attributes_is_named(path, name):
+    with h5py.File(path, "a") as file:
+        del file[name]
+    with pytest.raises(ModelFileError, match=rf"{name}.*Build it again"):
+        load(path)
+
+
+@pytest.mark.parametrize("name", ["dimension", "units", "reference_condition", "basis", "input_hash"])
+def test_a_missing_attribute_is_named(path, name):
+    with h5py.File(path, "a") as file:
+        del file.attrs[name]
+    with pytest.raises(ModelFileError, match=rf"{name}"):
+        load(path)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("name", ["invariants/stiffness", "interfaces/E/rotation", "shape/target", "mesh/nodes"])
+def test_values_that_are_not_finite_are_refused(path, name, value):
+    with h5py.File(path, "a") as file:
+        file[name][(0,) * file[name].ndim] = value
+    with pytest.raises(ModelFileError, match=rf"{name} holds values that are not finite"):
+        load(path)
+
+
+def with_invariant(model: ReducedModel, **changes) -> ReducedModel:
+    return replace(model, invariants=replace(model.invariants, **changes))
+
+
+@pytest.mark.parametrize(
+    ("name", "word"), [("inertia", "not symmetric"), ("gyroscopic", "not antisymmetric"), ("stiffness", "not symmetric")]
+)
+def test_asymmetric_matrices_are_refused(model, tmp_path, name, word):
+    matrix = getattr(model.invariants, name).copy()
+    matrix[3, 4] += 1e-3 * np.abs(matrix).max()
+    with pytest.raises(ModelFileError, match=rf"invariants/{name} is {word}"):
+        with_invariant(model, **{name: matrix}).save(tmp_path / "wrong.h5")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_indefinite_mass_is_refused_on_loading_too(model, path):
+    with h5py.File(path, "a") as file:
+        inertia = file["invariants/inertia"][()]
+        inertia[5, 5] *= -1
+        file["invariants/inertia"][...] = inertia
+    with pytest.raises(ModelFileError, match=r"indefinite mass matrix: the basis duplicates a rigid motion"):
+        load(path)
+
+
+def test_a_basis_that_contains_a_rigid_motion_is_refused(model, tmp_path):
+    """An elastic coordinate that translates the whole body along x duplicates the frame."""
+    inv = model.invariants
+    first, inertia, gyroscopic = inv.first_moment.copy(), inv.inertia.copy(), inv.gyroscopic.copy()
+    first[:, 1] = [inv.mass, 0]
+    inertia[1], gyroscopic[1] = inv.first_moment[0], inv.first_moment[1]
+    inertia[:, 1] = inertia[1]
+    gyroscopic[:, 1] = -gyroscopic[1]
+    inertia[1, 1], gyroscopic[1, 1] = inv.mass, 0
+    with pytest.raises(ModelFileError, match="duplicates a rigid motion"):
+        with_invariant(model, first_moment=first, inertia=inertia, gyroscopic=gyroscopic).save(tmp_path / "wrong.h5")
+
+
+@pytest.mark.parametrize("name", [f.name for f in fields(Invariants)])
+def test_wrong_shapes_are_refused(model, tmp_path, name):
+    wrong = np.concatenate([np.atleast_1d(getattr(model.invariants, name))] * 2, axis=-1)
+    with pytest.raises(ModelFileError, match=r"invariants/\w+ has shape"):
+        with_invariant(model, **{name: wrong}).save(tmp_path / "wrong.h5")
+
+
+def test_an_unknown_parameter_lists_those_that_exist(model):
+    with pytest.raises(InputError, match=r"no parameter 'tickness'; available: youngs_modulus, density, thickness, width"):
+        model.evaluate({"tickness": 1.0})
+
+
+def test_a_parameter_without_polynomial_is_fixed_at_its_nominal_value(model):
+    plain = replace(model, affine=None)
+    step = 1e-30j * model.nominal["thickness"]
+    changed = plain.evaluate({"thickness": model.nominal["thickness"] + step}).stiffness
+    exact = model.evaluate({"thickness": model.nominal["thickness"] + step}).stiffness
+    np.testing.assert_allclose(changed.imag, exact.imag, rtol=1e-12, atol=1e-12 * np.abs(exact.imag).max())
+    with pytest.raises(InputError, match=r"'thickness' of reduced model .*skin\.h5.* is fixed at 1\.5.*Rerun preprocessing"):
+        plain.evaluate({"thickness": 1.6})
+
+
+def test_an_interface_point_cannot_leave_its_node(model):
+    with pytest.raises(InputError, match=r"arc length .* outside .*off a node"):
+        model.interfaces["C"].at(model.interfaces["C"].arc_length + 1.0)
