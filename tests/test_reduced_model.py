@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 
 from toolkit.errors import InputError, ModelFileError
-from toolkit.reduced_model import PARTS, Invariants, ReducedModel, load
+from toolkit.reduced_model import Invariants, ReducedModel
+from toolkit.reduced_model_file import PARTS, load
 
 SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.h5"
 

@@ -18,10 +18,10 @@ from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
-from toolkit.loads.profile import SmoothStep
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.point import Point
+from toolkit.profile import SmoothStep
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene

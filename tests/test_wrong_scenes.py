@@ -17,9 +17,9 @@ from toolkit.joints.driver import AngleDriver, PositionDriver
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
-from toolkit.loads.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.loads.torque import Torque
 from toolkit.point import Point
+from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene

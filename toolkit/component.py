@@ -49,9 +49,9 @@ class Component(Registered):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        super().__pydantic_init_subclass__(**kwargs)
         if cls.kind and not hasattr(cls, "formula"):
             raise TypeError(
                 f"{cls.__name__} has no `formula`: state the law and all its derivatives as one compiled function, "
                 "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
             )
+        super().__pydantic_init_subclass__(**kwargs)

@@ -24,9 +24,9 @@ def kernel(function: Callable) -> CPUDispatcher:
     Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
     the step loop and halves the time to compile it.
     """
-    dispatcher = numba.njit(function, cache=True, error_model="numpy", _nrt=False)
-    if isinstance(dispatcher, CPUDispatcher):
-        file = dispatcher._cache._cache_file
+    dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
+    if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
+        file = dispatcher._cache._cache_file  # type: ignore[attr-defined]
         file._source_stamp = (file._source_stamp, formulas_stamp())
     return dispatcher
 

@@ -9,7 +9,6 @@ from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
-from scipy.interpolate import CubicSpline
 
 from toolkit.description import Description, Positive
 from toolkit.errors import InputError
@@ -90,6 +89,8 @@ class Table(Description):
             x = np.array(self.times)
             slope = (values[k + 1] - values[k]) / (x[k + 1] - x[k])
             return np.stack([values[k] + slope * (t - x[k]), slope * inside, 0 * t], axis=1)
+        from scipy.interpolate import CubicSpline  # a quarter of a second, for tables alone
+
         spline = CubicSpline(self.times, values, bc_type="clamped")
         return np.stack([spline(t), spline(t, 1) * inside, spline(t, 2) * inside], axis=1)
 

@@ -9,6 +9,9 @@ import numpy as np
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import ReducedModel, generalized_mass
 
+RIGID = 1e-12
+"""Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7."""
+
 
 def check(model: ReducedModel, path: Path) -> None:
     """Refuse a model whose shapes disagree or whose matrices are not physical, naming the file and the group."""
@@ -29,7 +32,7 @@ def check(model: ReducedModel, path: Path) -> None:
         matrix = getattr(inv, name)
         if np.abs(matrix - sign * matrix.T).max(initial=0) > 1e-9 * np.abs(matrix).max(initial=0):
             _refuse(path, name, "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    if n and np.linalg.eigvalsh(generalized_mass(inv)).min() <= 0:
+    if n and np.linalg.eigvalsh(generalized_mass(inv)).min() <= RIGID:
         _refuse(path, "inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
 
 

@@ -18,6 +18,8 @@ from toolkit.reduced_model_check import check
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 1
+MAPS = ("nominal", "nominal_units", "writers")
+"""Groups that hold their content as attributes."""
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -48,14 +50,20 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
             attributes: dict[str, Any] = {
                 f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs
             }
-            maps: dict[str, Any] = {
-                name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in ("nominal", "nominal_units", "writers")
-            }
+            missing = [f.name for f in fields(ReducedModel)[:8] if f.name not in (*attributes, *MAPS)]
+            if missing:
+                raise ModelFileError(
+                    f"{str(path)!r} lacks the attribute{'s' if len(missing) > 1 else ''} {', '.join(missing)}. "
+                    "Build it again with ffrf-preprocess."
+                )
+            maps: dict[str, Any] = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in MAPS}
     except FileNotFoundError:
         raise ModelFileError(
             f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."
         ) from None
-    except (OSError, KeyError) as error:
+    except ModelFileError:
+        raise
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, OverflowError) as error:
         raise ModelFileError(
             f"{str(path)!r} cannot be read as a reduced model ({error}); it is damaged, incomplete or not an HDF5 file. "
             "Build it again with ffrf-preprocess."

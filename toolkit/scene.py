@@ -53,6 +53,9 @@ class Scene(Description):
                     for body, point in component.grips:
                         self._known(body, {**self.bodies, "ground": None}, f"{group}.{name}", "body", "bodies")
                         self._known(point, self.points, f"{group}.{name}", "point", "points")
+        for name, owner in self.bodies.items():
+            for named in owner.named_points():
+                self._known(named, self.points, f"bodies.{name}", "point", "points")
         for name, written in self.points.items():
             if isinstance(written, BodyPoint):
                 self._known(written.body, self.bodies, f"points.{name}", "body", "bodies")
@@ -92,7 +95,13 @@ class Scene(Description):
         """Parts of a reduced model, relative to the scene's folder; by default what the equations of motion need."""
         full = self.directory / path
         changed = full.stat().st_mtime_ns if full.exists() else 0
-        return _load(full, parts or ("affine", "derivatives", "interfaces"), changed)
+        model = _load(full, parts or ("affine", "derivatives", "interfaces"), changed)
+        if model.units != self.units:
+            raise InputError(
+                f"reduced model {path!r} is in {model.units}, the scene in {self.units}. "
+                "State the scene in the units of its models, or build the model anew in those of the scene."
+            )
+        return model
 
     @property
     def gravity(self) -> np.ndarray:

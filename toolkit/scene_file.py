@@ -34,7 +34,7 @@ from toolkit.scene import Scene
 
 
 def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
-    """Read a scene file; `changes` replaces values by their path, each given as in TOML (`{"points.A.x": "73"}`).
+    """Read a scene file; `changes` replaces values by path or short name, given as in TOML (`{"points.A.x": "73"}`).
 
     Raises
     ------
@@ -49,7 +49,7 @@ def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Sc
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, IsADirectoryError) as error:
         raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
     for key, text in (changes or {}).items():
-        _change(table, key, text, path)
+        _change(table, table.get("design", {}).get(key, key), text, path)
     return scene_from_table(table, path)
 
 
@@ -149,7 +149,7 @@ def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
         if not isinstance(owner, (dict, list)):
             raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
     index = _index(owner, last)
-    if (index is None and isinstance(owner, list)) or not owners:
+    if index is None and (isinstance(owner, list) or not owners):
         raise InputError(_leads_nowhere(key, last, owner, path))
     owner[last if index is None else index] = value
 

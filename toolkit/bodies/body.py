@@ -63,6 +63,10 @@ class Body(Registered):
         """Whether the body's coordinates start with r_x, r_y, theta."""
         return True
 
+    def named_points(self) -> tuple[str, ...]:
+        """Points of the scene that the body is built on."""
+        return ()
+
     @abstractmethod
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Names of the coordinates, for messages; their number is the body's size."""

@@ -54,6 +54,10 @@ class Rigid(RigidBody):
     inertia: Positive
     center: str
 
+    def named_points(self) -> tuple[str, ...]:
+        """The centre of mass."""
+        return (self.center,)
+
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
         """As given."""
         return self.mass, scene.position(self.center), self.inertia
@@ -67,6 +71,10 @@ class Rod(RigidBody):
     between: tuple[str, str]
     area: Positive
     density: Positive
+
+    def named_points(self) -> tuple[str, ...]:
+        """Both ends."""
+        return self.between
 
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
         """From the end points."""

@@ -23,7 +23,7 @@ def constant_part(
     row = np.concatenate([r for r, _ in rows]).astype(np.int64)
     column = np.concatenate([c for _, c in rows]).astype(np.int64)
     kinds = ("mass", "damping", "stiffness")
-    mass, damping, stiffness = (joined(values, kind).astype(dtype) for kind in kinds)
+    constants: list[np.ndarray] = [joined(values, kind).astype(dtype) for kind in kinds]
     entry, variable, changes = [], [], []
     for x, derivative in enumerate(derivatives):
         change = np.stack([joined(derivative, kind) for kind in kinds])
@@ -37,9 +37,9 @@ def constant_part(
         row,
         column,
         pattern.find(row, column),
-        mass,
-        damping,
-        stiffness,
+        constants[0],
+        constants[1],
+        constants[2],
         np.ascontiguousarray(joined(values, "force"), dtype),
         ints(entry),
         ints(variable),

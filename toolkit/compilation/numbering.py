@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.component import Component
+from toolkit.errors import InputError
+from toolkit.joints.joint_kernel import ROWS
 from toolkit.loads.load import Load
 from toolkit.scene import Scene
 
@@ -47,6 +49,10 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     n_q = len(names)
     for name, joint in scene.joints.items():
         row[name] = len(names)
+        if len(joint.row_names) > ROWS:
+            raise InputError(
+                f"joint {name!r} has {len(joint.row_names)} rows, a planar joint has at most {ROWS}. Split it into two."
+            )
         names += [f"{direction} of joint {name!r}" for direction in joint.row_names]
     components: list[Component] = [*scene.joints.values(), *(load for load in scene.loads.values() if isinstance(load, Load))]
     grips = [grip for component in components for grip in component.grips]

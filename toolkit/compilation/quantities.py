@@ -13,6 +13,7 @@ import numpy as np
 from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers
 from toolkit.compilation.numbering import Numbering
 from toolkit.component import Component
+from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
@@ -71,6 +72,8 @@ def _parameters(scene: Scene, components: list, width: int) -> np.ndarray:
     rows = [component.parameters(scene) for component in components]
     table = np.zeros((len(rows), width), np.result_type(float, *(type(value) for row in rows for value in row)))
     for k, row in enumerate(rows):
+        if len(row) > width:
+            raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {components[k]!r}.")
         table[k, : len(row)] = row
     return table
 

@@ -146,3 +146,14 @@ def solve_refined_block(solver, indptr, indices, values, fresh, block, solution)
     for i in range(len(block)):
         for x in range(n_x):
             solution[i, x] += solver.residual_block[i, x]
+
+
+@kernel
+def solve_once(solver, indptr, indices, values, vector, solution, block, out):
+    """Factor, solve for the first column (vector) with all checks, then for the block; -1, or the unknown as `factorize`."""
+    failed = factorize(solver, indptr, indices, values)
+    if failed < 0:
+        failed = solve_checked(solver, indptr, indices, values, vector, solution)
+    if failed < 0:
+        solve_refined_block(solver, indptr, indices, values, False, block, out)
+    return failed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.errors import SingularSystemError
-from toolkit.linear.linear_solver import factorize, linear_solver, solve_checked, solve_refined_block
+from toolkit.linear.linear_solver import linear_solver, solve_once
 from toolkit.system import System
 
 
@@ -28,12 +28,9 @@ def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str)
     plan, out = system.plan, np.zeros_like(block)
     solver = linear_solver(system.lu_plan, system.weights[: plan.n_q], block.shape[1], system.dtype)
     first, result = block[:, 0].copy(), np.zeros(system.n)
-    failed = system.run(factorize, solver, plan.indptr, plan.indices, values)
-    if failed < 0:
-        failed = system.run(solve_checked, solver, plan.indptr, plan.indices, values, first, result)
+    failed = system.run(solve_once, solver, plan.indptr, plan.indices, values, first, result, block, out)
     if failed >= 0:
         raise SingularSystemError(f"{where}: {diagnosis(system, values, failed)}")
-    system.run(solve_refined_block, solver, plan.indptr, plan.indices, values, False, block, out)
     return out
 
 

@@ -10,6 +10,9 @@ from scipy.linalg import eig, eigh, null_space
 from toolkit.errors import SingularSystemError
 from toolkit.solution import Solution
 
+ROUND_OFF = 1e-14
+"""Part of the largest squared frequency below which another cannot be told from zero."""
+
 
 class Modes(NamedTuple):
     """Frequencies in cycles per time, ascending, and mode shapes.
@@ -38,7 +41,8 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
     free = _null_space(dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q])
     squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free)
-    order = np.argsort(squares)[:count]
+    squares = np.where(np.abs(squares) < ROUND_OFF * np.abs(squares).max(initial=0), 0.0, squares)
+    order = np.argsort(squares, kind="stable")[:count]
     frequencies = np.sign(squares[order]) * np.sqrt(np.abs(squares[order])) / (2 * np.pi)
     return Modes(frequencies, free @ vectors[:, order])
 

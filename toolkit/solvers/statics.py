@@ -14,6 +14,7 @@ from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.elastic_force import elastic_force, without_stiffness
+from toolkit.solvers.modes import solve_modes
 from toolkit.system import System
 
 LEVELS = np.array([0.0, 0.0, 1.0])
@@ -69,7 +70,24 @@ def solve_statics(
         factor, count, accepted = target, count + iterations, accepted + 1
         if progress:
             progress(round(100 * factor), 100)
-    return _with_sensitivities(system, options, state, count, begun)
+    solution = _with_sensitivities(system, options, state, count, begun)
+    if system.compiled:
+        refuse_unstable(solution)
+    return solution
+
+
+def refuse_unstable(solution: Solution) -> None:
+    """An equilibrium that the smallest disturbance ends is none that anybody will see: some frequency's square is negative."""
+    try:
+        modes = solve_modes(solution, 1)
+    except SingularSystemError:
+        return  # nothing can move, or following forces make it flutter, which is no matter of statics
+    if modes.frequencies[0] < 0:
+        worst = int(np.argmax(np.abs(modes.shapes[:, 0]) * solution.system.weights[: len(modes.shapes)]))
+        raise ConvergenceError(
+            f"the equilibrium is unstable: {solution.system.numbering.names[worst]} would run away from it (buckling, or a point "
+            "past a snap-through). Use less load, add stiffness there, or follow the motion with a transient run."
+        )
 
 
 def _inputs(system: System, options: RunOptions, factor: float) -> Inputs:

@@ -21,7 +21,7 @@ from toolkit.system import System
 
 PIECE = 200
 """Steps between two reports of progress; long enough that a report costs nothing."""
-LARGEST_DRIFT = 1e-2
+LARGEST_DRIFT = 1e-3
 """Violation of a joint, relative to the scene's size, beyond which a result is refused: the picture would show it."""
 
 
