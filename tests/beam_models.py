@@ -15,6 +15,7 @@ from preprocessing.reduction import tangent_frame
 from preprocessing.section import PARAMETERS, Section
 from preprocessing.stress import stress_points
 from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model_file import save
 
 
 def beam_model(
@@ -47,5 +48,5 @@ def beam_model(
 
 def save_beam(path: Path, *args, **kwargs) -> Path:
     """Build a beam and write it to a file; arguments as `beam_model`."""
-    beam_model(*args, **kwargs).save(path)
+    save(beam_model(*args, **kwargs), path)
     return path

@@ -9,7 +9,7 @@ import pytest
 
 from tests.cases import CASES, SINE, Case, write_models
 from toolkit.bodies.rigid import Rigid
-from toolkit.compilation.plan import families
+from toolkit.compilation.component_arrays import families
 from toolkit.compilation.quantities import loads_of
 from toolkit.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.joints.driver import PositionDriver

@@ -12,7 +12,7 @@ import pytest
 
 from toolkit.errors import InputError, ModelFileError
 from toolkit.reduced_model import Invariants, ReducedModel
-from toolkit.reduced_model_file import PARTS, load
+from toolkit.reduced_model_file import PARTS, load, save
 
 SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.h5"
 
@@ -40,7 +40,7 @@ def equal(one, other) -> bool:
 
 
 def test_saving_and_loading_loses_nothing(model, tmp_path):
-    model.save(tmp_path / "copy.h5")
+    save(model, tmp_path / "copy.h5")
     again = load(tmp_path / "copy.h5")
     for item in fields(ReducedModel):
         if item.compare:
@@ -49,7 +49,7 @@ def test_saving_and_loading_loses_nothing(model, tmp_path):
 
 def test_a_saved_file_depends_on_its_content_alone(model, tmp_path):
     for name in ("one.h5", "two.h5"):
-        model.save(tmp_path / name)
+        save(model, tmp_path / name)
     assert (tmp_path / "one.h5").read_bytes() == (tmp_path / "two.h5").read_bytes()
 
 
@@ -79,7 +79,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
 
 def test_an_interrupted_write_leaves_the_old_file_and_no_rest(model, tmp_path, monkeypatch):
     target = tmp_path / "skin.h5"
-    model.save(target)
+    save(model, target)
     before = target.read_bytes()
 
     def full_disk(*_args, **_kwargs):
@@ -87,7 +87,7 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_rest(model, tmp_path, m
 
     monkeypatch.setattr(h5py.Group, "create_dataset", full_disk)
     with pytest.raises(OSError, match="no space left"):
-        model.save(target)
+        save(model, target)
     assert target.read_bytes() == before
     assert [item.name for item in tmp_path.iterdir()] == ["skin.h5"]
 
@@ -188,7 +188,7 @@ def test_asymmetric_matrices_are_refused(model, tmp_path, name, word):
     matrix = getattr(model.invariants, name).copy()
     matrix[3, 4] += 1e-3 * np.abs(matrix).max()
     with pytest.raises(ModelFileError, match=rf"invariants/{name} is {word}"):
-        with_invariant(model, **{name: matrix}).save(tmp_path / "wrong.h5")
+        save(with_invariant(model, **{name: matrix}), tmp_path / "wrong.h5")
     assert not list(tmp_path.iterdir())
 
 
@@ -211,14 +211,14 @@ def test_a_basis_that_contains_a_rigid_motion_is_refused(model, tmp_path):
     gyroscopic[:, 1] = -gyroscopic[1]
     inertia[1, 1], gyroscopic[1, 1] = inv.mass, 0
     with pytest.raises(ModelFileError, match="duplicates a rigid motion"):
-        with_invariant(model, first_moment=first, inertia=inertia, gyroscopic=gyroscopic).save(tmp_path / "wrong.h5")
+        save(with_invariant(model, first_moment=first, inertia=inertia, gyroscopic=gyroscopic), tmp_path / "wrong.h5")
 
 
 @pytest.mark.parametrize("name", [f.name for f in fields(Invariants)])
 def test_wrong_shapes_are_refused(model, tmp_path, name):
     wrong = np.concatenate([np.atleast_1d(getattr(model.invariants, name))] * 2, axis=-1)
     with pytest.raises(ModelFileError, match=r"invariants/\w+ has shape"):
-        with_invariant(model, **{name: wrong}).save(tmp_path / "wrong.h5")
+        save(with_invariant(model, **{name: wrong}), tmp_path / "wrong.h5")
 
 
 def test_an_unknown_parameter_lists_those_that_exist(model):

@@ -14,7 +14,7 @@ from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.shape_error import shape_error
 from toolkit.responses.stress import stress_field
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import prepare, solve
+from toolkit.sensitivity.analysis import prepare, solve, values_of
 
 
 @pytest.fixture(scope="module")
@@ -143,12 +143,5 @@ def test_integral_of_an_energy_is_the_trapezoidal_sum(hanging):
 
 def test_a_rigid_body_has_no_stress():
     scene = hanging_skin(responses={"wrong": MaxStress(body="arm")})
-    with pytest.raises(InputError, match="'arm' is not flexible.*flexible bodies: skin"):
-        solve_and_evaluate(scene)
-
-
-def solve_and_evaluate(scene):
-    """Values of all responses after a static or transient run, whichever the scene allows."""
-    from toolkit.sensitivity.analysis import values_of
-
-    return values_of(scene, "transient")
+    with pytest.raises(InputError, match=r"'arm' is not flexible.*flexible bodies: skin"):
+        values_of(scene, "transient")

@@ -24,6 +24,7 @@ class RunOptions(Description):
     scheme : "arnold-bruels", second order for every rho_inf, or "paper", the weights of its eqs. 16-23, first order for rho_inf < 1
     rho_inf : spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve
     tolerance : Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad)
+    drift_tolerance : a run whose joints open by more than this part of the scene's size (or rad) is refused
     load_steps : number of equal load steps of a static analysis to begin with; a step that fails is halved
     """
 
@@ -35,3 +36,4 @@ class RunOptions(Description):
     tolerance: Annotated[float, Field(gt=1e-14, lt=1e-2)] = 1e-10
     max_iterations: Count = 20
     load_steps: Count = 10
+    drift_tolerance: Positive = 1e-3

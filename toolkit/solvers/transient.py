@@ -21,8 +21,6 @@ from toolkit.system import System
 
 PIECE = 200
 """Steps between two reports of progress; long enough that a report costs nothing."""
-LARGEST_DRIFT = 1e-3
-"""Violation of a joint, relative to the scene's size, beyond which a result is refused: the picture would show it."""
 
 
 def simulate(
@@ -66,14 +64,14 @@ def simulate(
     for first in range(0, len(times) - 1, PIECE):
         last = min(first + PIECE, len(times) - 1)
         system.run(
-            integrate, system.evaluator(), system.plan, system.functions, curves, curves_x, levels, scheme, system.weights, options.tolerance,
-            options.max_iterations, first, last, history, memory, outcome,
+            integrate, system.evaluator(), system.plan, system.functions, curves, curves_x, levels, scheme, system.weights,
+            options.tolerance, options.max_iterations, first, last, history, memory, outcome,
         )  # fmt: skip
         if outcome.counts[0] != CONVERGED:
             raise failure(system, outcome, times, options)
         if progress:
             progress(last, len(times) - 1)
-    drift = check_drift(system, times, curves, history)
+    drift = check_drift(system, options, times, curves, history)
     return Solution.from_padded(
         system,
         times,
@@ -112,17 +110,18 @@ def allocate_history(system: System, n_t: int, start: tuple) -> History:
     return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
 
 
-def check_drift(system: System, times: np.ndarray, curves: np.ndarray, history: History) -> float:
+def check_drift(system: System, options: RunOptions, times: np.ndarray, curves: np.ndarray, history: History) -> float:
     """Largest violation of any joint; refuse a run whose joints came apart."""
     found = np.zeros(3)
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, history.q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),
     )  # fmt: skip
-    if found[0] > LARGEST_DRIFT:
+    if not found[0] <= options.drift_tolerance:
         raise ConvergenceError(
             f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
-            f"t = {times[int(found[1])]:g}, the step of {times[1]:g} is far too large for this motion. Try a tenth of it."
+            f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = "
+            f"{options.drift_tolerance:g}: the step of {times[1]:g} is far too large for this motion. Try a tenth of it."
         )
     return float(found[0])
 
