@@ -20,7 +20,7 @@ from toolkit.bodies.marker_kernel import Markers, MarkerState, marker_state, upd
 from toolkit.joints.joint_design import joint_design
 from toolkit.joints.joint_jacobian import joint_jacobian
 from toolkit.joints.joint_kernel import Joints, JointWork, evaluate_joint, joint_residual, joint_work
-from toolkit.kernel import kernel
+from toolkit.kernel import inner, kernel
 from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 
 
@@ -90,7 +90,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
     )
 
 
-@kernel
+@inner
 def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     """Both groups of the residual, and if `linearize` their derivatives by the state."""
     terms.inertial[:] = 0
@@ -120,7 +120,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
 
 
-@kernel
+@inner
 def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     """Partial derivatives of the residual by the design, at the state of the last evaluation."""
     terms.I_x[:] = 0

@@ -19,12 +19,21 @@ from toolkit.errors import InputError
 
 
 def kernel(function: Callable) -> CPUDispatcher:
-    """Decorator of every formula that the step loop calls: compiled on first use, kept on disk, callable by other kernels.
+    """Decorator of a formula that Python calls: compiled on first use, kept on disk, callable by other kernels too.
 
     Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
     the step loop and halves the time to compile it.
     """
-    dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False)  # type: ignore[call-overload]
+    return _compiled(function)
+
+
+def inner(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that only other kernels call; without an entrance from Python it compiles faster."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
+    dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
         file = dispatcher._cache._cache_file  # type: ignore[attr-defined]
         file._source_stamp = (file._source_stamp, formulas_stamp())
@@ -48,7 +57,7 @@ SLOTS = 8
 because every slot adds 10 us to a call of the loop."""
 
 
-@kernel
+@inner
 def copy(source, target):
     """target = source, for vectors."""
     for i in range(len(source)):

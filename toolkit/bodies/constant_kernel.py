@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import kernel
+from toolkit.kernel import inner
 
 
 class Constant(NamedTuple):
@@ -28,7 +28,7 @@ class Constant(NamedTuple):
     design_force: np.ndarray  # (n_q, n_x)
 
 
-@kernel
+@inner
 def constant_residual(part, q, v, acc, scale, inertial, applied):
     """Residual of the constant part."""
     for e in range(len(part.row)):
@@ -39,7 +39,7 @@ def constant_residual(part, q, v, acc, scale, inertial, applied):
         applied[i] -= scale * part.force[i]
 
 
-@kernel
+@inner
 def constant_jacobian(part, I_acc, A_q, A_v):
     """The same entries in every step."""
     for e in range(len(part.row)):
@@ -49,7 +49,7 @@ def constant_jacobian(part, I_acc, A_q, A_v):
         A_v[at] += part.damping[e]
 
 
-@kernel
+@inner
 def constant_design(part, q, v, acc, scale, I_x, A_x):
     """Partial design derivatives of the residual."""
     for d in range(len(part.design_entry)):

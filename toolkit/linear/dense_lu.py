@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.kernel import kernel
+from toolkit.kernel import inner, kernel
 
 SWEEPS = 5
 """Each sweep takes the square root of what the largest entries differ from 1: five leave a factor 4 of 1e18."""
@@ -83,7 +83,7 @@ def equilibrate(a, scale):
                 column_scale[j] /= np.sqrt(column_largest[j])
 
 
-@kernel
+@inner
 def _largest_row(a, scale, k):
     """Row at or below k with the largest equilibrated entry in column k."""
     row = k

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import copy, kernel
+from toolkit.kernel import copy, inner, kernel
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.sparse_lu import LUPlan, factor, multiply, solve, solve_block
 
@@ -53,7 +53,7 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
     )
 
 
-@kernel
+@inner
 def factorize(solver, indptr, indices, values):
     """Factor a matrix; -1, or the number of the unknown that the equations do not determine."""
     solver.mode[0] = 0
@@ -62,7 +62,7 @@ def factorize(solver, indptr, indices, values):
     return factorize_dense(solver, indptr, indices, values)
 
 
-@kernel
+@inner
 def factorize_dense(solver, indptr, indices, values):
     """Factor with pivoting."""
     solver.mode[0] = 1
@@ -70,7 +70,7 @@ def factorize_dense(solver, indptr, indices, values):
     return dense_factor(solver.dense, solver.pivots, solver.scale, DENSE_TOLERANCE)
 
 
-@kernel
+@inner
 def apply_inverse(solver, vector):
     """Solve with the present factors, in place; vector (n,)."""
     if solver.mode[0] == 0:
@@ -79,7 +79,7 @@ def apply_inverse(solver, vector):
         dense_solve(solver.dense, solver.pivots, vector)
 
 
-@kernel
+@inner
 def apply_inverse_block(solver, block):
     """Solve for many right-hand sides, in place; block (n, n_x)."""
     if solver.mode[0] == 0:
@@ -88,7 +88,7 @@ def apply_inverse_block(solver, block):
         dense_solve_block(solver.dense, solver.pivots, block)
 
 
-@kernel
+@inner
 def refine(solver, indptr, indices, values, rhs, solution):
     """One step of iterative refinement; whether it changed so little that the factors can be trusted.
 
@@ -109,7 +109,7 @@ def refine(solver, indptr, indices, values, rhs, solution):
     return change <= TRUSTED_REFINEMENT * size
 
 
-@kernel
+@inner
 def solve_checked(solver, indptr, indices, values, rhs, solution):
     """Solve and refine once; with pivoting if that shows the factors to be bad; as `factorize`, -1 or the unknown."""
     copy(rhs, solution)
@@ -123,7 +123,7 @@ def solve_checked(solver, indptr, indices, values, rhs, solution):
     return failed
 
 
-@kernel
+@inner
 def solve_refined_block(solver, indptr, indices, values, fresh, block, solution):
     """Solve for many right-hand sides, and refine once if the factors need it; block, solution (n, n_x).
 

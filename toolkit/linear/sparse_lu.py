@@ -27,7 +27,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.errors import InputError
-from toolkit.kernel import kernel
+from toolkit.kernel import inner, kernel
 
 SHORTEST_RUN = 4
 """Length from which a run of neighbouring entries is updated as a slice, not entry by entry (measured on a beam)."""
@@ -191,7 +191,7 @@ def factor(plan, values, lu, work, tolerance):
     return -1
 
 
-@kernel
+@inner
 def _load(plan, values, lu, size):
     """Matrix entries into `lu`, zero at the fill, and the first term of `size`."""
     for p in range(lu.size):
@@ -229,7 +229,7 @@ def solve_block(plan, lu, rhs, work):
         solve(plan, lu, rhs[:, x], work[:, x])
 
 
-@kernel
+@inner
 def _solve_four(plan, lu, rhs, work):
     """As `solve`, four columns at once: their sums stay in registers, and every factor is read once for all four."""
     n = plan.order.size

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 
 from toolkit.bodies.marker_forces import add_force, add_force_design, add_geometric_stiffness
-from toolkit.kernel import kernel
+from toolkit.kernel import inner
 
 ARGUMENTS, CURVE = 12, 11
 """Most arguments z: two poses, five parameters, and the value of the time curve, which is the last one."""
@@ -53,7 +53,7 @@ def load_work(dtype: type) -> LoadWork:
     return LoadWork(*(np.zeros(s, dtype) for s in (ARGUMENTS, 6, 6, (6, ARGUMENTS), (6, 6), 6, 6)))
 
 
-@kernel
+@inner
 def evaluate_load(functions, loads, k, state, curves, scale, work):
     """The force law at the poses and rates of the two markers."""
     for side in range(2):
@@ -72,14 +72,14 @@ def evaluate_load(functions, loads, k, state, curves, scale, work):
     functions[loads.family[k]](work.z, work.w, work.force, work.force_z, work.force_w)
 
 
-@kernel
+@inner
 def load_residual(loads, k, markers, state, work, applied):
     """- B^T f."""
     for side in range(2):
         add_force(markers, state, loads.marker[k, side], work.force[3 * side : 3 * side + 3], -1.0, applied)
 
 
-@kernel
+@inner
 def direction_force(work, first, y, rate):
     """Derivative of f in a direction of one pose: f_z y + f_w rate."""
     for i in range(6):
@@ -88,7 +88,7 @@ def direction_force(work, first, y, rate):
             work.dforce[i] += work.force_z[i, first + c] * y[c] + work.force_w[i, first + c] * rate[c]
 
 
-@kernel
+@inner
 def load_jacobian(loads, k, markers, state, work, A_q, A_v):
     """Derivatives of - B^T f by q and v, scattered into the pattern."""
     a, b = loads.marker[k, 0], loads.marker[k, 1]
@@ -108,7 +108,7 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
         add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], -1.0, position, n, side * n_a, A_q)
 
 
-@kernel
+@inner
 def load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_v):
     """One column of - B^T (f_z B + f_w B_v) and of - B^T f_w B."""
     for side in range(2):
@@ -120,7 +120,7 @@ def load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_
                 A_v[at] -= state.B[row, c] * work.rateforce[3 * side + c]
 
 
-@kernel
+@inner
 def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_x, scale, work, A_x):
     """Partial derivatives of - B^T f by the design: markers, parameters, time curve."""
     for side in range(2):
@@ -142,7 +142,7 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
             add_both(loads, k, markers, state, work.dforce, A_x[:, curve_variable[d]])
 
 
-@kernel
+@inner
 def add_both(loads, k, markers, state, force, residual):
     """residual -= B^T force, on both markers."""
     for side in range(2):

@@ -5,7 +5,7 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations import Inputs
-from toolkit.kernel import copy, kernel
+from toolkit.kernel import copy, inner, kernel
 from toolkit.linear.linear_solver import factorize
 from toolkit.solvers.newton import CONVERGED, newton, newton_matrix
 from toolkit.solvers.prediction import advance_auxiliary, predict
@@ -16,7 +16,7 @@ REUSED, SHARP = 1e-13, 1e-7
 least its factors still serve: one refinement with the converged Jacobian squares their relative error."""
 
 
-@kernel
+@inner
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
     for i in range(plan.n_q):
@@ -29,7 +29,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
         carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
 
 
-@kernel
+@inner
 def refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, correction, memory):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 

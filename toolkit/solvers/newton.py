@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from toolkit.kernel import kernel
+from toolkit.kernel import inner
 from toolkit.linear.linear_solver import factorize, solve_checked
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE = 0, 1, 2, 3
@@ -10,7 +10,7 @@ STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
 
 
-@kernel
+@inner
 def newton_matrix(scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v)."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
@@ -19,7 +19,7 @@ def newton_matrix(scheme, terms, jacobian):
         jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
 
 
-@kernel
+@inner
 def is_finite(vector):
     """Whether no entry is infinite or not a number."""
     total = 0.0
@@ -28,7 +28,7 @@ def is_finite(vector):
     return np.isfinite(total)
 
 
-@kernel
+@inner
 def newton(evaluator, plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
     """Iterate on [a; lam] until a correction moves nothing by more than the tolerance, or than round-off; returns the status."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new

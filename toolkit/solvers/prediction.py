@@ -1,9 +1,9 @@
 """Prediction of a step, the same for states and their sensitivities."""
 
-from toolkit.kernel import kernel
+from toolkit.kernel import inner
 
 
-@kernel
+@inner
 def predict(scheme, q, v, acc, aux, count, q_new, v_new):
     """Coordinates and velocities at n + 1 for a_+ = 0; also of their sensitivities, flattened."""
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
@@ -13,7 +13,7 @@ def predict(scheme, q, v, acc, aux, count, q_new, v_new):
         v_new[i] = v[i] + h * ((1 - gamma) * aux[i] + gamma * w_new)
 
 
-@kernel
+@inner
 def advance_auxiliary(scheme, acc, acc_new, count, aux):
     """w_+ in place of w_n; also of its sensitivities, flattened."""
     for i in range(count):

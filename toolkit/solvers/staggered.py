@@ -1,11 +1,11 @@
 """Sensitivities of one converged step (staggered direct differentiation, paper eqs. 40-46), and the terms that a step carries over."""
 
-from toolkit.kernel import kernel
+from toolkit.kernel import inner
 from toolkit.linear.linear_solver import solve_refined_block
 from toolkit.solvers.prediction import advance_auxiliary, predict
 
 
-@kernel
+@inner
 def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, out):
     """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; blocks (n, n_x)."""
     for i in range(plan.n):
@@ -22,7 +22,7 @@ def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, ou
                     out[i, x] += by_q * dq[row, x]
 
 
-@kernel
+@inner
 def sensitivity_step(plan, scheme, history, step, fresh, memory):
     """Total design derivatives at n + 1 from those at n, with the converged Jacobian; `fresh` if its factors are its own."""
     terms = memory.terms
@@ -49,7 +49,7 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
     advance_auxiliary(scheme, history.flat_dacc[step], history.flat_dacc[after], count, memory.flat_daux)
 
 
-@kernel
+@inner
 def carry_over(plan, scheme, memory, dq, dv, dacc):
     """The carried part of the next step's residual, and its total derivative (without it a gradient is wrong by a per cent)."""
     terms = memory.terms
