@@ -5,11 +5,11 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-import gmsh
 import numpy as np
 
 from preprocessing.assembly import Rayleigh, assemble, derivative, matrices_at
 from preprocessing.geometry import Geometry, Remark, at_key, read_geometry
+from preprocessing.gmsh_session import load_gmsh
 from preprocessing.interface import interface_point
 from preprocessing.invariants import contract, contract_derivative, nonzero, polynomials
 from preprocessing.reduction import Basis, tangent_frame
@@ -92,7 +92,7 @@ def _reduced_model(path: Path, file: SkinFile, hash_of_inputs: str, geometry: Ge
         nominal={name: float(getattr(section, name)) for name in PARAMETERS},
         nominal_units={name: unit(file.units, quantity) for name, quantity in _QUANTITIES.items()},
         input_hash=hash_of_inputs,
-        writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": gmsh.__version__, "numpy": np.__version__},
+        writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
         invariants=contract(matrices, basis.z),
         derivatives={name: nonzero(rate) for name, rate in rates.items()},
         affine=polynomials(parts, section, basis.z),

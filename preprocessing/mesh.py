@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
-import gmsh
 import numpy as np
 
+from preprocessing.gmsh_session import gmsh_model
 from toolkit.errors import InputError
 
 _LINE, _POINT = 1, 15  # gmsh's numbers of the element types
@@ -51,10 +50,10 @@ def mesh_curve(stations: np.ndarray) -> CurveMesh:
     """
     stations = np.asarray(stations, dtype=float)
     _check(stations)
-    with _GMSH, _model("skin"):
-        _enter(stations)
-        tags, positions = gmsh.model.mesh.getNodesForPhysicalGroup(1, _group(1, "skin"))
-        start = int(gmsh.model.mesh.getNodesForPhysicalGroup(0, _group(0, "F"))[0][0])
+    with _GMSH, gmsh_model("skin") as gmsh:
+        _enter(gmsh, stations)
+        tags, positions = gmsh.model.mesh.getNodesForPhysicalGroup(1, _group(gmsh, 1, "skin"))
+        start = int(gmsh.model.mesh.getNodesForPhysicalGroup(0, _group(gmsh, 0, "F"))[0][0])
         elements = gmsh.model.mesh.getElementsByType(_LINE)[1].reshape(-1, 2)
     order = walk(elements, start)
     rows = {int(tag): row for row, tag in enumerate(tags)}
@@ -84,33 +83,7 @@ def _check(stations: np.ndarray) -> None:
         raise InputError(f"stations {steps.argmin()} and {steps.argmin() + 1} of the skin coincide; use fewer elements.")
 
 
-@contextmanager
-def _model(name: str) -> Iterator[None]:
-    """A gmsh model of our own that leaves the state of the caller's gmsh session, if there is one, as it was."""
-    if gmsh.isInitialized():
-        current = gmsh.model.getCurrent()
-        terminal = gmsh.option.getNumber("General.Terminal")
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.add(name)
-        try:
-            yield
-        finally:
-            gmsh.model.remove()
-            gmsh.option.setNumber("General.Terminal", terminal)
-            if current:
-                gmsh.model.setCurrent(current)
-        return
-    # gmsh's own signal handler would survive finalize and make Ctrl-C kill Python
-    gmsh.initialize(readConfigFiles=False, interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.model.add(name)
-        yield
-    finally:
-        gmsh.finalize()
-
-
-def _enter(stations: np.ndarray) -> None:
+def _enter(gmsh: Any, stations: np.ndarray) -> None:
     n = len(stations)
     spatial = np.column_stack([stations, np.zeros(n)])
     chain = np.column_stack([np.arange(1, n), np.arange(2, n + 1)])
@@ -127,6 +100,6 @@ def _enter(stations: np.ndarray) -> None:
         gmsh.model.addPhysicalGroup(dimension, [tag], name=name)
 
 
-def _group(dimension: int, name: str) -> int:
+def _group(gmsh: Any, dimension: int, name: str) -> int:
     groups = gmsh.model.getPhysicalGroups(dimension)
     return next(tag for _, tag in groups if gmsh.model.getPhysicalName(dimension, tag) == name)

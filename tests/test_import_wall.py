@@ -12,10 +12,20 @@ import pytest
 ROOT = Path(__file__).parents[1]
 FORBIDDEN = ("preprocessing", "gmsh", "meshio", "skfem")
 PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
-SHARED = ("toolkit.reduced_model", "toolkit.reduced_model_check", "toolkit.reduced_model_file", "toolkit.errors", "toolkit.units")
+SHARED = tuple(
+    f"toolkit.{name}"
+    for name in ("reduced_model", "reduced_model_check", "reduced_model_file", "replaced_file", "errors", "units")
+)
+    "toolkit.reduced_model",
+    "toolkit.reduced_model_check",
+    "toolkit.reduced_model_file",
+    "toolkit.replaced_file",
+    "toolkit.errors",
+    "toolkit.units",
+)
 
 LAYERS = [
-    ("errors", "kernel", "planar", "units", "design"),
+    ("errors", "kernel", "planar", "units", "design", "replaced_file"),
     ("description", "run_options", "reduced_model", "reduced_model_check", "reduced_model_file", "profile", "linear"),
     ("point", "component", "bodies"),
     ("loads", "joints"),

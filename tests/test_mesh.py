@@ -76,3 +76,9 @@ def test_meshes_made_in_several_threads_do_not_mix():
 def test_stations_that_no_element_can_join_are_refused(stations, message):
     with pytest.raises(InputError, match=message):
         mesh_curve(stations)
+
+
+def test_a_missing_gmsh_says_how_to_install_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "gmsh", None)
+    with pytest.raises(InputError, match=r"pip install 'ffrf-toolkit\[preprocessing\]'.*libglu1-mesa"):
+        load_gmsh()

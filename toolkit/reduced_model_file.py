@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Collection, Mapping
 from dataclasses import fields
 from pathlib import Path
@@ -15,6 +13,7 @@ import numpy as np
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Polynomial, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
+from toolkit.replaced_file import replaced
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 1
@@ -137,17 +136,8 @@ def save(model: ReducedModel, path: str | Path) -> None:
     """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
     path = Path(path)
     check(model, path)
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.name, suffix=".tmp")
-    os.close(handle)
-    try:
-        with h5py.File(temporary, "w") as file:
-            file.attrs.update({"schema": SCHEMA, "schema_version": SCHEMA_VERSION})
-            for item in fields(model):
-                if item.name != "path":
-                    _write(file, item.name, getattr(model, item.name))
-        umask = os.umask(0)
-        os.umask(umask)
-        os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    with replaced(path) as temporary, h5py.File(temporary, "w") as file:
+        file.attrs.update({"schema": SCHEMA, "schema_version": SCHEMA_VERSION})
+        for item in fields(model):
+            if item.name != "path":
+                _write(file, item.name, getattr(model, item.name))

@@ -139,7 +139,8 @@ class Scene(Description):
             owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
             if isinstance(point, BodyPoint) and isinstance(owner, Flexible):
                 interfaces = self.model(owner.model).interfaces or {}
-                if point.interface in interfaces:
+                place = interfaces.get(point.interface)
+                if place is not None and place.arc_length_range[0] < place.arc_length_range[1]:
                     found[f"points.{name}.arc_length"] = float(interfaces[point.interface].arc_length)
         return found
 
@@ -163,6 +164,11 @@ class Scene(Description):
         variables = []
         for name in self.design if names is None else names:
             path = self.design.get(name, name)
+            if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in self.available_paths():
+                raise InputError(
+                    f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
+                    "State it by an arc length off the nodes in the skin file, and run preprocessing again."
+                )
             if path not in self.available_paths():
                 raise InputError(
                     f"unknown design variable {name!r}"

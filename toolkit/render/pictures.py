@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ import numpy as np
 
 from toolkit.errors import InputError
 from toolkit.render.probe import drawing
+from toolkit.replaced_file import replaced
 from toolkit.solution import Solution
 
 _INSTANTS = 4
@@ -75,11 +74,6 @@ def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[i
 
 def _write(path: Path, draw: Callable[..., None], *arguments: Any, width: int) -> Path:
     """Draw under a temporary name, then rename: an interrupted run leaves the old picture or none."""
-    handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=".tmp.png")
-    os.close(handle)
-    try:
-        draw(*arguments, Path(temporary), width)
-        os.replace(temporary, path)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
+    with replaced(path) as temporary:
+        draw(*arguments, temporary, width)
     return path

@@ -11,7 +11,7 @@ from toolkit.sensitivity.analysis import Kind, direct, values_of
 from toolkit.sensitivity.numerical import numerical, typical_size
 
 
-def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (1e-2, 5e-3, 2.5e-3)) -> dict[str, float]:
+def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4)) -> dict[str, float]:
     """Rate at which |f(x + h d) - f(x) - h g . d| vanishes, d = x (all variables by the same part h): 2 if g is the gradient.
 
     Returns
