@@ -16,13 +16,6 @@ SHARED = tuple(
     f"toolkit.{name}"
     for name in ("reduced_model", "reduced_model_check", "reduced_model_file", "replaced_file", "errors", "units")
 )
-    "toolkit.reduced_model",
-    "toolkit.reduced_model_check",
-    "toolkit.reduced_model_file",
-    "toolkit.replaced_file",
-    "toolkit.errors",
-    "toolkit.units",
-)
 
 LAYERS = [
     ("errors", "kernel", "planar", "units", "design", "replaced_file"),

@@ -1,12 +1,14 @@
 """The mesh: stations pass through gmsh unchanged, in order, and gmsh's global state is left as it was."""
 
 import signal
+import sys
 from concurrent.futures import ThreadPoolExecutor
 
 import gmsh
 import numpy as np
 import pytest
 
+from preprocessing.gmsh_session import load_gmsh
 from preprocessing.mesh import mesh_curve, walk
 from toolkit.errors import InputError
 

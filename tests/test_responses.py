@@ -145,3 +145,10 @@ def test_a_rigid_body_has_no_stress():
     scene = hanging_skin(responses={"wrong": MaxStress(body="arm")})
     with pytest.raises(InputError, match=r"'arm' is not flexible.*flexible bodies: skin"):
         values_of(scene, "transient")
+
+
+def test_statics_leave_out_what_needs_motion():
+    scene = read_scene(WING)
+    scene = scene.model_copy(update={"responses": {**scene.responses, "work": TimeIntegral(of=KineticEnergy())}})
+    assert set(values_of(scene, "static")) == set(read_scene(WING).responses)
+    assert "work" in values_of(scene, "transient")

@@ -18,7 +18,7 @@ from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
 from toolkit.kernel import call, first_class, plain, slots
-from toolkit.linear.sparse_lu import LUPlan, analyse
+from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
 from toolkit.scene import Scene

@@ -6,7 +6,8 @@ import numpy as np
 
 from toolkit.kernel import copy, inner, kernel
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
-from toolkit.linear.sparse_lu import LUPlan, factor, multiply, solve, solve_block
+from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.linear.sparse_lu import factor, multiply, solve, solve_block
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""

@@ -63,6 +63,7 @@ class TimeIntegral(Response):
     """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table."""
 
     kind = "time-integral"
+    needs_motion = True
 
     of: Any
 

@@ -33,6 +33,9 @@ class Response(Registered):
     quantity: ClassVar[str] = "none"
     """What it is, for its unit: a key of `toolkit.units`."""
 
+    needs_motion: ClassVar[bool] = False
+    """Whether it exists for a transient solution only; a static analysis leaves it out."""
+
     @abstractmethod
     def partials(self, solution: Solution) -> Partials:
         """Value and partial derivatives; complex-safe in the value."""

@@ -37,9 +37,15 @@ class Result:
     wall_sensitivity: float
 
 
-def responses_of(scene: Scene) -> dict[str, Response]:
-    """The scene's responses."""
-    return {name: response for name, response in scene.responses.items() if isinstance(response, Response)}
+def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:
+    """The scene's responses; without motion only those that a state at rest has."""
+    known = {name: response for name, response in scene.responses.items() if isinstance(response, Response)}
+    return {name: response for name, response in known.items() if moving or not response.needs_motion}
+
+
+def moving(solution: Solution) -> bool:
+    """Whether it is a transient solution."""
+    return len(solution.times) > 1
 
 
 def prepare(scene: Scene, design: list[str] | None = None) -> System:
@@ -55,7 +61,7 @@ def solve(system: System, kind: Kind, progress: Progress | None = None) -> Solut
 
 def evaluate_responses(solution: Solution) -> dict[str, Any]:
     """Values of all responses of the scene."""
-    return {name: response.value(solution) for name, response in responses_of(solution.system.scene).items()}
+    return {name: response.value(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()}
 
 
 def values_of(scene: Scene, kind: Kind) -> dict[str, Any]:
@@ -74,7 +80,7 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     total, solution = timed(system, kind, progress)
     gradients = {
         name: dict(zip(system.design.names, map(float, response.gradient(solution)), strict=True))
-        for name, response in responses_of(scene).items()
+        for name, response in responses_of(scene, moving(solution)).items()
     }
     extra = solution.wall.get("sensitivity", max(total - primal, 0.0))
     return result(scene, solution, gradients, "direct", primal, extra)
@@ -94,7 +100,7 @@ def result(
     scene: Scene, solution: Solution, gradients: dict[str, dict[str, float]], method: str, primal: float, extra: float
 ) -> Result:
     """Collect values and units."""
-    units = {name: response.unit(scene.units) for name, response in responses_of(scene).items()}
+    units = {name: response.unit(scene.units) for name, response in responses_of(scene, moving(solution)).items()}
     values = {name: float(np.real(value)) for name, value in evaluate_responses(solution).items()}
     return Result(values, units, gradients, method, solution, primal, extra)
 

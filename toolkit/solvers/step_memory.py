@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.equations import Plan, Terms, Work, allocate_terms, allocate_work
 from toolkit.linear.linear_solver import LinearSolver, linear_solver
-from toolkit.linear.sparse_lu import LUPlan
+from toolkit.linear.sparse_analysis import LUPlan
 
 
 class History(NamedTuple):
