@@ -14,8 +14,9 @@ import pytest
 from typer.testing import CliRunner
 
 from toolkit.cli import app
-from toolkit.command_line.announcements import is_compiled, kernel_of
+from toolkit.command_line.announcements import kernel_of
 from toolkit.command_line.report import record_of, undefined_numbers
+from toolkit.kernel import is_on_disk
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import prepare, result, solve
 
@@ -234,14 +235,14 @@ def test_simulate_imports_no_drawing():
 
 def test_code_that_is_not_compiled_yet_is_recognised(tmp_path):
     code = (
-        "from toolkit.command_line.announcements import is_compiled, kernel_of;"
-        "print(*(is_compiled(kernel_of(kind)) for kind in ('static', 'transient')))"
+        "from toolkit.command_line.announcements import kernel_of; from toolkit.kernel import is_on_disk;"
+        "print(*(is_on_disk(kernel_of(kind)) for kind in ('static', 'transient')))"
     )
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["False", "False"]
     solve(prepare(read_scene(SCENE)), "transient")
-    assert is_compiled(kernel_of("transient"))
+    assert is_on_disk(kernel_of("transient"))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")

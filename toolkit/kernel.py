@@ -11,6 +11,7 @@ from types import FunctionType
 from typing import Any
 
 import numba
+from numba.core.caching import IndexDataCacheFile
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 from numba.core.types.function_type import CompileResultWAP
@@ -35,9 +36,15 @@ def inner(function: Callable) -> CPUDispatcher:
 def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
     dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
-        file = dispatcher._cache._cache_file  # type: ignore[attr-defined]
-        file._source_stamp = (file._source_stamp, formulas_stamp())
+        store = dispatcher._cache  # type: ignore[attr-defined]
+        name = f"{store._impl.filename_base}-{formulas_stamp()[:16]}"
+        store._cache_file = IndexDataCacheFile(store.cache_path, name, store._impl.locator.get_source_stamp())
     return dispatcher
+
+
+def is_on_disk(function: CPUDispatcher) -> bool:
+    """Whether a kernel has been compiled before, by any process, from these formulas."""
+    return Path(function._cache._cache_file._index_path).exists()  # type: ignore[attr-defined]
 
 
 @cache
@@ -45,7 +52,7 @@ def formulas_stamp() -> str:
     """Hash of all files with kernels.
 
     Compiled code holds copies of the kernels it calls, while numba looks only at a kernel's own file to see whether its code on disk is
-    still good; with this stamp an edit of any formula compiles all of them anew.
+    still good. With this stamp in the names of numba's files, an edit of any formula compiles all of them anew.
     """
     files = sorted(Path(__file__).parent.rglob("*.py"))
     texts = [text for text in (file.read_bytes() for file in files) if b"kernel" in text]

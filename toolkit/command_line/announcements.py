@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import typer
@@ -29,9 +27,10 @@ def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = ()) ->
 
     Formulas that were never compiled on this machine are compiled before, so that a run's time is that of the run.
     """
+    from toolkit.kernel import is_on_disk
     from toolkit.sensitivity.analysis import prepare
 
-    if not is_compiled(kernel_of(kind)):
+    if not is_on_disk(kernel_of(kind)):
         system = prepare(scene, list(design))
         typer.echo("compiling the formulas for this machine, once, about a minute ...", err=True)
         with bar("compiling"):
@@ -65,17 +64,9 @@ def compile_formulas(system: System, kind: Kind) -> None:
 def kernel_of(kind: Kind) -> CPUDispatcher:
     """The compiled function that an analysis calls, with everything below it."""
     if kind == "static":
-        from toolkit.equations import evaluate
+        from toolkit.equations import evaluate_all
 
-        return evaluate
+        return evaluate_all
     from toolkit.solvers.generalized_alpha import integrate
 
     return integrate
-
-
-def is_compiled(kernel: CPUDispatcher) -> bool:
-    """Whether numba's cache on disk, wherever it is, has an index of this function for this Python."""
-    code, folder = kernel.py_func.__code__, kernel.stats.cache_path
-    name = f"{Path(code.co_filename).stem}.{code.co_qualname}-{code.co_firstlineno}"
-    version = f"py{sys.version_info.major}{sys.version_info.minor}"
-    return folder is not None and any(Path(folder).glob(f"{name}.{version}*.nbi"))
