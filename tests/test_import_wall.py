@@ -19,10 +19,11 @@ SHARED = tuple(
 
 LAYERS = [
     ("errors", "kernel", "planar", "units", "design", "replaced_file"),
-    ("description", "run_options", "reduced_model", "reduced_model_check", "reduced_model_file", "profile", "linear"),
+    ("description", "validation_messages", "run_options", "time_grid", "profile"),
+    ("reduced_model", "reduced_model_check", "reduced_model_file", "linear"),
     ("point", "component", "bodies"),
     ("loads", "joints"),
-    ("scene", "equations"),
+    ("scene", "scene_names", "equations"),
     ("compilation",),
     ("system",),
     ("solution", "solvers"),

@@ -45,17 +45,17 @@ app = typer.Typer(
 @app.command()
 def simulate(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import prepare, result, solve
+    from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
 
     described = read(scene, changes)
     with at_work("time steps", described, "transient") as progress:
         solution = solve(prepare(described), "transient", progress)
-    print_result(result(described, solution, {}, "none", solution.wall["run"], 0.0), as_json)
+    print_result(result(described, solution, evaluate_responses(solution), {}, "none", solution.wall["run"], 0.0), as_json)
 
 
 @app.command()
 def statics(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Find the equilibrium under the full load and print its responses with gradients."""
+    """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.sensitivity.analysis import direct
 
     described = read(scene, changes)
@@ -95,16 +95,22 @@ def sensitivity(
 def modes(
     scene: SceneFile,
     count: Annotated[int, typer.Option(min=1, help="How many, from the lowest.")] = 10,
+    about_start: Annotated[
+        bool, typer.Option("--undeformed", help="About the given positions, e.g. of a free body, not the equilibrium.")
+    ] = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Print the eigenfrequencies about the static end state."""
+    """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
+    from toolkit.solvers.undeformed import undeformed
 
     described = read(scene, changes)
     with at_work("load steps", described, "static") as progress:
-        frequencies = solve_modes(solve(prepare(described), "static", progress), count).frequencies.tolist()
+        system = prepare(described)
+        state = undeformed(system) if about_start else solve(system, "static", progress)
+        frequencies = solve_modes(state, count).frequencies.tolist()
     if as_json:
         print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
     else:
