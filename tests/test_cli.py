@@ -147,7 +147,7 @@ def test_a_change_without_a_value_is_a_usage_error():
 
 
 def test_a_missing_scene_is_named():
-    assert "there is no scene file 'nowhere.toml'" in refused("statics", "nowhere.toml")
+    assert "'nowhere.toml' cannot be read" in refused("statics", "nowhere.toml")
 
 
 def test_an_unknown_variable_lists_the_available_ones():

@@ -45,12 +45,12 @@ app = typer.Typer(
 @app.command()
 def simulate(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
+    from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, timed
 
     described = read(scene, changes)
     with at_work("time steps", described, "transient") as progress:
-        solution = solve(prepare(described), "transient", progress)
-    print_result(result(described, solution, evaluate_responses(solution), {}, "none", solution.wall["run"], 0.0), as_json)
+        seconds, solution = timed(prepare(described), "transient", progress)
+    print_result(result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0), as_json)
 
 
 @app.command()

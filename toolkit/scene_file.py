@@ -46,9 +46,9 @@ def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Sc
     path = Path(path)
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"there is no scene file {str(path)!r}. Give the path of a scene in TOML.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, IsADirectoryError) as error:
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a scene in TOML.") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
     for key, text in (changes or {}).items():
         _change(table, table.get("design", {}).get(key, key), text, path)

@@ -20,8 +20,8 @@ from toolkit.system import System, compile_scene
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
 
-REPEATS, WORTH_REPEATING = 5, 0.1
-"""A run shorter than this, in s, is timed this many times."""
+REPEATS, WORTH_REPEATING = 5, 1.0
+"""A run is repeated so often, as long as all together take less than this, in s."""
 
 
 @dataclass(frozen=True)
@@ -77,8 +77,6 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     The scene is solved without derivatives too, so that the price of the gradients is measured and not guessed.
     """
     system, primal_system = prepare(scene, design), prepare(scene)
-    for each in (system, primal_system):
-        warm_up(each, kind)
     primal, _ = timed(primal_system, kind)
     total, solution = timed(system, kind, progress)
     found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
@@ -88,13 +86,22 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
 
 
 def timed(system: System, kind: Kind, progress: Progress | None = None) -> tuple[float, Solution]:
-    """Time of a run, and its solution; a run of a few milliseconds is repeated and the median taken, for one number would be noise."""
+    """Time of a run, and its solution.
+
+    The first run also loads compiled code, so a short one is repeated and the median of the repetitions taken.
+    """
+    first, solution = _clocked(system, kind, progress)
     times: list[float] = []
-    while not times or (len(times) < REPEATS and times[0] < WORTH_REPEATING):
-        begun = clock.perf_counter()
-        solution = solve(system, kind, progress)
-        times.append(clock.perf_counter() - begun)
-    return median(times), solution
+    while len(times) < REPEATS and first + sum(times) < WORTH_REPEATING:
+        seconds, solution = _clocked(system, kind, None)
+        times.append(seconds)
+    return median(times or [first]), solution
+
+
+def _clocked(system: System, kind: Kind, progress: Progress | None) -> tuple[float, Solution]:
+    begun = clock.perf_counter()
+    solution = solve(system, kind, progress)
+    return clock.perf_counter() - begun, solution
 
 
 def result(
@@ -111,10 +118,3 @@ def result(
     return Result(
         {name: float(np.real(value)) for name, value in values.items()}, units, gradients, method, solution, primal, extra
     )
-
-
-def warm_up(system: System, kind: Kind) -> None:
-    """One short run, so that loading compiled code is not counted as solving."""
-    if kind == "transient":
-        options = system.scene.solver
-        simulate(system, options.model_copy(update={"end_time": min(options.step, options.end_time)}))

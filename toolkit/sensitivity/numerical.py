@@ -16,7 +16,7 @@ from toolkit.compilation.quantities import STEP
 from toolkit.design import DesignVariable
 from toolkit.errors import InputError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, timed, values_of, warm_up
+from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, timed, values_of
 
 Method = Literal["complex-step", "forward-difference", "central-difference"]
 METHODS = ("complex-step", "forward-difference", "central-difference")
@@ -37,7 +37,6 @@ def numerical(
         raise InputError(f"unknown method {method!r}; available: direct, {', '.join(METHODS)}.")
     variables = scene.design_variables(design)
     system = prepare(scene)
-    warm_up(system, kind)
     primal, solution = timed(system, kind)
     base = evaluate_responses(solution)
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
