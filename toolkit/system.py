@@ -77,7 +77,7 @@ class System:
 
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
-        return first_class(evaluate_all, evaluate_all.nopython_signatures[-1]) if self.compiled else plain(evaluate_all)
+        return first_class(evaluate_all) if self.compiled else plain(evaluate_all)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
