@@ -28,6 +28,7 @@ LAYERS = [
     ("solution", "solvers"),
     ("responses",),
     ("sensitivity", "scene_file"),
+    ("results",),
     ("studies",),
     ("render",),
     ("cli", "command_line"),
