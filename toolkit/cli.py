@@ -12,8 +12,9 @@ from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Method, SceneFile, design_of, prepare_folder, read
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
-from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, solved, text_of
+from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.command_line.report_command import report
 from toolkit.errors import ToolkitError
 
 INTERRUPTED = 130
@@ -146,7 +147,7 @@ def render(
     from toolkit.render.pictures import render_solution
     from toolkit.render.probe import drawing_environment
 
-    _, solve = solved(file, changes, models)
+    solve = motion_of(file, changes, models)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
     files = render_solution(solve(), folder, times, width)
@@ -157,6 +158,7 @@ def render(
 
 
 app.command()(export)
+app.command()(report)
 
 
 def main() -> None:

@@ -58,28 +58,31 @@ def is_results(path: Path) -> bool:
     return path.suffix != ".toml"
 
 
-def solved(file: Path, changes: list[str] | None, models: Path | None) -> tuple[Scene, Callable[[], Solution]]:
-    """The scene of a file, and what gives its motion: reading results, or solving the scene.
+def check_options(file: Path, changes: list[str] | None, models: Path | None) -> None:
+    """Refuse changes of results, and a folder of models with a scene.
 
     Raises
     ------
     InputError
-        Changes were given with results, or a folder of models with a scene.
+        They were given together.
     """
+    if changes and is_results(file):
+        raise InputError(f"{str(file)!r} holds the results of a finished run, which --set cannot change. Give the scene instead.")
+    if models is not None and not is_results(file):
+        raise InputError("--models belongs to a results file; a scene says itself where its models are. Leave it out.")
+
+
+def motion_of(file: Path, changes: list[str] | None, models: Path | None) -> Callable[[], Solution]:
+    """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked."""
+    check_options(file, changes, models)
     if is_results(file):
-        if changes:
-            raise InputError(
-                f"{str(file)!r} holds the results of a finished run, which --set cannot change. Give the scene instead."
-            )
         from toolkit.results.restore import restore_solution
         from toolkit.results.results_file import load_results
 
         solution = restore_solution(load_results(file), models)
-        return solution.system.scene, lambda: solution
-    if models is not None:
-        raise InputError("--models belongs to a results file; a scene says itself where its models are. Leave it out.")
+        return lambda: solution
     scene = read(file, changes)
-    return scene, lambda: _solve(scene)
+    return lambda: _solve(scene)
 
 
 def _solve(scene: Scene) -> Solution:
