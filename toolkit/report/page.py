@@ -15,6 +15,10 @@ from typing import Any, NamedTuple
 from toolkit.report.tables import Table
 
 
+LONG = 40
+"""Letters from which on an entry of a table is broken into lines."""
+
+
 class Section(NamedTuple):
     """A heading and what stands below it, as HTML."""
 
@@ -28,11 +32,13 @@ class Section(NamedTuple):
 def page(title: str, summary: str, sections: Sequence[Section]) -> str:
     """The whole page."""
     contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
-    bodies = "".join(
-        f'<section id="{escape(section.name)}"{" class=full" * section.full}><h2>{escape(section.title)}</h2>{section.body}</section>'
-        for section in sections
-    )
+    bodies = "".join(map(_section, sections))
     return _template("page.html").substitute(title=escape(title), summary=escape(summary), contents=contents, sections=bodies)
+
+
+def _section(section: Section) -> str:
+    kind = ' class="full"' if section.full else ""
+    return f'<section id="{escape(section.name)}"{kind}><h2>{escape(section.title)}</h2>{section.body}</section>'
 
 
 def _template(name: str) -> Template:
@@ -80,4 +86,5 @@ def _cell(value: Any) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
         text = f"{value:.6g}" if math.isfinite(value) else "does not exist"
         return f'<td class="number">{text}</td>'
-    return f'<td class="word">{escape(str(value))}</td>'
+    kind = "word" if len(str(value)) < LONG else "long"
+    return f'<td class="{kind}">{escape(str(value))}</td>'

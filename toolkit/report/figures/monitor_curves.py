@@ -20,16 +20,16 @@ def monitor_curves(material: Material) -> list[Drawing]:
         for number, (name, values) in enumerate(curves.items()):
             above.plot(times, values, label=name, **style(number))
         above.set_ylabel(f"energy in {energy}")
-        above.legend(loc="upper left")
+        above.legend(loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
         balance.plot(times, found.gap, **style(4))
         balance.set_ylabel(f"gap in {energy}")
         balance.set_title("energy gained minus work of loads", loc="left")
         tolerance = material.scene.solver.drift_tolerance
-        below.semilogy(times, np.where(found.drift > 0, found.drift, np.nan), label="drift", **style(0))
-        below.axhline(tolerance, color="black", linewidth=1, linestyle=":", label="limit of the run")
+        below.semilogy(times, np.where(found.drift > 0, found.drift, np.nan), **style(0))
+        below.axhline(tolerance, color="black", linewidth=1, linestyle=":")
+        below.annotate("limit of the run", (times[-1], tolerance), (0, -3), textcoords="offset points", ha="right", va="top")
         below.set_ylabel("relative drift")
         below.set_title("largest opening of a joint, relative to the scene's size", loc="left")
-        below.legend(loc="center right")
         below.set_xlabel(f"time in {unit(material.scene.units, 'time')}")
     caption = (
         "The gap of the energy balance is what damping, drivers and the time scheme took or gave, and the error of the sum over "
