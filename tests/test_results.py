@@ -23,6 +23,7 @@ from toolkit.results.results_file import load_results, save_results
 from toolkit.results.scene_table import table_of
 from toolkit.scene_file import read_scene, scene_from_table
 from toolkit.sensitivity.analysis import direct, prepare, solve
+from toolkit.sensitivity.numerical import numerical
 
 
 @pytest.fixture(scope="module")
@@ -88,6 +89,15 @@ def test_a_solution_without_a_file_is_kept_too(tmp_path):
     assert read.dq.shape == (25, 102, 0)
     assert read.responses["max_stress"] == pytest.approx(56.78, abs=5e-3)  # the reference value's digits
     assert read.scene.sha256 == ""
+
+
+def test_gradients_by_differences_are_kept_without_derivatives_of_the_states(tmp_path):
+    found = numerical(read_scene(WING), ["t_w"], "transient", "forward-difference")
+    read = load_results(save_results(found, tmp_path / "run.h5").path)
+    assert (read.method, read.design, read.gradients) == ("forward-difference", [], found.gradients)
+    assert read.bodies["skin"].dstress.shape == (25, 120, 0)
+    assert list(read.variables) == ["t_w"]
+    assert restore_solution(read).system.n_x == 0
 
 
 def test_the_error_along_the_skin_at_any_time_is_that_of_a_run_that_ends_there(wing):

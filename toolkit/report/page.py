@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 
 from toolkit.report.tables import Table
 
-
 LONG = 40
 """Letters from which on an entry of a table is broken into lines."""
 
