@@ -44,6 +44,20 @@ def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
     return error, np.where(error.real[:, None] == 0, np.nan, change / safe)
 
 
+def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """`shape_error` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
+    scene, where = solution.system.scene, elastic_coordinates(solution, body)
+    shape = scene.model(flexible_body(scene, body).model, "shape").shape
+    if shape is None:
+        return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))
+    place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
+    gap = place - shape.target + np.einsum("kif,tf->tki", place_q, solution.q[:, where])
+    error = np.sqrt(np.einsum("tki,tki->tk", gap, gap))
+    change = np.einsum("tki,kif,tfx->tkx", gap, place_q, solution.dq[:, where], optimize=True)
+    zero = error.real[:, :, None] == 0
+    return error, np.where(zero, np.nan, change / np.where(zero, 1, error[:, :, None]))
+
+
 class ShapeResponse(Response):
     """Base of responses that weight the squared distances of the nodes."""
 
