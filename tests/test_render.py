@@ -8,19 +8,23 @@ import numpy as np
 import pytest
 
 import toolkit.render.probe as probe
+from tests.cases import CASES, write_models
+from tests.scenes import hanging_skin
 from toolkit.bodies.rigid import Rod
 from toolkit.errors import InputError, ToolkitError
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
-from toolkit.render.configuration import Configuration, joints_by_place
-from toolkit.render.curves import shape_errors, stress_range
+from toolkit.render.configuration import Configuration, names_by_place
+from toolkit.render.curves import merged, shape_errors, stress_range
 from toolkit.render.labels import label_places
 from toolkit.render.look import choose_look
-from toolkit.render.panel import Window, multiples, tick_step
+from toolkit.render.panel import Panel, Window, multiples, tick_step
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.probe import RenderError, drawing, drawing_environment
+from toolkit.render.scene_picture import even, instant_windows, meanings
 from toolkit.render.skin_shape import skin_shape
+from toolkit.render.symbols import symbols
 from toolkit.responses.shape_error import ShapeRMS
 from toolkit.responses.stress import MaxStress, stress_field
 from toolkit.scene import Scene
@@ -170,11 +174,94 @@ def test_points_of_a_turned_rod_turn_about_its_centre():
     solution.q[0] = [0.0, 0.5, np.pi / 2]
     moment = Configuration(solution, 0)
     np.testing.assert_allclose(moment.segments("rod"), [[[0, 0], [0, 1]]], atol=1e-15)  # round-off of cos(pi / 2)
-    np.testing.assert_array_equal(moment.ground_points(), [[0, 0]])
 
 
-def test_joints_at_one_place_share_a_label():
-    assert [name for _, name in joints_by_place(Configuration(pendulum(), 0), 1e-6)] == ["pivot, twin|name"]
+def test_labels_are_names_of_points_once_each_whatever_their_joints_are_called(wing):
+    assert [name for _, name in names_by_place(Configuration(pendulum(), 0), 1e-6)] == ["O", "P"]
+    assert [name for _, name in names_by_place(Configuration(wing, 4), 1e-6)] == ["A", "B", "C", "D", "E", "G"]
+
+
+def test_points_at_one_place_share_a_label(wing):
+    moment = Configuration(wing, 4)
+    assert sorted(moment.named_points()) == list("ABCDEG")
+    assert [name for _, name in names_by_place(moment, 1e3)] == ["A, B, C, D, E, G"]
+
+
+def of_kind(moment, kind):
+    return [symbol for symbol in symbols(moment) if symbol.kind == kind]
+
+
+def test_only_a_revolute_on_the_ground_has_a_triangle(wing):
+    (support,) = of_kind(Configuration(wing, 4), "support")
+    np.testing.assert_allclose(support.point, [72.5, 1.3], rtol=1e-12)  # A, round-off
+
+
+def test_the_symbol_of_a_slider_follows_its_point_and_shows_whether_it_turns(wing):
+    (start,), (end,) = (of_kind(Configuration(wing, step), "grounded slider") for step in (0, 4))
+    assert end.point[0] - start.point[0] > 1.0  # mm; G moves along the axis
+    np.testing.assert_array_equal(end.point, Configuration(wing, 4).position("skin", "G"))
+    assert not any(np.array_equal(pin.point, end.point) for pin in of_kind(Configuration(wing, 4), "pin"))  # rotation is locked
+
+
+def test_the_grounded_frame_is_clamped_where_nothing_moves(wing):
+    (clamp,) = of_kind(Configuration(wing, 4), "clamp")
+    np.testing.assert_array_equal(clamp.point, wing.system.scene.model("skin.h5", "mesh").mesh.nodes[0])  # F
+
+
+def test_a_slider_on_a_moving_body_turns_with_it():
+    solution = rest(hanging_skin(), 0)
+    solution.q[0, solution.coordinates("arm").start + 2] = np.pi / 2
+    (slider,) = of_kind(Configuration(solution, 0), "slider")
+    np.testing.assert_allclose(slider.direction, np.array([-0.3, 1.0]) / np.hypot(1.0, 0.3), atol=1e-15)  # round-off of cos
+    np.testing.assert_array_equal(slider.point, [-30.0, 10.0])  # where the block is, not where the arm has turned to
+    rail = slider.lines(1.0)[1]
+    assert np.diff(rail, axis=0)[0] @ slider.direction == pytest.approx(np.linalg.norm(np.diff(rail, axis=0)))
+
+
+def test_a_scene_with_a_moving_frame_is_drawn(opengl, tmp_path):
+    files = render_solution(rest(hanging_skin(), 1), tmp_path, width=WIDTH)
+    assert [file.name for file in files] == ["step-0.png", "step-1.png", "overview.png", "curves.png"]
+
+
+def test_a_flexible_body_without_a_mesh_is_a_line_through_its_interface_points(opengl, tmp_path):
+    write_models(tmp_path)
+    solution = rest(CASES[0].scene(tmp_path), 0)
+    (chain,) = Configuration(solution, 0).segments("skin")
+    place = solution.system.scene.position
+    np.testing.assert_allclose(chain[0], place("S"), rtol=1e-12)  # round-off of two rotations
+    assert chain.shape == (2, 2)
+    assert distinct_colors(image(render_solution(solution, tmp_path, width=WIDTH)[0])) > 20  # shaded tubes on white
+
+
+def test_the_legend_tells_where_the_skin_is_thicker_than_it_is(wing):
+    moment, look = Configuration(wing, 4), choose_look(wing, [4])
+    wide, near = (Panel(None, 1, (0, 0, 800, 400), Window(np.zeros(2), np.array(size)), 20) for size in ((200, 100), (40, 20)))
+
+    def words(*panels):
+        return [text for text, _ in meanings(panels, look, moment) if "thickness" in text]
+
+    assert words(wide) == ["thickness not to scale"]  # 1.5 mm would be 6 pixels
+    assert words(wide, near) == ["thickness to scale in the detail only"]
+    assert words(near) == []  # 30 pixels
+
+
+def test_numbers_of_one_quantity_have_the_same_decimals():
+    assert [even(value, 0.6) for value in (-13.13, 13.0, -0.01, 56.78)] == ["-13.1", "13.0", "0.0", "56.8"]
+    assert [even(value, 1.4e-3) for value in (3.4412, 0.33)] == ["3.441", "0.330"]
+    assert [even(-1.31e7, 6e5), even(1.31e-7, 1e-9)] == ["-1.31e+07", "1.31e-07"]  # Pa, m
+
+
+def test_curves_that_coincide_share_a_name():
+    curves = {"a": np.array([0.0, 1.0]), "b": np.array([0.0, 0.5]), "c": np.array([1e-12, 1.0])}
+    assert list(merged(curves)) == ["a, c", "b"]
+    assert list(merged({"still": np.zeros(2), "too": np.zeros(2)})) == ["still, too"]
+
+
+def test_the_frame_of_the_detail_lies_inside_the_main_panel(wing):
+    look = choose_look(wing, [1, 2, 3, 4])
+    main, detail = instant_windows(look, 1.6, 0.9)
+    assert np.all(main.contains(detail.outline))
+    assert np.all(main.contains(look.points))
 
 
 def test_labels_keep_clear_of_lines_and_of_each_other():

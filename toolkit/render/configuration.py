@@ -9,6 +9,7 @@ import numpy as np
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rod
 from toolkit.component import Component
+from toolkit.joints.joint import PointJoint
 from toolkit.planar import rotation
 from toolkit.scene import Scene
 from toolkit.solution import Solution
@@ -48,6 +49,10 @@ class Configuration:
             (x, y), angle = (found.position, found.angle) if isinstance(found, Flexible) else ((0.0, 0.0), 0.0)
         return np.real(np.array([x, y]) + points @ rotation(angle).T)
 
+    def flexible(self) -> list[str]:
+        """Names of the flexible bodies."""
+        return [name for name, body in self.scene.bodies.items() if isinstance(body, Flexible)]
+
     def position(self, body: str, point: str) -> np.ndarray:
         """Where the body carries the named point of the scene: r + A(theta) (z0 + Z q), or z0 + Z q without a frame; (2,)."""
         found, q = self.scene.body(body), self.coordinates(body)
@@ -55,48 +60,59 @@ class Configuration:
         local = np.real(marker.point[:2] + q[marker.columns] @ marker.shape[:, :2])
         return q[:2] + rotation(q[2]) @ local if found.has_frame else local
 
-    def joint_points(self) -> dict[str, np.ndarray]:
-        """Points of every joint on its two bodies, each (2, 2)."""
-        return {name: self._points(joint) for name, joint in self.scene.joints.items()}
+    def turned(self, body: str, point: str, direction: np.ndarray) -> np.ndarray:
+        """A direction (2,) of the undeformed configuration that turns with the body at a point: by theta + t0 + T q."""
+        q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
+        angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
+        return rotation(angle + q[2] if self.scene.body(body).has_frame else angle) @ direction
 
-    def links(self) -> list[np.ndarray]:
-        """Lines of springs and distance joints: components between two different points, each (2, 2)."""
-        return [self._points(each) for each in self._between_points()]
+    def ends(self, component: Component) -> np.ndarray:
+        """Points at which a joint or load grips its two bodies, (2, 2)."""
+        return np.array([self.position(body, point) for body, point in component.grips])
+
+    def links(self) -> list[Component]:
+        """Springs and distance joints: components between two different points."""
+        return [each for each in self._components() if not isinstance(each, PointJoint) and each.grips[0][1] != each.grips[1][1]]
 
     def segments(self, body: str) -> list[np.ndarray]:
-        """Straight lines that stand for a rigid body, each (2, 2): along a rod, or from the centre of mass to every gripped point."""
+        """Lines that stand for a body, each (n, 2): along a rod, or from the centre of mass of a rigid body to every gripped point.
+
+        A flexible body without a mesh is a line through its interface points; with one it is drawn as it is, without lines.
+        """
         found = self.scene.body(body)
-        if not found.has_frame or isinstance(found, Flexible):
-            return []
+        if isinstance(found, Flexible):
+            return self._chain(body, found)
         if isinstance(found, Rod):
             return [np.array([self.position(body, point) for point in found.between])]
         centre = self.coordinates(body)[:2]
-        return [np.array([centre, self.position(body, point)]) for point in grip_points(self.scene, body)]
+        return [np.array([centre, self.position(body, point)]) for name, point in self._grips() if name == body]
 
-    def ground_points(self) -> list[np.ndarray]:
-        """Points of the ground that joints and springs hold on to."""
-        held = [grip for each in [*self.scene.joints.values(), *self._between_points()] for grip in each.grips]
-        return [self.position("ground", point) for point in dict.fromkeys(point for body, point in held if body == "ground")]
+    def _chain(self, body: str, found: Flexible) -> list[np.ndarray]:
+        model = self.scene.model(found.model, "interfaces", "mesh")
+        points = sorted((model.interfaces or {}).values(), key=lambda point: float(point.arc_length))
+        if model.mesh or len(points) < 2:
+            return []
+        q = np.append(1.0, self.elastic(body))
+        return [self.place(body, np.array([point.at(float(point.arc_length))[0] @ q for point in points]))]
 
-    def _between_points(self) -> list[Component]:
+    def named_points(self) -> dict[str, np.ndarray]:
+        """The points that bodies are built on or gripped at, each where a moving body carries it, else where the ground does."""
+        built_on = [(name, point) for name, body in self.scene.bodies.items() for point in body.named_points()]
+        moving_first = sorted([*self._grips(), *built_on], key=lambda grip: grip[0] == "ground")
+        return {point: self.position(body, point) for body, point in reversed(moving_first)}
+
+    def _components(self) -> list[Component]:
         every = [*self.scene.joints.values(), *self.scene.loads.values()]
-        return [each for each in every if isinstance(each, Component) and each.grips[0][1] != each.grips[1][1]]
+        return [each for each in every if isinstance(each, Component)]
 
-    def _points(self, component: Component) -> np.ndarray:
-        return np.array([self.position(body, point) for body, point in component.grips])
-
-
-def grip_points(scene: Scene, body: str) -> list[str]:
-    """Names of the points at which joints and loads grip a body."""
-    components = [*scene.joints.values(), *scene.loads.values()]
-    grips = [grip for each in components if isinstance(each, Component) for grip in each.grips]
-    return list(dict.fromkeys(point for name, point in grips if name == body))
+    def _grips(self) -> list[tuple[str, str]]:
+        return list(dict.fromkeys(grip for each in self._components() for grip in each.grips))
 
 
-def joints_by_place(configuration: Configuration, tolerance: float) -> list[tuple[np.ndarray, str]]:
-    """Positions of the joints with their names; joints closer together than the tolerance share one label."""
+def names_by_place(configuration: Configuration, tolerance: float) -> list[tuple[np.ndarray, str]]:
+    """Positions of the named points; points closer together than the tolerance share one label."""
     found: list[tuple[np.ndarray, list[str]]] = []
-    for name, (here, _) in configuration.joint_points().items():
+    for name, here in sorted(configuration.named_points().items()):
         near = [names for place, names in found if np.hypot(*(place - here)) < tolerance]
         if near:
             near[0].append(name)

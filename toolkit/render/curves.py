@@ -77,4 +77,17 @@ def _rotation_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
     scene = solution.system.scene
     framed = [name for name, body in scene.bodies.items() if body.has_frame]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
-    return [(f"rotation in {unit(scene.units, 'angle')}", curves)] if curves else []
+    return [(f"rotation in {unit(scene.units, 'angle')}", merged(curves))] if curves else []
+
+
+def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same curves, each drawn once: those that coincide, to a millionth of the largest value, share a name."""
+    near = 1e-6 * max(np.abs(values).max() for values in curves.values())
+    groups: list[list[str]] = []
+    for name, values in curves.items():
+        same = [group for group in groups if np.allclose(curves[group[0]], values, rtol=0, atol=near)]
+        if same:
+            same[0].append(name)
+        else:
+            groups.append([name])
+    return {", ".join(group): curves[group[0]] for group in groups}

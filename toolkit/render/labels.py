@@ -7,7 +7,8 @@ import numpy as np
 from toolkit.render.panel import Panel
 
 _DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
-_ENOUGH = 0.5  # of a letter's height: more clearance than this is not better
+_ENOUGH = 0.25  # of a letter's height: more clearance than this is not better
+_NEARNESS = 0.1  # clearance that a label gives up to be one pixel nearer to its point
 
 
 def write_names(panel: Panel, named: list[tuple[np.ndarray, str]], lines: list[np.ndarray]) -> None:
@@ -43,11 +44,11 @@ def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, le
     boxes: list[np.ndarray] = []
     for point, text in zip(points, texts, strict=True):
         half = np.array([0.3 * len(text) + 0.1, 0.5]) * letter
-        candidates = [candidate for reach in (0.5, 0.9, 1.6) for candidate in _around(point, half, reach * letter)]
+        candidates = [candidate for reach in (0.4, 0.7, 1.1, 1.6) for candidate in _around(point, half, reach * letter)]
         free = [
             min(_clearance(candidate, half, obstacles), _box_clearance(candidate, half, places, boxes), _ENOUGH * letter)
             - 100 * _outside(candidate, half, size)
-            - 0.01 * np.hypot(*(candidate - point))
+            - _NEARNESS * np.hypot(*(candidate - point))
             for candidate in candidates
         ]
         places.append(candidates[int(np.argmax(free))])

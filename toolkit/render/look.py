@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
 from toolkit.render.configuration import Configuration
 from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.scene import Scene
@@ -42,7 +41,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     """Look of the pictures at the given steps."""
     moments = [Configuration(solution, step) for step in dict.fromkeys([0, *steps])]
     scene = solution.system.scene
-    skins = [name for name, body in scene.bodies.items() if isinstance(body, Flexible) and skin_shape(moments[0], name)]
+    skins = [name for name in moments[0].flexible() if skin_shape(moments[0], name)]
     shapes = {name: [shape for shape in (skin_shape(moment, name) for moment in moments) if shape] for name in skins}
     lines = [shape.line.reshape(-1, 2) for each in shapes.values() for shape in each]
     others = [each for moment in moments for each in _drawn_points(moment)]
@@ -67,7 +66,7 @@ def _round_up(value: float) -> float:
 
 def _drawn_points(moment: Configuration) -> list[np.ndarray]:
     lines = [segment for body in moment.scene.bodies for segment in moment.segments(body)]
-    return [*lines, *moment.joint_points().values(), *moment.links()]
+    return [*lines, *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
 
 
 def _thickness(scene: Scene, body: str) -> float:

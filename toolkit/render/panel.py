@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from toolkit.render import parts
+
 INK, FRAME = "#202020", "#808080"
-_MOST_TICKS, _TICK = 10, 6  # number, pixels
+_MOST_TICKS, _FEWEST_TICKS = 10, 5  # about, along the longer and along the shorter side
+_GAP = 6  # pixels between an edge and the numbers of its ticks
 
 
 @dataclass(frozen=True)
@@ -82,20 +86,30 @@ class Panel:
         self.plotter.subplot(0, self.number)
         letter(self.plotter, text, pixel, self.letter, color)
 
-    def ticks(self, canvas: int, label: str) -> None:
-        """Ticks along the lower and the left edge with their numbers outside; `canvas` is the renderer of the whole picture."""
-        left, bottom, wide, high = self.place
-        self.plotter.subplot(0, canvas)
-        step = tick_step(self.window.size.max() / _MOST_TICKS)
-        for axis, far in ((0, wide), (1, high)):
-            for value in multiples(self.window.corner[axis], self.window.size[axis], step):
+    def ticks(self, canvas: int, label: str, axes: Sequence[int] = (0, 1)) -> None:
+        """Ticks along the lower (axis 0) and the left edge (1), their numbers outside; `canvas` is the whole picture's renderer."""
+        left, bottom, wide, _ = self.place
+        step = tick_step(min(self.window.size.max() / _MOST_TICKS, self.window.size.min() / _FEWEST_TICKS))
+        far = self.window.corner + self.window.size - self.letter / self.scale
+        for axis in (0, 1):
+            start = self.window.corner[axis] + self.letter / self.scale
+            values = multiples(start, far[axis] - start, step)
+            self._strokes(axis, values)
+            self.plotter.subplot(0, canvas)
+            for value in values if axis in axes else ():
                 along = (value - self.window.corner[axis]) * self.scale
-                if along < self.letter or along > far - self.letter:
-                    continue
-                at = (left + along, bottom - _TICK) if axis == 0 else (left - _TICK, bottom + along)
+                at = (left + along, bottom - _GAP) if axis == 0 else (left - _GAP, bottom + along)
                 anchor = ("center", "top") if axis == 0 else ("right", "center")
                 letter(self.plotter, f"{value:g}", np.array(at), self.letter, INK, anchor)
-        letter(self.plotter, label, np.array([left + wide, bottom - 1.8 * self.letter]), self.letter, INK, ("right", "top"))
+        if 0 in axes:
+            letter(self.plotter, label, np.array([left + wide, bottom - 1.8 * self.letter]), self.letter, INK, ("right", "top"))
+
+    def _strokes(self, axis: int, values: np.ndarray) -> None:
+        """Short lines inwards from the edge that the axis runs along."""
+        ends = self.window.corner + np.outer([0.0, 0.5 * self.letter / self.scale], [axis, 1 - axis])
+        strokes = [np.where([axis == 0, axis == 1], value, ends) for value in values]
+        if strokes:
+            self.draw(parts.lines(strokes, 0.0), color=FRAME, line_width=2, lighting=False)
 
 
 def letter(

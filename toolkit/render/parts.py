@@ -1,4 +1,4 @@
-"""The parts of a picture as meshes in the plane: lines, dashes, tubes, dots, ground marks, the skin with its stress."""
+"""The parts of a picture as meshes in the plane: lines, dashes, tubes, dots, the skin with its stress."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ def dashes(points: np.ndarray, length: float, height: float = 0.0) -> Any:
     return pyvista.merge(pieces) if pieces else None
 
 
-def tube(ends: np.ndarray, radius: float) -> Any:
-    """A straight tube between two points (2, 2)."""
-    return pyvista.Line(*_lifted(ends, 0.0)).tube(radius=radius, n_sides=24)
+def tube(points: np.ndarray, radius: float) -> Any:
+    """A tube along a polyline (n, 2)."""
+    return line(points).tube(radius=radius, n_sides=24)
 
 
 def dot(point: np.ndarray, radius: float, height: float) -> Any:
@@ -37,12 +37,9 @@ def dot(point: np.ndarray, radius: float, height: float) -> Any:
     return pyvista.Disc(center=_lifted(point[None], height)[0], inner=0.0, outer=radius, c_res=32)
 
 
-def ground_mark(point: np.ndarray, size: float, height: float) -> Any:
-    """The support of a fixed point: a triangle below it, on a hatched line."""
-    corners = point + size * np.array([[0.0, 0.0], [-0.6, -1.0], [0.6, -1.0], [0.0, 0.0]])
-    base = point + size * np.array([[-1.0, -1.0], [1.0, -1.0]])
-    hatch = [point + size * np.array([[x, -1.0], [x - 0.35, -1.45]]) for x in np.linspace(-0.6, 1.0, 5)]
-    return pyvista.merge([line(each, height) for each in (corners, base, *hatch)])
+def lines(every: list[np.ndarray], height: float) -> Any:
+    """Several polylines, each (n, 2), as one mesh."""
+    return pyvista.merge([line(points, height) for points in every])
 
 
 def skin(shape: SkinShape, thickness: float, name: str, height: float) -> Any:

@@ -1,4 +1,4 @@
-"""A scene at one instant in one panel: outlines, mechanism, skins with their stress, supports, joints and their names."""
+"""A scene at one instant in one panel: skins with their stress, outlines, mechanism, joints and supports, names."""
 
 from __future__ import annotations
 
@@ -7,38 +7,36 @@ from typing import Any
 import numpy as np
 
 from toolkit.render import parts
-from toolkit.render.configuration import Configuration, joints_by_place
+from toolkit.render.configuration import Configuration, names_by_place
 from toolkit.render.labels import write_names
 from toolkit.render.look import Look
 from toolkit.render.panel import FRAME, Panel
 from toolkit.render.skin_shape import drawn_model, skin_shape
+from toolkit.render.symbols import clamps, symbols
 
-UNDEFORMED, TARGET, ROD, SUPPORT = "#909090", "#1a8f3c", "#8fa3bf", "#7a4a1e"
+UNDEFORMED, TARGET, ROD, SUPPORT = "#707070", "#1a8f3c", "#8fa3bf", "#7a4a1e"
 COLORS = "coolwarm"
-_OUTLINE, _RODS, _SKIN, _TARGET, _SUPPORT, _JOINTS = -2.0, 0.0, 1.0, 1.5, 2.0, 2.5
+_RODS, _SKIN, _OUTLINE, _TARGET, _SYMBOLS, _PINS = 0.0, 1.0, 1.3, 1.5, 2.0, 2.5
 """Heights above the plane in diameters of a tube: what covers what."""
 
 
-def draw_scene(panel: Panel, configuration: Configuration, look: Look, names: bool) -> Any:
+def draw_scene(panel: Panel, configuration: Configuration, look: Look) -> Any:
     """Everything at one instant in one panel; returns the last skin's actor, which the colour bar belongs to, or None."""
     radius = look.extent / 180
+    actor, skins = _draw_skins(panel, configuration, look, _SKIN * 2 * radius)
     lines = _draw_outlines(panel, configuration, look, 2 * radius)
-    lines += _draw_mechanism(panel, configuration, radius)
-    actor = _draw_skins(panel, configuration, look, _SKIN * 2 * radius)
-    for point in [*configuration.ground_points(), *_clamps(configuration, look)]:
-        panel.draw(parts.ground_mark(point, 3 * radius, _SUPPORT * 2 * radius), color=SUPPORT, line_width=2)
-        lines.append(point + np.array([[0.0, 0.0], [-3.0, -3.0], [0.0, -3.0], [3.0, -3.0]]) * radius)
-    joints = joints_by_place(configuration, radius / 2)
-    for point, _ in joints:
-        panel.draw(parts.dot(point, 1.5 * radius, _JOINTS * 2 * radius), color="black", lighting=False)
-        panel.draw(parts.dot(point, 0.8 * radius, (_JOINTS + 0.5) * 2 * radius), color="white", lighting=False)
-    if names:
-        write_names(panel, joints, lines)
+    lines += skins + _draw_mechanism(panel, configuration, radius) + _draw_symbols(panel, configuration, radius)
+    write_names(panel, _labels(configuration, radius / 2), lines)
     return actor
 
 
+def drawn_thickness(panel: Panel, true: float) -> float:
+    """The thickness of a skin, or more if its two colours could not be told apart."""
+    return max(true, 0.5 * panel.letter / panel.scale)
+
+
 def _draw_outlines(panel: Panel, configuration: Configuration, look: Look, layer: float) -> list[np.ndarray]:
-    """The undeformed outline, below all, and the target, above the skin; returns what labels should not cover."""
+    """The undeformed outline and the target, above the skin; returns what labels should not cover."""
     drawn = []
     for body in look.thickness:
         mesh = drawn_model(configuration, body).mesh
@@ -46,7 +44,7 @@ def _draw_outlines(panel: Panel, configuration: Configuration, look: Look, layer
             continue
         outline, target = (configuration.place(body, points) for points in (mesh.outline, mesh.target_outline))
         if len(outline) > 1:
-            panel.draw(parts.line(outline, _OUTLINE * layer), color=UNDEFORMED, line_width=2, lighting=False)
+            panel.draw(parts.line(outline, _OUTLINE * layer), color=UNDEFORMED, line_width=1.5, lighting=False)
         if len(target) > 1:
             broken = parts.dashes(target, 0.5 * panel.letter / panel.scale, _TARGET * layer)
             panel.draw(broken, color=TARGET, line_width=3, lighting=False)
@@ -59,36 +57,49 @@ def _draw_mechanism(panel: Panel, configuration: Configuration, radius: float) -
     rods = [ends for body in configuration.scene.bodies for ends in configuration.segments(body)]
     for ends in rods:
         panel.draw(parts.tube(ends, radius), color=ROD, smooth_shading=True)
-    links = configuration.links()
+    links = [configuration.ends(each) for each in configuration.links()]
     for ends in links:
         panel.draw(parts.line(ends, _RODS), color=ROD, line_width=3)
     return rods + links
 
 
-def _draw_skins(panel: Panel, configuration: Configuration, look: Look, height: float) -> Any:
-    actor = None
+def _draw_skins(panel: Panel, configuration: Configuration, look: Look, height: float) -> tuple[Any, list[np.ndarray]]:
+    """The skins with their stress; returns the last one's actor and their edges."""
+    actor, edges = None, []
     for body, true in look.thickness.items():
-        shape, thickness = skin_shape(configuration, body), max(true, 0.6 * panel.letter / panel.scale)
+        shape, thickness = skin_shape(configuration, body), drawn_thickness(panel, true)
         if shape is None:
             continue
         name = f"stress of {body}"
         band = parts.skin(shape, thickness, name, height)
         actor = panel.draw(band, scalars=name, cmap=COLORS, clim=_limits(look), lighting=False)
-        for fibre in range(2):
-            edge = shape.fibres(thickness)[:, :, fibre].reshape(-1, 2)
-            panel.draw(parts.line(edge, height * 1.01), color=FRAME, line_width=1, lighting=False)
-    return actor
+        edges += [shape.fibres(thickness)[:, :, fibre].reshape(-1, 2) for fibre in range(2)]
+    for edge in edges:
+        panel.draw(parts.line(edge, height * 1.01), color=FRAME, line_width=1, lighting=False)
+    return actor, edges
 
 
-def _clamps(configuration: Configuration, look: Look) -> list[np.ndarray]:
-    """Nodes of grounded bodies that no elastic coordinate moves."""
-    found = []
-    for body in look.thickness:
-        mesh = drawn_model(configuration, body).mesh
-        if mesh is not None and not configuration.scene.body(body).has_frame:
-            still = ~np.any(mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1), axis=1)
-            found += list(configuration.place(body, mesh.nodes[still]))
-    return found
+def _draw_symbols(panel: Panel, configuration: Configuration, radius: float) -> list[np.ndarray]:
+    """Pins as dots, everything else as lines; returns the lines, of a dot its edge."""
+    drawn = []
+    for symbol in symbols(configuration):
+        lines = symbol.lines(3 * radius)
+        if symbol.kind == "pin":
+            panel.draw(parts.dot(symbol.point, 1.5 * radius, _PINS * 2 * radius), color="black", lighting=False)
+            panel.draw(parts.dot(symbol.point, 0.8 * radius, (_PINS + 0.5) * 2 * radius), color="white", lighting=False)
+        else:
+            panel.draw(parts.lines(lines, _SYMBOLS * 2 * radius), color=SUPPORT, line_width=2, lighting=False)
+        drawn += lines
+    return drawn
+
+
+def _labels(configuration: Configuration, tolerance: float) -> list[tuple[np.ndarray, str]]:
+    """Names of points, and which body is clamped where no named point is."""
+    named = names_by_place(configuration, tolerance)
+    for body, points in clamps(configuration).items():
+        if not any(np.hypot(*(points[0] - place)) < tolerance for place, _ in named):
+            named.append((points[0], f"{body} clamped"))
+    return named
 
 
 def _limits(look: Look) -> tuple[float, float]:

@@ -14,7 +14,8 @@ from toolkit.render.configuration import Configuration
 from toolkit.render.curves import shape_errors, stress_range
 from toolkit.render.look import Look
 from toolkit.render.panel import FRAME, INK, Panel, Window, letter
-from toolkit.render.scene_drawing import TARGET, UNDEFORMED, draw_scene
+from toolkit.render.scene_drawing import TARGET, UNDEFORMED, draw_scene, drawn_thickness
+from toolkit.render.skin_shape import drawn_model
 from toolkit.units import unit
 
 Place = tuple[int, int, int, int]
@@ -27,68 +28,89 @@ _LEFT = ("left", "center")
 def draw_instant(moment: Configuration, look: Look, path: Path, width: int) -> None:
     """One instant: the scene, and beside it the detail where it moves most."""
     letters, height = width // 70, width // 2
-    foot = 8 * letters if look.stress_limit else 5 * letters
+    foot = 9 * letters if look.thickness else 5 * letters
     tall = height - foot - 3 * letters
     split = round(0.64 * width) if look.detail is not None else width
-    contents = [((4 * letters, foot, split - 5 * letters, tall), look.points, _MARGIN)]
-    if look.detail is not None:
-        contents.append(((split + 4 * letters, foot, width - split - 5 * letters, tall), look.detail, 0.0))
-    titles = [caption(moment, look), "detail (frame on the left)"]
-    with canvas(path, width, height, len(contents)) as plotter:
-        panels = [
-            Panel(plotter, number, place, Window.around(points, place[2] / place[3], margin), letters)
-            for number, (place, points, margin) in enumerate(contents, start=1)
-        ]
+    place: Place = (4 * letters, foot, split - 5 * letters, tall)
+    beside: Place = (split + 4 * letters, foot, width - split - 5 * letters, tall)
+    windows = instant_windows(look, place[2] / tall, beside[2] / tall)
+    titles = [",  ".join(caption(moment, look)), "detail (frame on the left)"]
+    with canvas(path, width, height, len(windows)) as plotter:
+        panels = [Panel(plotter, k + 1, (place, beside)[k], window, letters) for k, window in enumerate(windows)]
         for panel, title in zip(panels, titles, strict=False):
-            actor = _draw_panel(panel, title, moment, look, names=True)
+            actor = _draw_panel(panel, title, moment, look)
             panel.ticks(0, f"x, y in {unit(moment.scene.units, 'length')}")
         if len(panels) > 1:
             panels[0].draw(parts.line(panels[1].window.outline), color=FRAME)
-        _legend(plotter, look, moment, actor, letters)
+        _legend(panels, look, moment, actor)
+
+
+def instant_windows(look: Look, aspect: float, detail_aspect: float) -> list[Window]:
+    """The main window, and that of the detail if there is one; the main window holds the frame of the detail."""
+    main = Window.around(look.points, aspect, _MARGIN)
+    if look.detail is None:
+        return [main]
+    detail = Window.around(look.detail, detail_aspect, 0.0)
+    return [Window.around(np.vstack([main.outline, detail.outline]), aspect, 0.01), detail]
 
 
 def draw_overview(moments: Sequence[Configuration], look: Look, path: Path, width: int) -> None:
-    """Several instants in one picture, two beside each other."""
-    letters, columns = width // 75, min(2, len(moments))
-    rows = -(-len(moments) // columns)
-    wide = (width - letters) // columns - letters
-    tall, head, foot = round(0.55 * wide), 5 * letters // 2, 11 * letters // 2 if look.thickness else letters
+    """Several instants in one picture, two beside each other; numbers of ticks along its left and lower edge."""
+    letters, columns = width // 60, min(2, len(moments))
+    rows, left = -(-len(moments) // columns), 3 * letters
+    wide = (width - left) // columns - letters
+    tall, head, foot = round(0.55 * wide), 7 * letters // 2, 9 * letters if look.thickness else 4 * letters
+    window = Window.around(look.points, wide / tall, _MARGIN)
     with canvas(path, width, foot + rows * (tall + head), len(moments)) as plotter:
+        panels = []
         for k, moment in enumerate(moments):
             row, column = divmod(k, columns)
-            place: Place = (letters + column * (wide + letters), foot + (rows - 1 - row) * (tall + head), wide, tall)
-            panel = Panel(plotter, k + 1, place, Window.around(look.points, wide / tall, _MARGIN), letters)
-            actor = _draw_panel(panel, caption(moment, look), moment, look, names=False)
-        _legend(plotter, look, moments[0], actor, letters)
+            place: Place = (left + column * (wide + letters), foot + (rows - 1 - row) * (tall + head), wide, tall)
+            panels.append(Panel(plotter, k + 1, place, window, letters))
+            words = caption(moment, look)
+            title = "\n".join(",  ".join(line) for line in (words[:2], words[2:]) if line)
+            actor = _draw_panel(panels[-1], title, moment, look)
+            axes = [axis for axis, outer in enumerate([k + columns >= len(moments), column == 0]) if outer]
+            panels[-1].ticks(0, f"x, y in {unit(moment.scene.units, 'length')}", axes)
+        _legend(panels, look, moments[0], actor)
 
 
-def caption(moment: Configuration, look: Look) -> str:
-    """Time, range of the stress and, if one body has a target, the distance to it."""
+def caption(moment: Configuration, look: Look) -> list[str]:
+    """Time, range of the stress and, if one body has a target, the distance to it; digits as fine as the scene needs."""
     solution, step, units = moment.solution, moment.step, moment.scene.units
     words = [f"t = {moment.time:.4g} {unit(units, 'time')}"]
     if look.stress_limit:
         ranges = np.array([stress_range(solution, body)[step] for body in look.thickness])
-        words.append(f"stress {ranges.min():.3g} to {ranges.max():.3g} {unit(units, 'stress')}")
+        low, high = (even(value, look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
+        words.append(f"stress {low} to {high} {unit(units, 'stress')}")
     errors = [each[step] for body in look.thickness if (each := shape_errors(solution, body)) is not None]
     if len(errors) == 1:
-        words.append(f"RMS distance to target {np.sqrt((errors[0] ** 2).mean()):#.3g} {unit(units, 'length')}")
-    return ",  ".join(words)
+        rms = even(np.sqrt((errors[0] ** 2).mean()), look.extent * 1e-5)
+        words.append(f"RMS distance to target {rms} {unit(units, 'length')}")
+    return words
 
 
-def _draw_panel(panel: Panel, title: str, moment: Configuration, look: Look, names: bool) -> Any:
+def even(value: float, finest: float) -> str:
+    """A number with as many decimals as it takes to show `finest`, however large it is itself; in powers of ten if those are many."""
+    decimals = max(0, -int(np.floor(np.log10(finest))))
+    return f"{round(value, decimals) + 0.0:.{decimals}f}" if decimals < 6 and finest < 1e3 else f"{value:.2e}"
+
+
+def _draw_panel(panel: Panel, title: str, moment: Configuration, look: Look) -> Any:
     """Open the panel, draw the scene and write a title above; returns the actor with the stress, or None."""
     panel.open()
-    actor = draw_scene(panel, moment, look, names)
+    actor = draw_scene(panel, moment, look)
     panel.plotter.subplot(0, 0)
-    above = np.array([panel.place[0], panel.place[1] + panel.place[3] + 1.2 * panel.letter])
-    letter(panel.plotter, title, above, panel.letter, INK, _LEFT)
+    above = np.array([panel.place[0], panel.place[1] + panel.place[3] + 0.7 * panel.letter])
+    letter(panel.plotter, title, above, panel.letter, INK, ("left", "bottom"))
     return actor
 
 
-def _legend(plotter: Any, look: Look, moment: Configuration, actor: Any, letters: int) -> None:
+def _legend(panels: Sequence[Panel], look: Look, moment: Configuration, actor: Any) -> None:
     """Colour bar at the lower left, meaning of the lines at the lower right."""
     if actor is None:
         return
+    plotter, letters = panels[0].plotter, panels[0].letter
     plotter.subplot(0, 0)
     width, height = plotter.window_size
     if look.stress_limit:
@@ -98,6 +120,18 @@ def _legend(plotter: Any, look: Look, moment: Configuration, actor: Any, letters
         )  # fmt: skip
         bar.SetUnconstrainedFontSize(True)
         letter(plotter, f"stress in {unit(moment.scene.units, 'stress')}", np.array([0.31 * width, 3.9 * letters]), letters)
-    entries = (("— undeformed", UNDEFORMED), ("– – target", TARGET), ("deformed, stress of outer and inner fibre", INK))
-    for k, (text, color) in enumerate(entries):
-        letter(plotter, text, np.array([0.64 * width, (3.9 - 1.4 * k) * letters]), letters, color, _LEFT)
+    for k, (text, color) in enumerate(reversed(meanings(panels, look, moment))):
+        letter(plotter, text, np.array([0.62 * width, (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)
+
+
+def meanings(panels: Sequence[Panel], look: Look, moment: Configuration) -> list[tuple[str, str]]:
+    """What lines and bands are, with their colours; only what is drawn, and a word where skins are thicker than they are."""
+    meshes = [drawn_model(moment, body).mesh for body in look.thickness]
+    entries = [("— undeformed", UNDEFORMED, "outline"), ("– – target", TARGET, "target_outline")]
+    found = [(text, color) for text, color, part in entries if any(len(getattr(mesh, part)) > 1 for mesh in meshes)]
+    stress = ", stress of outer and inner fibre" if look.stress_limit else ""
+    found.append((f"deformed{stress}", INK))
+    thick = [any(drawn_thickness(panel, true) > true for true in look.thickness.values()) for panel in panels]
+    if any(thick):
+        found.append(("thickness not to scale" if all(thick) else "thickness to scale in the detail only", INK))
+    return found
