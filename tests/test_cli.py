@@ -251,7 +251,7 @@ def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
     command = [sys.executable, "-c", code, "statics", SCENE]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 128 + signal.SIGINT
-    assert done.stderr == "interrupted.\n"
+    assert done.stderr == "interrupted: files that were finished are kept, none is half written.\n"
 
 
 def test_paths_of_models_start_at_the_scene_not_at_the_working_directory(tmp_path, monkeypatch):
@@ -261,3 +261,13 @@ def test_paths_of_models_start_at_the_scene_not_at_the_working_directory(tmp_pat
     assert record("inspect", str(tmp_path / "scene.toml"))["units"] == "mm-t-s"
     (tmp_path / "skin.h5").unlink()
     assert "there is no reduced model" in refused("statics", str(tmp_path / "scene.toml"))
+
+
+def test_quiet_leaves_standard_error_to_errors(tmp_path):
+    runner, kept = CliRunner(), str(tmp_path / "run.h5")
+    loud = runner.invoke(app, ["statics", str(SCENE), "--output", kept])
+    assert "results are in" in loud.stderr
+    quiet = runner.invoke(app, ["statics", str(SCENE), "--output", kept, "--quiet"])
+    assert quiet.stderr == ""
+    assert "max_stress" in quiet.stdout
+    assert "cannot be read" in runner.invoke(app, ["statics", "nowhere.toml", "--quiet"]).stderr

@@ -9,7 +9,7 @@ import typer
 from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import AsJson, Changes, Method, SceneFile, design_of, prepare_folder, read
+from toolkit.command_line.arguments import AsJson, Changes, Method, Quiet, SceneFile, design_of, prepare_folder, read
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
@@ -32,7 +32,7 @@ class Commands(TyperGroup):
             typer.echo(str(error), err=True)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
-            typer.echo("interrupted.", err=True)
+            typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
             raise typer.Exit(INTERRUPTED) from None
 
 
@@ -46,31 +46,35 @@ app = typer.Typer(
 
 
 @app.command()
-def simulate(scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False) -> None:
+def simulate(
+    scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
     """Integrate the scene over time and print its responses."""
     from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, timed
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
-    with at_work("time steps", described, "transient") as progress:
+    with at_work("time steps", described, "transient", quiet=quiet) as progress:
         seconds, solution = timed(prepare(described), "transient", progress)
     found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
-    keep(found, output, text, changes)
-    print_result(found, as_json)
+    keep(found, output, text, changes, quiet)
+    print_result(found, as_json, quiet)
 
 
 @app.command()
-def statics(scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False) -> None:
+def statics(
+    scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False, quiet: Quiet = False
+) -> None:
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.sensitivity.analysis import direct
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
     names = list(described.design)
-    with at_work("load steps", described, "static", names) as progress:
+    with at_work("load steps", described, "static", names, quiet) as progress:
         found = direct(described, names, "static", progress)
-    keep(found, output, text, changes)
-    print_result(found, as_json)
+    keep(found, output, text, changes, quiet)
+    print_result(found, as_json, quiet)
 
 
 @app.command()
@@ -84,6 +88,7 @@ def sensitivity(
     changes: Changes = None,
     output: Output = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Print the responses with their gradients."""
     from toolkit.sensitivity.analysis import direct
@@ -93,13 +98,13 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("steps" if method is Method.direct else "variables", described, kind, names) as progress:
+    with at_work("steps" if method is Method.direct else "variables", described, kind, names, quiet) as progress:
         if method is Method.direct:
             found = direct(described, names, kind, progress)
         else:
             found = numerical(described, names, kind, method.value, progress)
-    keep(found, output, text, changes)
-    print_result(found, as_json)
+    keep(found, output, text, changes, quiet)
+    print_result(found, as_json, quiet)
 
 
 @app.command()
@@ -111,6 +116,7 @@ def modes(
     ] = False,
     changes: Changes = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
     from toolkit.sensitivity.analysis import prepare, solve
@@ -118,7 +124,7 @@ def modes(
     from toolkit.solvers.undeformed import undeformed
 
     described = read(scene, changes)
-    with at_work("load steps", described, "static") as progress:
+    with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
         frequencies = solve_modes(state, count).frequencies.tolist()
@@ -148,12 +154,13 @@ def render(
     changes: Changes = None,
     models: Models = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
     from toolkit.render.pictures import render_solution
     from toolkit.render.probe import drawing_environment
 
-    solve = motion_of(file, changes, models)
+    solve = motion_of(file, changes, models, quiet)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
     files = render_solution(solve(), folder, times, width)

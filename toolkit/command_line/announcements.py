@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ Progress = Callable[[int, int], None]
 
 
 @contextmanager
-def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = ()) -> Iterator[Progress]:
+def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = (), quiet: bool = False) -> Iterator[Progress]:
     """Show a bar that moves with the calls (done, in all) of the function given back; it vanishes at the end.
 
     Formulas that were never compiled on this machine are compiled before, and it is said so.
@@ -32,19 +32,21 @@ def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = ()) ->
 
     if not is_on_disk(kernel_of(kind)):
         system = prepare(scene, list(design))
-        typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
-        with bar("compiling"):
+        if not quiet:
+            typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
+        with bar("compiling", quiet):
             compile_formulas(system, kind)
-    with bar(title) as progress:
+    with bar(title, quiet) as progress:
         yield progress
 
 
 @contextmanager
-def bar(title: str) -> Iterator[Progress]:
-    """A bar on standard error, if that is a terminal."""
+def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
+    """A bar on standard error, with the time that went and that is left, if that is a terminal and nobody asked for quiet."""
     console = Console(stderr=True)
-    columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn()
-    with Bar(*columns, console=console, transient=True, disable=not console.is_terminal) as shown:
+    times = TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
+    columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), *times
+    with Bar(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as shown:
         task = shown.add_task(title, total=None)
         yield lambda done, total: shown.update(task, completed=done, total=total)
 

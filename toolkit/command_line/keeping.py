@@ -38,14 +38,15 @@ def check_output(path: Path | None) -> None:
         refuse_foreign(path)
 
 
-def keep(found: Result, path: Path | None, text: str, changes: list[str] | None) -> None:
+def keep(found: Result, path: Path | None, text: str, changes: list[str] | None, quiet: bool = False) -> None:
     """Write the results file, if one was asked for, and say so."""
     if path is None:
         return
     from toolkit.results.results_file import save_results
 
     save_results(found, path, text, dict(split(change) for change in changes or []))
-    typer.echo(f"results are in {path}; ffrf inspect {path} tells what they are.", err=True)
+    if not quiet:
+        typer.echo(f"results are in {path}; ffrf inspect {path} tells what they are.", err=True)
 
 
 def text_of(path: Path) -> str:
@@ -72,7 +73,7 @@ def check_options(file: Path, changes: list[str] | None, models: Path | None) ->
         raise InputError("--models belongs to a results file; a scene says itself where its models are. Leave it out.")
 
 
-def motion_of(file: Path, changes: list[str] | None, models: Path | None) -> Callable[[], Solution]:
+def motion_of(file: Path, changes: list[str] | None, models: Path | None, quiet: bool = False) -> Callable[[], Solution]:
     """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked."""
     check_options(file, changes, models)
     if is_results(file):
@@ -82,11 +83,11 @@ def motion_of(file: Path, changes: list[str] | None, models: Path | None) -> Cal
         solution = restore_solution(load_results(file), models)
         return lambda: solution
     scene = read(file, changes)
-    return lambda: _solve(scene)
+    return lambda: _solve(scene, quiet)
 
 
-def _solve(scene: Scene) -> Solution:
+def _solve(scene: Scene, quiet: bool) -> Solution:
     from toolkit.sensitivity.analysis import prepare, solve
 
-    with at_work("time steps", scene, "transient") as progress:
+    with at_work("time steps", scene, "transient", quiet=quiet) as progress:
         return solve(prepare(scene), "transient", progress)

@@ -23,9 +23,9 @@ def print_json(record: dict[str, Any]) -> None:
     typer.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
-def print_result(result: Result, as_json: bool) -> None:
+def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, and what the run cost."""
-    for undefined in undefined_numbers(result):
+    for undefined in [] if quiet else undefined_numbers(result):
         typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
     if as_json:
         print_json(record_of(result))

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.command_line.announcements import Progress, at_work, bar
-from toolkit.command_line.arguments import AsJson, Changes, prepare_folder, read, split
+from toolkit.command_line.arguments import AsJson, Changes, Quiet, prepare_folder, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
 from toolkit.command_line.report import print_json
 
@@ -28,6 +28,7 @@ def report(
     changes: Changes = None,
     models: Models = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write a page with figures, tables and numbers about a scene or its results."""
     from toolkit.render.probe import require
@@ -35,9 +36,9 @@ def report(
 
     require("matplotlib")
     check_options(file, changes, models)
-    material = _from_results(file, models) if is_results(file) else _from_scene(file, changes)
+    material = _from_results(file, models) if is_results(file) else _from_scene(file, changes, quiet)
     folder = prepare_folder(output)
-    with bar("report") as progress:
+    with bar("report", quiet) as progress:
         if judges and not is_results(file):
             from toolkit.report.material import judge
 
@@ -58,14 +59,14 @@ def _from_results(file: Path, models: Path | None) -> Material:
     return Material(restore_solution(results, models), results)
 
 
-def _from_scene(file: Path, changes: list[str] | None) -> Material:
+def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
     from toolkit.sensitivity.analysis import direct
 
     scene, text = read(file, changes), text_of(file)
     names = list(scene.design)
-    with at_work("time steps", scene, "transient", names) as progress:
+    with at_work("time steps", scene, "transient", names, quiet) as progress:
         found = direct(scene, names, "transient", progress)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
