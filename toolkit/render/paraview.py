@@ -64,7 +64,10 @@ def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray
 
 
 def _mechanism(moment: Configuration) -> Any:
-    lines = [*(ends for body in moment.scene.bodies for ends in moment.segments(body)), *moment.links()]
+    lines = [
+        *(ends for body in moment.scene.bodies for ends in moment.segments(body)),
+        *(moment.ends(each) for each in moment.links()),
+    ]
     return pyvista.PolyData().append_polydata(*map(line, lines)) if lines else None
 
 

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from toolkit.render.configuration import Configuration, joints_by_place
+from toolkit.render.configuration import Configuration, names_by_place
 from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.report.sheet import COLORS, SIGNED, WIDTH
 from toolkit.units import unit
@@ -25,7 +25,7 @@ def window(moments: Sequence[Configuration], skins: Sequence[str]) -> np.ndarray
     """Corners (2, 2) of what bodies and joints need at some instants, with a margin; long contours beyond them are cut off."""
     shapes = [shape.line.reshape(-1, 2) for each in moments for body in skins if (shape := skin_shape(each, body))]
     rods = [ends for each in moments for body in each.scene.bodies for ends in each.segments(body)]
-    others = [points for each in moments for points in [*each.joint_points().values(), *each.links()]]
+    others = [points for each in moments for points in each.named_points().values()]
     points = np.vstack([*shapes, *rods, *others, np.zeros((0, 2))])
     points = points if len(points) else np.array([[-1.0, -1.0], [1.0, 1.0]])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -91,13 +91,13 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
 
 
 def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, names: bool = True, width: float = 4.0) -> None:
-    """Rigid bodies as thick lines, springs and distance joints as thin ones, joints as circles with their names."""
+    """Rigid bodies as thick lines, springs and distance joints as thin ones, points as circles with their names."""
     rods = [ends for body in moment.scene.bodies for ends in moment.segments(body)]
     axes.add_collection(LineCollection(rods, colors=color, linewidths=width, capstyle="round", zorder=1.5))
-    axes.add_collection(LineCollection(moment.links(), colors=color, linewidths=1.0, zorder=1.5))
+    axes.add_collection(LineCollection([moment.ends(each) for each in moment.links()], colors=color, linewidths=1.0, zorder=1.5))
     if not names:
         return
-    for point, name in joints_by_place(moment, 1e-3 * moment.scene.size):
+    for point, name in names_by_place(moment, 1e-3 * moment.scene.size):
         axes.plot(*point, "o", color="white", markeredgecolor=INK, markersize=5, zorder=3)
         axes.annotate(
             name.replace("_", " "), (point[0], point[1]), (5, 4), textcoords="offset points", fontsize=9, zorder=4, bbox=_CLEAR

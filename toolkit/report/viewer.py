@@ -46,7 +46,9 @@ def _targets(moment: Configuration, body: str) -> list[np.ndarray]:
 
 def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, Any]:
     found = [shape for body in skins if (shape := skin_shape(moment, body))]
-    rods = [ends for body in moment.scene.bodies for ends in moment.segments(body)] + moment.links()
+    rods = [ends for body in moment.scene.bodies for ends in moment.segments(body)] + [
+        moment.ends(each) for each in moment.links()
+    ]
     return {
         "time": round(moment.time, 6),
         "skins": [
