@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from toolkit.errors import InputError
 from toolkit.system import System
 
 
@@ -48,6 +49,21 @@ class Solution:
     def steps(self) -> int:
         """Number of time steps."""
         return len(self.times) - 1
+
+    def derivative(self, state: str) -> np.ndarray:
+        """Total design derivative of q, v, a or multipliers, (n_t, ..., n_x).
+
+        Raises
+        ------
+        InputError
+            The run did not compute it.
+        """
+        found: np.ndarray = getattr(self, f"d{state}")
+        if found.shape[-1] != self.system.n_x:
+            raise InputError(
+                f"the run computed no derivatives of {state}, which a response whose length is zero needs. Use the direct method."
+            )
+        return found
 
     def coordinates(self, body: str) -> slice:
         """Where the coordinates of a body are on the second axis of q, v, a."""

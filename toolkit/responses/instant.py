@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -73,8 +74,8 @@ def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Parti
     return Partials(value, **arrays, design=design)
 
 
-def magnitude(vector: np.ndarray, change: np.ndarray) -> tuple[Any, np.ndarray]:
-    """Length of a vector, and the vector's direction; `change` is the vector's total design derivative, (2, n_x).
+def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any, np.ndarray]:
+    """Length of a vector, and the vector's direction; `change` gives the vector's total design derivative, (2, n_x).
 
     A vector that is zero and stays zero has a length that stays zero: its direction counts as zero. If it is zero but would change,
     the length has a kink and the direction is nan.
@@ -82,7 +83,7 @@ def magnitude(vector: np.ndarray, change: np.ndarray) -> tuple[Any, np.ndarray]:
     length = np.sqrt(vector @ vector)
     if length.real != 0:
         return length, vector / length
-    return length, np.full(len(vector), np.nan if np.any(change) else 0.0)
+    return length, np.full(len(vector), np.nan if np.any(change()) else 0.0)
 
 
 class TimeIntegral(Response):

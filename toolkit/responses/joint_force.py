@@ -33,8 +33,12 @@ class JointForce(Instant):
         """Value, and derivatives by coordinates, multipliers and design."""
         force, force_q, force_lam, force_x = self.force(solution, step)
         if self.component == "magnitude":
-            change = np.real(force_q) @ solution.dq[step] + np.real(force_lam) @ solution.dmultipliers[step] + force_x
-            size, direction = magnitude(force[:2], change[:2])
+
+            def change() -> np.ndarray:
+                dq, dlam = solution.derivative("q")[step], solution.derivative("multipliers")[step]
+                return (np.real(force_q) @ dq + np.real(force_lam) @ dlam + force_x)[:2]
+
+            size, direction = magnitude(force[:2], change)
             weights = np.append(direction, 0)
             return Partials(size, q=weights @ force_q, multipliers=weights @ force_lam, design=weights @ force_x)
         k = ("x", "y", "torque").index(self.component)

@@ -77,5 +77,5 @@ class Displacement(MarkerResponse):
         if self.component != "magnitude":
             row = "xy".index(self.component)
             return Partials(move[row], q=move_q[row], design=move_x[row])
-        length, direction = magnitude(move, np.real(move_q) @ solution.dq[step] + move_x)
+        length, direction = magnitude(move, lambda: np.real(move_q) @ solution.derivative("q")[step] + move_x)
         return Partials(length, q=direction @ move_q, design=direction @ move_x)
