@@ -236,6 +236,27 @@ def test_a_parameter_without_polynomial_is_fixed_at_its_nominal_value(model):
         plain.evaluate({"thickness": 1.6})
 
 
+@pytest.mark.parametrize("step", [0.1, 1e-30j])
+@pytest.mark.parametrize("derivatives", [None, "others"])
+def test_a_parameter_that_nobody_differentiated_by_is_no_silent_zero(model, derivatives, step):
+    others = {name: model.derivatives[name] for name in ("density", "width")}
+    plain = replace(model, affine=None, derivatives=derivatives and others)
+    available = "density, width" if derivatives else "none"
+    plain.evaluate({"thickness": 1.5})
+    with pytest.raises(
+        InputError, match=rf"'thickness' has no derivatives in reduced model 'skin\.h5'.*available: {available}\. .*rerun preproc"
+    ):
+        plain.evaluate({"thickness": 1.5 + step})
+
+
+def test_an_invariant_that_a_differentiated_parameter_leaves_out_does_not_depend_on_it(model):
+    """Damping is zero for every design and has no polynomial; stiffness has no derivative by density."""
+    assert not np.any(model.evaluate({"thickness": 1.6}).damping)
+    density = model.nominal["density"]
+    plain = replace(model, affine=None)
+    np.testing.assert_array_equal(plain.invariant("stiffness", {"density": density * (1 + 1e-30j)}), model.invariants.stiffness)
+
+
 def test_an_interface_point_cannot_leave_its_node(model):
     with pytest.raises(InputError, match=r"arc length .* outside .*off a node"):
         model.interfaces["C"].at(model.interfaces["C"].arc_length + 1.0)
