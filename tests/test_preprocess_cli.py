@@ -95,12 +95,38 @@ def test_change_of_any_input_builds_again(run, folder, name):
     assert "written" in run()[1]
 
 
-def test_damaged_model_is_reported_and_replaced(run, folder):
-    (folder / "skin.h5").write_bytes(b"not HDF5")
+@pytest.mark.parametrize("rest", [1.0, 0.5])
+def test_file_that_is_no_whole_model_is_replaced_only_on_demand(run, folder, rest):
+    run()
+    whole = (folder / "skin.h5").read_bytes()
+    content = b"my data" if rest == 1 else whole[: int(rest * len(whole))]
+    (folder / "skin.h5").write_bytes(content)
+    code, out, err = run()
+    assert (code, out) == (1, "")
+    assert "skin.h5' is there and is not a reduced model, or a damaged one. Name another file with --output, or replace" in err
+    assert (folder / "skin.h5").read_bytes() == content
+    assert "written" in run("--force")[1]
+
+
+@pytest.mark.parametrize("missing", ["mesh/nodes", "shape", "affine"])
+def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        del file[missing]
     code, out, err = run()
     assert code == 0
-    assert "cannot be read as a reduced model" in err
+    assert f"lacks {missing}" in err or "lacks the dataset 'nodes'" in err
+    assert "It is built anew." in err
     assert "written" in out
+
+
+def test_model_of_another_schema_version_is_replaced(run, folder):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        file.attrs["schema_version"] = 0
+    code, out, err = run()
+    assert (code, "written" in out) == (0, True)
+    assert "has schema version 0" in err
 
 
 def test_output_goes_where_it_is_asked_for(run, folder):
@@ -109,10 +135,22 @@ def test_output_goes_where_it_is_asked_for(run, folder):
     assert not (folder / "skin.h5").exists()
 
 
-def test_output_never_overwrites_the_toml(run, folder):
-    code, _, err = run("--output", str(folder / "skin.toml"), "--force")
-    assert code == 1
-    assert "would be overwritten by its own reduced model" in err
+@pytest.mark.parametrize("name", ["skin.toml", "high_speed.dat", "low_speed.dat", "other_name.dat"])
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_output_never_overwrites_an_input(run, folder, name, options):
+    (folder / "other_name.dat").hardlink_to(folder / "low_speed.dat")
+    before = (folder / name).read_bytes()
+    code, out, err = run("--output", str(folder / name), *options)
+    assert (code, out) == (1, "")
+    assert f"{name}' is an input of the model and would be overwritten by it. Name another file with --output." in err
+    assert (folder / name).read_bytes() == before
+
+
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_output_that_is_a_folder_is_one_message(run, folder, options):
+    code, out, err = run("--output", str(folder), *options)
+    assert (code, out) == (1, "")
+    assert err == f"'{folder}' is a folder. Name a file in it, for example --output {folder / 'skin.h5'}.\n"
 
 
 def test_two_builds_are_equal_to_the_last_bit(folder):
