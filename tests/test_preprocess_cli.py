@@ -12,6 +12,8 @@ import pytest
 
 from preprocessing.build import WRITER_VERSION, build
 from preprocessing.cli import main
+from preprocessing.geometry import read_geometry
+from preprocessing.skin_file import read_skin_file
 from toolkit.reduced_model_file import load
 
 ROOT = Path(__file__).parents[1]
@@ -216,6 +218,14 @@ WRONG = {
         lambda folder: edit(folder / "skin.toml", "{ node = 10 }", "{ node = 31 }"),
         ["interface_points.C: ", "node 31 is not on the skin: nodes count from 0 (F) to 30 (G)"],
     ),
+    "thickness lost in round-off": (
+        lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 1e-9"),
+        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Mend the exponent"],
+    ),
+    "F and G on one side": (
+        lambda folder: edit(folder / "skin.toml", 'side = "lower" }    # G', 'side = "upper" }    # G'),
+        ["skin.start, skin.end: ", "Both lie on the upper side; put F on the upper side, G on the lower."],
+    ),
     "F and G swapped": (swapped, ["skin.start, skin.end: ", "Exchange F and G"]),
     "self-crossing contour": (crossing, ["airfoil.file: ", "high_speed.dat", "crosses itself"]),
     "x beyond the section": (
@@ -257,6 +267,23 @@ def test_warnings_about_the_airfoil_are_shown(run, folder):
     code, _, err = run()
     assert code == 0
     assert "high_speed.dat: " in err
+
+
+ROUND = "skin.toml: half the thickness (25) exceeds the smallest radius of curvature of the skin (4.93): the inner fibre"
+LONG = "skin.toml: the thickness ({}) exceeds the shortest element ({}) {} times: Euler-Bernoulli beams are thin"
+
+
+@pytest.mark.parametrize(("thickness", "elements", "messages"), [
+    (1.5, 30, []), (1.5, 500, []), (5.0, 500, [LONG.format(5, 0.583, 9)]), (50.0, 20, [ROUND]),
+    (50.0, 30, [ROUND, LONG.format(50, 9.72, 5)]),
+])  # fmt: skip
+def test_warnings_about_a_thick_skin_are_told(folder, thickness, elements, messages):
+    edit(folder / "skin.toml", "thickness = 1.5", f"thickness = {thickness}")
+    edit(folder / "skin.toml", "elements = 30", f"elements = {elements}")
+    told: list[str] = []
+    read_geometry(folder / "skin.toml", read_skin_file(folder / "skin.toml"), told.append)
+    assert len(told) == len(messages)
+    assert all(text.startswith(message) for text, message in zip(told, messages, strict=True))
 
 
 def test_folder_that_cannot_be_written_is_reported(run, folder):
