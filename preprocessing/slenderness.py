@@ -39,7 +39,7 @@ def slenderness(skin: Skin, arc_lengths: np.ndarray, thickness: float) -> tuple[
         )
     if shortest < SHORTEST_ELEMENT * thickness:
         warnings.append(
-            f"the thickness ({thickness:.3g}) exceeds the shortest element ({shortest:.3g}) {thickness / shortest:.0f} times: "
+            f"the thickness ({thickness:.3g}) exceeds the shortest element ({shortest:.3g}) {thickness / shortest:.3g} times: "
             "Euler-Bernoulli beams are thin; take fewer elements or a thinner skin"
         )
     return tuple(warnings)

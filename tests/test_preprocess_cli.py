@@ -228,6 +228,10 @@ WRONG = {
     ),
     "F and G swapped": (swapped, ["skin.start, skin.end: ", "Exchange F and G"]),
     "self-crossing contour": (crossing, ["airfoil.file: ", "high_speed.dat", "crosses itself"]),
+    "x far beyond the section": (
+        lambda folder: edit(folder / "skin.toml", "start = { x = 137.5", "start = { x = 1e300"),
+        ["skin.start: ", "the upper side does not reach x = 1e+300; it runs from x = 8.4", " to 550."],
+    ),
     "x beyond the section": (
         lambda folder: edit(folder / "skin.toml", "start = { x = 137.5", "start = { x = 600.0"),
         ["skin.start: ", "the upper side does not reach x = 600"],
@@ -274,8 +278,8 @@ LONG = "skin.toml: the thickness ({}) exceeds the shortest element ({}) {} times
 
 
 @pytest.mark.parametrize(("thickness", "elements", "messages"), [
-    (1.5, 30, []), (1.5, 500, []), (5.0, 500, [LONG.format(5, 0.583, 9)]), (50.0, 20, [ROUND]),
-    (50.0, 30, [ROUND, LONG.format(50, 9.72, 5)]),
+    (1.5, 30, []), (1.5, 500, []), (5.0, 500, [LONG.format(5, 0.583, 8.57)]), (50.0, 20, [ROUND]),
+    (50.0, 30, [ROUND, LONG.format(50, 9.72, 5.14)]),
 ])  # fmt: skip
 def test_warnings_about_a_thick_skin_are_told(folder, thickness, elements, messages):
     edit(folder / "skin.toml", "thickness = 1.5", f"thickness = {thickness}")
