@@ -7,11 +7,13 @@ import numpy as np
 from preprocessing.airfoil_format import Loop
 from toolkit.errors import InputError
 
-MIN_ROWS = 10
+MIN_ROWS, MAX_ROWS = 10, 3000  # the crossing test takes the square of them: 2 s and half a GB at the limit
 MIN_NOSE_ROWS, NOSE = 9, 0.05  # rows wanted ahead of this fraction of the chord
 TAIL = 0.98  # behind it crossing surfaces and caps are a matter of rounding
 LARGEST_GAP = 0.3  # chord
-SHARPEST_TURN = np.radians(30.0)
+SHARPEST_TURN = 30.0  # degrees, behind the nose
+SHARPEST_NOSE, HOLLOW_NOSE = 90.0, 10.0  # degrees to the left and right; noses of real files, some of few rows, reach 68 and 2
+FOLD = 120.0  # degrees; no rounded nose turns so far at one row
 _ROUNDING = 1e-5  # chord; the usual files hold five decimals
 
 
@@ -19,6 +21,10 @@ def check(loop: Loop) -> tuple[str, ...]:
     """Warnings of a loop in fractions of the chord; raises InputError for what cannot be a section."""
     if len(loop.points) < MIN_ROWS:
         raise InputError(f"only {len(loop.points)} rows; at least {MIN_ROWS} are needed. Complete the file.")
+    if len(loop.points) > MAX_ROWS:
+        raise InputError(
+            f"{len(loop.points)} rows; at most {MAX_ROWS} are accepted. Keep every n-th row, more of them at the nose."
+        )
     _refuse_gaps(loop)
     _refuse_reversals(loop)
     warnings = _crossings(loop)
@@ -83,6 +89,8 @@ def _refuse_negative_thickness(loop: Loop) -> None:
     x = np.unique(loop.points[:, 0])
     x = x[x < TAIL]
     thickness = np.interp(x, *upper.T) - np.interp(x, *lower.T)
+    if thickness.max() <= _ROUNDING:
+        raise InputError("the section has no thickness: upper and lower side are one line. Check the column of y.")
     i = int(np.argmin(thickness))
     if thickness[i] < -_ROUNDING:
         raise InputError(
@@ -91,14 +99,22 @@ def _refuse_negative_thickness(loop: Loop) -> None:
 
 
 def _kinks(loop: Loop) -> tuple[str, ...]:
-    """Warnings for sharp turns; the nose turns sharply between few rows, and is judged by its number of rows instead."""
+    """Warnings for sharp turns ahead of the tail, and a refusal where the contour folds back upon itself.
+
+    The nose turns sharply between few rows, but only to the left: there a turn to the right is what gives a wrong row away.
+    """
     step = np.diff(loop.points, axis=0)
-    angle = np.arctan2(step[:, 1], step[:, 0])
-    turn = np.abs((np.diff(angle) + np.pi) % (2 * np.pi) - np.pi)
+    angle = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
+    turn = (np.diff(angle) + 180) % 360 - 180
     x = loop.points[1:-1, 0]
-    kinks = np.flatnonzero((turn > SHARPEST_TURN) & (x > NOSE) & (x < TAIL)) + 1
-    degrees = np.degrees(turn)
-    return tuple(f"line {loop.lines[i]}: kink of {degrees[i - 1]:.0f} degrees at x = {loop.points[i, 0]:g}" for i in kinks)
+    sharp = np.where(x > NOSE, np.abs(turn) > SHARPEST_TURN, (turn > SHARPEST_NOSE) | (turn < -HOLLOW_NOSE))
+    found = [(np.abs(turn[i]), loop.lines[i + 1], x[i]) for i in np.flatnonzero(sharp & (x < TAIL))]
+    for degrees, line, at in found:
+        if degrees > FOLD:
+            raise InputError(
+                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {at:g}. Mend or remove that row."
+            )
+    return tuple(f"line {line}: kink of {degrees:.0f} degrees at x = {at:g}" for degrees, line, at in found)
 
 
 def _coarse_nose(loop: Loop) -> tuple[str, ...]:

@@ -43,7 +43,7 @@ def recognise(table: Table) -> Loop:
     vsp_counts = _openvsp_counts(table.header)
     if vsp_counts:
         return _joined(replace(loop, format="OpenVSP", name=table.header[min(1, len(table.header) - 1)]), vsp_counts, "header")
-    if len(table.rows[0]) >= 4 and len(table.rows) > 1 and len(table.rows[1]) == 2:
+    if _has_mses_domain(table):
         note = f"line {loop.lines[0]}: grid domain of an MSES file, not needed"
         return _oriented_from_tail(replace(loop, format="MSES").take(slice(1, None), note))
     counts = _count_line(loop)
@@ -58,10 +58,27 @@ def _coordinates(table: Table) -> Loop:
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if bad.size:
         raise InputError(f"line {lines[bad[0]]}: a coordinate is not finite. Replace it by its value or remove the row.")
-    wide = [line for row, line in zip(table.rows[1:], table.lines[1:], strict=True) if len(row) > 2]
+    _refuse_counting_column(table)
+    domain = _has_mses_domain(table)
+    wide = [line for row, line in zip(table.rows[domain:], table.lines[domain:], strict=True) if len(row) > 2]
     warnings = (f"line {wide[0]}: more than two columns in {len(wide)} rows, only the first two are used",) if wide else ()
     name = table.header[0] if table.header else ""
     return Loop(points, lines, "Selig" if name else "XFOIL plain", name, table.repairs, warnings)
+
+
+def _has_mses_domain(table: Table) -> bool:
+    """The first row of an MSES file is the domain of a grid, four or five numbers ahead of rows of two."""
+    return len(table.rows[0]) >= 4 and len(table.rows) > 1 and len(table.rows[1]) == 2
+
+
+def _refuse_counting_column(table: Table) -> None:
+    """A first column 1, 2, 3, ... ahead of x and y."""
+    first = np.array([row[0] for row in table.rows])
+    if len(first) > 1 and min(map(len, table.rows)) > 2 and np.all(np.diff(first) == 1):
+        raise InputError(
+            f"line {table.lines[0]}: the first column only counts the rows ({first[0]:g}, {first[1]:g}, ...). Remove it; the first "
+            "two columns must be x and y."
+        )
 
 
 def _refuse_elements(table: Table) -> None:

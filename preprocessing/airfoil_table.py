@@ -67,7 +67,7 @@ def split_table(text: str) -> Table:
 def _numbers(content: str, line: int) -> tuple[float, ...] | None:
     """The numbers of a line, or None if any field is text; blanks, tabs, commas and semicolons separate fields."""
     content = re.split(r"[#!]", content)[0].strip()
-    columns = re.split(r"[;\s]+", content)
+    columns = [column.rstrip(",") for column in re.split(r"[;\s]+", content)]
     if len(columns) > 1 and all(_DECIMAL_COMMA.fullmatch(column) for column in columns):
         raise InputError(f"line {line}: decimal commas ({content!r}). Write decimal points.")
     values = [_number(field) for field in re.split(r"\s*[,;]\s*|\s+", content.strip(",; "))]

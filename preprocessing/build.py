@@ -34,7 +34,7 @@ def build(path: str | Path, remark: Remark | None = None) -> ReducedModel:
     Parameters
     ----------
     path : skin.toml; the paths of the airfoil files are relative to it
-    remark : called with every repair of an airfoil file and every warning about it, in words
+    remark : called with every repair of an airfoil file and every warning about it or the thickness, in words
 
     Raises
     ------

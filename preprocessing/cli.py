@@ -10,7 +10,7 @@ import typer
 from preprocessing.build import build, input_hash
 from preprocessing.skin_file import read_skin_file
 from toolkit.errors import InputError, ModelFileError, ToolkitError
-from toolkit.reduced_model_file import load, save
+from toolkit.reduced_model_file import PARTS, is_reduced_model, load, save
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 
@@ -18,14 +18,15 @@ app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
 @app.command()
 def preprocess(
     skin: Annotated[Path, typer.Argument(metavar="SKIN.toml", help="Description of the skin.")],
-    force: Annotated[bool, typer.Option("--force", help="Build even if the inputs are unchanged.")] = False,
+    force: Annotated[
+        bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")
+    ] = False,
     output: Annotated[Path | None, typer.Option(help="File to write; by default SKIN.h5 next to SKIN.toml.")] = None,
 ) -> None:
     """Build the reduced model of a flexible skin from its TOML file."""
     file = read_skin_file(skin)
     output = output or skin.with_suffix(".h5")
-    if output.resolve() == skin.resolve():
-        raise InputError(f"{str(skin)!r} would be overwritten by its own reduced model. Name another file with --output.")
+    _refuse_output(output, [skin, *(skin.parent / name for name in (file.airfoil.file, file.airfoil.target))], force)
     if not force and _hash_in(output) == input_hash(skin, file):
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
@@ -47,15 +48,36 @@ def main() -> None:
         raise SystemExit(1) from None
 
 
+def _refuse_output(output: Path, inputs: list[Path], force: bool) -> None:
+    """Nothing of the user's is overwritten: no input ever, another file than a reduced model only on demand."""
+    if not output.exists():
+        return
+    if output.is_dir():
+        raise InputError(f"{str(output)!r} is a folder. Name a file in it, for example --output {output / 'skin.h5'}.")
+    if any(path.exists() and output.samefile(path) for path in inputs):
+        raise InputError(
+            f"{str(output)!r} is an input of the model and would be overwritten by it. Name another file with --output."
+        )
+    if not force and not is_reduced_model(output):
+        raise InputError(
+            f"{str(output)!r} is there and is not a reduced model, or a damaged one. Name another file with --output, or replace "
+            "it with --force."
+        )
+
+
 def _hash_in(path: Path) -> str | None:
-    """Input hash of the file that is there; None if there is none or it cannot be used."""
+    """Input hash of the file that is there; None if there is none or it cannot be used as a whole."""
     if not path.exists():
         return None
     try:
-        return load(path, parts=()).input_hash
+        model = load(path)
     except ModelFileError as error:
         _remark(f"{error} It is built anew.")
         return None
+    lacking = [part for part in PARTS if getattr(model, part) is None]
+    if lacking:
+        _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
+    return None if lacking else model.input_hash
 
 
 def _remark(text: str) -> None:

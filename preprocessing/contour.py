@@ -87,7 +87,8 @@ class Contour:
         first, last = (0.0, self.leading_edge) if side == "upper" else (self.leading_edge, self.length)
         samples = self._samples()
         s = np.concatenate([[first], samples[(samples > first) & (samples < last)], [last]])
-        f = self.position(s)[:, 0] - x
+        reached = self.position(s)[:, 0]
+        f = reached - x
         for end in (0, -1):
             if abs(f[end]) < 1e-12 * self.length:
                 return float(s[end])
@@ -95,7 +96,7 @@ class Contour:
         if len(hits) != 1:
             how = "does not reach" if len(hits) == 0 else f"meets {len(hits)} times"
             raise InputError(
-                f"the {side} side {how} x = {x:g}; it runs from x = {(f + x).min():g} to {(f + x).max():g}. "
+                f"the {side} side {how} x = {x:g}; it runs from x = {reached.min():g} to {reached.max():g}. "
                 "Choose x in this range, or name the point by its arc length."
             )
         return float(brentq(lambda t: self.position(t)[0] - x, s[hits[0]], s[hits[0] + 1], xtol=1e-14 * self.length))

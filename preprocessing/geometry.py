@@ -14,6 +14,7 @@ from preprocessing.contour import Contour
 from preprocessing.mesh import CurveMesh, mesh_curve
 from preprocessing.skin import Skin
 from preprocessing.skin_file import SkinFile
+from preprocessing.slenderness import slenderness
 from toolkit.errors import InputError
 
 Remark = Callable[[str], None]
@@ -36,12 +37,12 @@ class Geometry:
 def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> Geometry:
     """Geometry of the skin that skin.toml (at `path`, content `file`) describes.
 
-    `remark` is called with every repair of an airfoil file and every warning about it, in words.
+    `remark` is called with every repair of an airfoil file and every warning about it or the thickness, in words.
 
     Raises
     ------
     InputError
-        An airfoil file cannot be used, or F, G or the target do not fit to it; names the file and the key.
+        An airfoil file cannot be used, or F, G, the thickness or the target do not fit to it; names the file and the key.
     """
     with at_key(path, "airfoil.file"):
         outline, contour = _contour(path.parent / file.airfoil.file, file, remark)
@@ -51,6 +52,10 @@ def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> G
     with at_key(path, "skin"):
         arc_lengths = skin.stations(file.skin.elements, file.skin.spacing, file.skin.grading)
         mesh = mesh_curve(skin.position(arc_lengths))
+    with at_key(path, "section.thickness"):
+        for text in slenderness(skin, arc_lengths, file.section.thickness):
+            if remark is not None:
+                remark(f"{path.name}: {text}")
     with at_key(path, "airfoil.target"):
         positions = skin.target_positions(target, arc_lengths)
     return Geometry(skin, arc_lengths, mesh, positions, outline, target_outline)

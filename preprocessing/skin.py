@@ -25,9 +25,14 @@ class Skin:
             if not 0 <= s <= self.contour.length:
                 raise InputError(f"{name} at arc length {s:g} is off the contour, which runs from 0 to {self.contour.length:g}.")
         if self.start >= self.end:
+            upper = [s < self.contour.leading_edge for s in (self.start, self.end)]
+            if upper[0] == upper[1]:
+                remedy = f"Both lie on the {'upper' if upper[0] else 'lower'} side; put F on the upper side, G on the lower."
+            else:
+                remedy = "Exchange F and G: F belongs to the upper side, G to the lower."
             raise InputError(
                 f"F (arc length {self.start:g}) does not come before G ({self.end:g}) along the loop trailing edge, upper side, "
-                "leading edge, lower side. Exchange F and G: F belongs to the upper side, G to the lower."
+                f"leading edge, lower side. {remedy}"
             )
 
     @property

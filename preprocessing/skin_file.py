@@ -6,12 +6,39 @@ import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from toolkit.errors import InputError
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+LARGEST = 1e20
+"""Numbers of any unit system lie between this and its inverse, and products of several of them still are floating-point numbers."""
+
+
+def _ordinary(value: float) -> float:
+    if value and not 1 / LARGEST <= value <= LARGEST:
+        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} can be meant; mend the exponent or the units")
+    return value
+
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+
+
+def _file_name(name: str) -> str:
+    if "\0" in name:
+        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
+    return name
+
+
+def _interface_name(name: str) -> str:
+    """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
+    if not name.strip() or set(name) & set("./\0"):
+        raise ValueError("this is no legal name of a point; use letters, digits and _")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+InterfaceName = Annotated[str, AfterValidator(_interface_name)]
 
 
 class _Table(BaseModel):
@@ -21,8 +48,8 @@ class _Table(BaseModel):
 class Airfoil(_Table):
     """The undeformed and the wanted section, files in one common frame, and the length of their chord."""
 
-    file: str  # relative to skin.toml
-    target: str
+    file: FileName  # relative to skin.toml
+    target: FileName
     chord: Positive  # length
     units: Literal["chord", "percent", "mm", "m"] | None = None  # of both files, fractions of the chord if not given
 
@@ -97,7 +124,7 @@ class SkinFile(_Table):
     section: SectionTable
     material: Material
     damping: Damping = Damping()
-    interface_points: dict[str, Place] = {}
+    interface_points: dict[InterfaceName, Place] = {}
 
 
 def read_skin_file(path: str | Path) -> SkinFile:
@@ -110,7 +137,7 @@ def read_skin_file(path: str | Path) -> SkinFile:
     """
     path = Path(path)
     try:
-        content = tomllib.loads(path.read_bytes().decode())
+        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
     except OSError as error:
         raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a skin.toml.") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
@@ -124,7 +151,7 @@ def read_skin_file(path: str | Path) -> SkinFile:
 
 def _explain(item: Any) -> str:
     """One line on one wrong key: where it is, what is wrong, what would be right."""
-    location = item["loc"]
+    location = item["loc"][:-2] if item["loc"][-1] == "[key]" else item["loc"]
     key = ".".join(str(part) for part in location)
     if item["type"] == "extra_forbidden":
         return f"{key}: unknown key; allowed here: {', '.join(_keys(location[:-1]))}."
@@ -139,6 +166,6 @@ def _keys(location: tuple[str | int, ...]) -> list[str]:
     """Keys of the table at a location of the schema."""
     table: Any = SkinFile
     for part in location:
-        of_mapping = get_args(table)  # (str, Place) of dict[str, Place]
+        of_mapping = get_args(table)  # (InterfaceName, Place) of dict
         table = of_mapping[1] if of_mapping else table.model_fields[str(part)].annotation
     return list(table.model_fields)

@@ -272,6 +272,12 @@ def replaced(row: int, text: str, p: np.ndarray | None = None) -> list[str]:
     return [*content[: row - 1], text, *content[row:]]
 
 
+def moved(row: int, dx: float, dy: float) -> np.ndarray:
+    p = naca0012()
+    p[row] += (dx, dy)
+    return p
+
+
 def swapped(i: int, j: int) -> np.ndarray:
     p = naca0012()
     p[[i, j]] = p[[j, i]]
@@ -308,6 +314,14 @@ REFUSALS = {
     "one number": (replaced(9, "0.8"), "line 9: one number"),
     "damaged row": (replaced(9, "0.8 0.0x2"), "line 9 is no row of coordinates, but line 10 holds 2 numbers again"),
     "decimal commas": ([line.replace(".", ",") for line in lines(naca0012())], "line 2: decimal commas"),
+    "decimal commas and commas": ([line.replace(".", ",").replace(" ", ", ") for line in lines(naca0012())], "line 2: decimal comm"),
+    "counting column": ([f"{i} {row}" for i, row in enumerate(lines(naca0012(), None), 1)], r"line 1: the first column only counts "
+                        r"the rows \(1, 2, ...\). Remove it"),
+    "counting column from 0": (["S", *(f"{i} {row}" for i, row in enumerate(lines(naca0012(), None)))], "line 2: the first column o"),
+    "too many rows": (lines(naca0012(1501)), "3001 rows; at most 3000 are accepted. Keep every n-th row"),
+    "flat": (lines(naca0012() * [1, 0]), "the section has no thickness: .* Check the column of y"),
+    "nose row drawn out": (lines(moved(30, -0.05, 0.0)), "line 32: the contour folds back by 1.. degrees at x = -0.05. Mend"),
+    "fold back behind the nose": (lines(moved(15, 0.0, 0.2)), "line 17: the contour folds back by 1.. degrees at x = 0.5"),
     "several elements": ([*lines(naca0012()), "999. 999.", *lines(naca0012(), None)], "ISES/MSES file with several elements"),
     "MSES elements": (["S", "-2 3 -2 3", *lines(naca0012(), None), "999.0 999.0", "1 0"], "line 64: '999. 999.'"),
     "two sections": (reflexed_tail_twice(), "x turns back at line"),
@@ -354,13 +368,31 @@ def test_kink_is_told_with_its_line(read):
     assert any("line 12: kink of" in warning for warning in read(lines(section)).warnings)
 
 
+@pytest.mark.parametrize(("row", "shift"), [(28, (0.0, -0.008)), (33, (0.0, 0.008))])
+def test_dented_nose_is_told_with_its_line(row, shift, read):
+    assert any(f"line {row + 2}: kink of" in warning for warning in read(lines(moved(row, *shift))).warnings)
+
+
+@pytest.mark.parametrize("name", REAL_FILES)
+def test_leading_edge_drawn_out_of_a_real_section_is_refused(name, read):
+    section = read_airfoil(FILES / name).points.copy()
+    section[np.argmin(section[:, 0]), 0] -= 0.05
+    with pytest.raises(InputError, match=r"the contour folds back by 1\d\d degrees at x = -0\.0"):
+        read(lines(section))
+
+
+def test_columns_of_an_mses_file_are_counted_without_its_grid_domain(read):
+    rows = [line + " 0.0" if i else line for i, line in enumerate(lines(naca0012(), None))]
+    assert "line 4: more than two columns in 60 rows" in read(["Section", "-2.0 3.0 -2.5 3.5", *rows]).warnings[0]
+
+
 def test_few_rows_at_the_nose_are_told(read):
     assert "only 5 rows ahead of 0.05 chord" in read(lines(naca0012(16))).warnings[0]
 
 
 def test_further_columns_are_told(read):
     section = read([line + " 0.0" for line in lines(naca0012())])
-    assert "line 3: more than two columns in 60 rows" in section.warnings[0]
+    assert "line 2: more than two columns in 61 rows" in section.warnings[0]
 
 
 def test_cap_at_the_tail_is_tolerated(read):

@@ -262,6 +262,10 @@ def test_points_off_the_skin_are_refused(way, message, skin):
 
 
 def test_exchanged_ends_are_refused_with_the_remedy(high):
+    for side in ("upper", "lower"):
+        both = high.at_x(137.5, side)
+        with pytest.raises(InputError, match=rf"F .* does not come before G .* Both lie on the {side} side; put F on the upper"):
+            Skin(high, both, both)
     with pytest.raises(InputError, match=r"F .* does not come before G .* Exchange F and G: F belongs to the upper side"):
         Skin(high, high.at_x(137.5, "lower"), high.at_x(137.5, "upper"))
 

@@ -12,6 +12,8 @@ import pytest
 
 from preprocessing.build import WRITER_VERSION, build
 from preprocessing.cli import main
+from preprocessing.geometry import read_geometry
+from preprocessing.skin_file import read_skin_file
 from toolkit.reduced_model_file import load
 
 ROOT = Path(__file__).parents[1]
@@ -95,12 +97,38 @@ def test_change_of_any_input_builds_again(run, folder, name):
     assert "written" in run()[1]
 
 
-def test_damaged_model_is_reported_and_replaced(run, folder):
-    (folder / "skin.h5").write_bytes(b"not HDF5")
+@pytest.mark.parametrize("rest", [1.0, 0.5])
+def test_file_that_is_no_whole_model_is_replaced_only_on_demand(run, folder, rest):
+    run()
+    whole = (folder / "skin.h5").read_bytes()
+    content = b"my data" if rest == 1 else whole[: int(rest * len(whole))]
+    (folder / "skin.h5").write_bytes(content)
+    code, out, err = run()
+    assert (code, out) == (1, "")
+    assert "skin.h5' is there and is not a reduced model, or a damaged one. Name another file with --output, or replace" in err
+    assert (folder / "skin.h5").read_bytes() == content
+    assert "written" in run("--force")[1]
+
+
+@pytest.mark.parametrize("missing", ["mesh/nodes", "shape", "affine"])
+def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        del file[missing]
     code, out, err = run()
     assert code == 0
-    assert "cannot be read as a reduced model" in err
+    assert f"lacks {missing}" in err or "lacks the dataset 'nodes'" in err
+    assert "It is built anew." in err
     assert "written" in out
+
+
+def test_model_of_another_schema_version_is_replaced(run, folder):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        file.attrs["schema_version"] = 0
+    code, out, err = run()
+    assert (code, "written" in out) == (0, True)
+    assert "has schema version 0" in err
 
 
 def test_output_goes_where_it_is_asked_for(run, folder):
@@ -109,10 +137,22 @@ def test_output_goes_where_it_is_asked_for(run, folder):
     assert not (folder / "skin.h5").exists()
 
 
-def test_output_never_overwrites_the_toml(run, folder):
-    code, _, err = run("--output", str(folder / "skin.toml"), "--force")
-    assert code == 1
-    assert "would be overwritten by its own reduced model" in err
+@pytest.mark.parametrize("name", ["skin.toml", "high_speed.dat", "low_speed.dat", "other_name.dat"])
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_output_never_overwrites_an_input(run, folder, name, options):
+    (folder / "other_name.dat").hardlink_to(folder / "low_speed.dat")
+    before = (folder / name).read_bytes()
+    code, out, err = run("--output", str(folder / name), *options)
+    assert (code, out) == (1, "")
+    assert f"{name}' is an input of the model and would be overwritten by it. Name another file with --output." in err
+    assert (folder / name).read_bytes() == before
+
+
+@pytest.mark.parametrize("options", [(), ("--force",)])
+def test_output_that_is_a_folder_is_one_message(run, folder, options):
+    code, out, err = run("--output", str(folder), *options)
+    assert (code, out) == (1, "")
+    assert err == f"'{folder}' is a folder. Name a file in it, for example --output {folder / 'skin.h5'}.\n"
 
 
 def test_two_builds_are_equal_to_the_last_bit(folder):
@@ -178,8 +218,20 @@ WRONG = {
         lambda folder: edit(folder / "skin.toml", "{ node = 10 }", "{ node = 31 }"),
         ["interface_points.C: ", "node 31 is not on the skin: nodes count from 0 (F) to 30 (G)"],
     ),
+    "thickness lost in round-off": (
+        lambda folder: edit(folder / "skin.toml", "thickness = 1.5", "thickness = 1e-9"),
+        ["section.thickness: a thickness of 1e-09 is less than 1e-06 of the skin's length 291.55", "Mend the exponent"],
+    ),
+    "F and G on one side": (
+        lambda folder: edit(folder / "skin.toml", 'side = "lower" }    # G', 'side = "upper" }    # G'),
+        ["skin.start, skin.end: ", "Both lie on the upper side; put F on the upper side, G on the lower."],
+    ),
     "F and G swapped": (swapped, ["skin.start, skin.end: ", "Exchange F and G"]),
     "self-crossing contour": (crossing, ["airfoil.file: ", "high_speed.dat", "crosses itself"]),
+    "x far beyond the section": (
+        lambda folder: edit(folder / "skin.toml", "start = { x = 137.5", "start = { x = 1e300"),
+        ["skin.start: ", "the upper side does not reach x = 1e+300; it runs from x = 8.4", " to 550."],
+    ),
     "x beyond the section": (
         lambda folder: edit(folder / "skin.toml", "start = { x = 137.5", "start = { x = 600.0"),
         ["skin.start: ", "the upper side does not reach x = 600"],
@@ -219,6 +271,23 @@ def test_warnings_about_the_airfoil_are_shown(run, folder):
     code, _, err = run()
     assert code == 0
     assert "high_speed.dat: " in err
+
+
+ROUND = "skin.toml: half the thickness (25) exceeds the smallest radius of curvature of the skin (4.93): the inner fibre"
+LONG = "skin.toml: the thickness ({}) exceeds the shortest element ({}) {} times: Euler-Bernoulli beams are thin"
+
+
+@pytest.mark.parametrize(("thickness", "elements", "messages"), [
+    (1.5, 30, []), (1.5, 500, []), (5.0, 500, [LONG.format(5, 0.583, 8.57)]), (50.0, 20, [ROUND]),
+    (50.0, 30, [ROUND, LONG.format(50, 9.72, 5.14)]),
+])  # fmt: skip
+def test_warnings_about_a_thick_skin_are_told(folder, thickness, elements, messages):
+    edit(folder / "skin.toml", "thickness = 1.5", f"thickness = {thickness}")
+    edit(folder / "skin.toml", "elements = 30", f"elements = {elements}")
+    told: list[str] = []
+    read_geometry(folder / "skin.toml", read_skin_file(folder / "skin.toml"), told.append)
+    assert len(told) == len(messages)
+    assert all(text.startswith(message) for text, message in zip(told, messages, strict=True))
 
 
 def test_folder_that_cannot_be_written_is_reported(run, folder):

@@ -28,6 +28,14 @@ def model() -> ReducedModel:
     return load(SKIN)
 
 
+def rewrite(path: Path, name: str, change) -> None:
+    """Replace a dataset by what `change` makes of it."""
+    with h5py.File(path, "a") as file:
+        value = change(file[name][()])
+        del file[name]
+        file[name] = value
+
+
 def equal(one, other) -> bool:
     """Equality through all levels of dataclasses, dictionaries and arrays."""
     if isinstance(one, np.ndarray):
@@ -99,16 +107,21 @@ def test_a_missing_file_is_named(tmp_path):
 
 def test_a_folder_or_a_text_is_no_model(tmp_path):
     (tmp_path / "text.h5").write_text("x, y\n1, 2\n")
-    for path in (tmp_path / "text.h5", tmp_path):
-        with pytest.raises(ModelFileError, match=r"(?s)cannot be read as a reduced model.*not an HDF5 file.*Build it again"):
-            load(path)
+    with pytest.raises(
+        ModelFileError, match=r"text\.h5' is not an HDF5 file and so not a reduced model\. Give a file written by"
+    ):
+        load(tmp_path / "text.h5")
+    with pytest.raises(ModelFileError, match=r"' cannot be read \(Is a directory\)\. Give a reduced model, a file written by"):
+        load(tmp_path)
 
 
 @pytest.mark.parametrize("part", [0.01, 0.5, 0.9, 0.999])
 def test_a_truncated_file_is_damaged(path, part):
     content = path.read_bytes()
     path.write_bytes(content[: int(part * len(content))])
-    with pytest.raises(ModelFileError, match=r"skin\.h5.*damaged"):
+    with pytest.raises(
+        ModelFileError, match=r"skin\.h5' cannot be read as a reduced model: it is damaged or incomplete\. Build it"
+    ):
         load(path)
 
 
@@ -221,6 +234,86 @@ def test_wrong_shapes_are_refused(model, tmp_path, name):
         save(with_invariant(model, **{name: wrong}), tmp_path / "wrong.h5")
 
 
+def grown(array: np.ndarray) -> np.ndarray:
+    """The array with its last row along the last axis twice."""
+    return np.concatenate([array, array[..., -1:]], axis=-1)
+
+
+SHAPED = ["affine/stiffness/coefficients", "affine/mass/exponents", "derivatives/thickness/stiffness", "interfaces/C/position",
+          "interfaces/E/rotation", "interfaces/G/arc_length_range", "stress/end", "shape/position", "shape/target",
+          "shape/arc_length", "mesh/nodes", "mesh/connectivity", "mesh/recovery", "mesh/outline", "mesh/target_outline"]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SHAPED)
+def test_a_wrong_shape_in_any_part_names_the_dataset(path, name):
+    rewrite(path, name, grown)
+    with pytest.raises(ModelFileError, match=rf"skin\.h5': {name} has shape \(.*\) instead of \(.*Build it again"):
+        load(path)
+
+
+@pytest.mark.parametrize(("name", "shape"), [
+    ("derivatives/thickness/stiffness", (20, 20)), ("interfaces/C/position", (1, 2, 45)), ("invariants/stiffness", ()),
+    ("mesh/recovery", (90, 91)), ("affine/stiffness/coefficients", (2,)), ("affine/stiffness/exponents", (2, 3)),
+])  # fmt: skip
+def test_a_dataset_of_another_size_or_rank_is_named(path, name, shape):
+    rewrite(path, name, lambda _: np.ones(shape))
+    with pytest.raises(ModelFileError, match=rf"skin\.h5': {name} has shape .* instead of \("):
+        load(path)
+
+
+WRONG_NUMBERS = {
+    "affine/stiffness/exponents": (lambda e: e + 0.5, "holds numbers that are not whole"),
+    "affine/stiffness/coefficients": (lambda c: 3 * c, "differs from invariants/stiffness at the nominal design"),
+    "invariants/stiffness": (lambda k: 3 * k, "differs from invariants/stiffness at the nominal design"),
+    "invariants/mass": (lambda m: np.bytes_(b"much"), "invariants/mass holds values that are not finite numbers"),
+    "interfaces/C/arc_length": (lambda s: s + 1, r"interfaces/C/arc_length is outside its range \[97"),
+    "mesh/connectivity": (lambda c: c + 1, "mesh/connectivity names nodes other than 0 to 30"),
+    "stress/element": (lambda e: e + 1, "stress/element names elements other than 0 to 29"),
+    "stress/end": (lambda e: e + 1, "stress/end holds numbers other than 0 and 1"),
+    "stress/fibre": (lambda f: 2 * f, "stress/fibre holds numbers other than -1 and 1"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_NUMBERS)
+def test_numbers_that_contradict_other_parts_are_refused(path, name):
+    change, message = WRONG_NUMBERS[name]
+    rewrite(path, name, change)
+    with pytest.raises(ModelFileError, match=rf"{message}.*Build it again"):
+        load(path)
+
+
+@pytest.mark.parametrize(("group", "name", "value", "message"), [
+    ("/", "dimension", 3, "dimension is 3; only planar models"), ("/", "units", "inch", "units is 'inch' instead of one of mm-t-s"),
+    ("nominal", "thickness", np.nan, "nominal/thickness is nan instead of a finite number"),
+    ("nominal", "thickness", "thin", "nominal/thickness is 'thin' instead of a finite number"),
+    ("nominal", "thickness", 0.0, "nominal holds a zero, but the polynomials of affine are relative"),
+    ("nominal", "depth", 1.0, "nominal_units/depth is missing"),
+])  # fmt: skip
+def test_attributes_that_cannot_be_meant_are_refused(path, group, name, value, message):
+    with h5py.File(path, "a") as file:
+        file[group].attrs[name] = value
+    with pytest.raises(ModelFileError, match=rf"skin\.h5': {message}"):
+        load(path)
+
+
+@pytest.mark.parametrize(("old", "new", "message"), [
+    ("derivatives/width", "derivatives/depth", "derivatives/depth belongs to none of the parameters youngs_modulus, density"),
+    ("derivatives/width/mass", "derivatives/width/weight", "derivatives/width/weight is the name of no invariant; there are stiff"),
+    ("affine/mass", "affine/weight", "affine/weight is the name of no invariant; there are stiffness"),
+])  # fmt: skip
+def test_names_that_mean_nothing_are_refused(path, old, new, message):
+    with h5py.File(path, "a") as file:
+        file.move(old, new)
+    with pytest.raises(ModelFileError, match=message):
+        load(path)
+
+
+def test_a_model_that_cannot_be_read_again_is_not_written(model, tmp_path):
+    wrong = replace(model, shape=replace(model.shape, target=np.full_like(model.shape.target, np.inf)))
+    with pytest.raises(ModelFileError, match=r"shape/target holds values that are not finite numbers"):
+        save(wrong, tmp_path / "wrong.h5")
+
+
 def test_an_unknown_parameter_lists_those_that_exist(model):
     with pytest.raises(InputError, match=r"no parameter 'tickness'; available: youngs_modulus, density, thickness, width"):
         model.evaluate({"tickness": 1.0})
@@ -234,6 +327,27 @@ def test_a_parameter_without_polynomial_is_fixed_at_its_nominal_value(model):
     np.testing.assert_allclose(changed.imag, exact.imag, rtol=1e-12, atol=1e-12 * np.abs(exact.imag).max())
     with pytest.raises(InputError, match=r"'thickness' of reduced model .*skin\.h5.* is fixed at 1\.5.*Rerun preprocessing"):
         plain.evaluate({"thickness": 1.6})
+
+
+@pytest.mark.parametrize("step", [0.1, 1e-30j])
+@pytest.mark.parametrize("derivatives", [None, "others"])
+def test_a_parameter_that_nobody_differentiated_by_is_no_silent_zero(model, derivatives, step):
+    others = {name: model.derivatives[name] for name in ("density", "width")}
+    plain = replace(model, affine=None, derivatives=derivatives and others)
+    available = "density, width" if derivatives else "none"
+    plain.evaluate({"thickness": 1.5})
+    with pytest.raises(
+        InputError, match=rf"'thickness' has no derivatives in reduced model 'skin\.h5'.*available: {available}\. .*rerun preproc"
+    ):
+        plain.evaluate({"thickness": 1.5 + step})
+
+
+def test_an_invariant_that_a_differentiated_parameter_leaves_out_does_not_depend_on_it(model):
+    """Damping is zero for every design and has no polynomial; stiffness has no derivative by density."""
+    assert not np.any(model.evaluate({"thickness": 1.6}).damping)
+    density = model.nominal["density"]
+    plain = replace(model, affine=None)
+    np.testing.assert_array_equal(plain.invariant("stiffness", {"density": density * (1 + 1e-30j)}), model.invariants.stiffness)
 
 
 def test_an_interface_point_cannot_leave_its_node(model):

@@ -63,6 +63,17 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
         ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (got -1)."),
         ("[section]", "[profile]", "profile: unknown key; allowed here: units, airfoil, skin, section"),
         ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (got -1.0)."),
+        (
+            "thickness = 1.5",
+            "thickness = 1e300",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+        ),
+        (
+            "thickness = 1.5",
+            "thickness = 1e-30",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+        ),
+        ('file = "high_speed.dat"', 'file = "a\\u0000b"', "airfoil.file: a file name cannot hold a zero byte"),
         ("poisson_ratio = 0.35", "poisson_ratio = 0.5", "material.poisson_ratio: input should be less than 0.5 (got 0.5)."),
     ],
 )
@@ -71,6 +82,20 @@ def test_wrong_key_is_named_with_what_would_be_right(edited, old, new, message):
     with pytest.raises(InputError, match=re.escape(message)) as caught:
         read_skin_file(path)
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["a/b", "", " ", ".", "..", "a.b", "a\\u0000"])
+def test_interface_names_that_no_file_or_path_can_hold_are_refused(edited, name):
+    with pytest.raises(
+        InputError, match=r"interface_points: this is no legal name of a point; use letters, digits and _ \(got '"
+    ):
+        read_skin_file(edited("C = {", f'"{name}" = {{'))
+
+
+def test_byte_order_mark_is_skipped(edited):
+    path = edited()
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_skin_file(path).units == "mm-t-s"
 
 
 def test_all_wrong_keys_are_reported_at_once(edited):

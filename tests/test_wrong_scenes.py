@@ -6,6 +6,7 @@ import shutil
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 from pydantic import ValidationError
@@ -320,6 +321,29 @@ def test_a_grip_off_the_interface_points_lists_those_that_exist():
 def test_an_interface_point_that_does_not_exist_lists_those_that_do():
     with pytest.raises(InputError, match=r"flexible body 'skin' has no interface point 'Q'; available: C, E, G"):
         compile_scene(read_scene(WING / "scene.toml", {"points.C.interface": '"Q"'}))
+
+
+def wing_without(folder: Path, *groups: str) -> Path:
+    """A copy of the wing's scene whose reduced model lacks some groups."""
+    for name in ("scene.toml", "skin.h5"):
+        shutil.copy(WING / name, folder / name)
+    with h5py.File(folder / "skin.h5", "a") as file:
+        for group in groups:
+            del file[group]
+    return folder / "scene.toml"
+
+
+def test_a_model_without_interface_points_says_so(tmp_path):
+    with pytest.raises(InputError, match=r"flexible body 'skin' has no interface point '\w'; available: none\. Add it"):
+        compile_scene(read_scene(wing_without(tmp_path, "interfaces")))
+
+
+@pytest.mark.parametrize("changes", [{"bodies.skin.thickness": "1.6"}, {}])
+def test_a_parameter_that_nobody_differentiated_by_is_neither_moved_nor_a_design_variable(tmp_path, changes):
+    scene = read_scene(wing_without(tmp_path, "affine", "derivatives"), changes)
+    design = [] if changes else ["bodies.skin.thickness"]
+    with pytest.raises(InputError, match=r"'thickness' has no derivatives in reduced model 'skin\.h5'.*available: none\."):
+        compile_scene(scene, design)
 
 
 def test_an_interface_point_of_a_rigid_body_is_refused():

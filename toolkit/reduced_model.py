@@ -109,7 +109,8 @@ class Mesh:
 class ReducedModel:
     """Everything the runtime knows about one flexible body, in the units of its file.
 
-    The derivatives of the invariants are the analytical ones of the preprocessing, at the nominal design. Where an invariant is
+    The derivatives of the invariants are the analytical ones of the preprocessing, at the nominal design. A parameter that stands
+    in `derivatives` was differentiated by: an invariant that it does not name there does not depend on it. Where an invariant is
     a polynomial of the parameters, `affine` holds it exactly for every value; the runtime prefers it. Parts that `load` was
     not asked for are None.
     """
@@ -151,30 +152,41 @@ class ReducedModel:
         Raises
         ------
         InputError
-            A parameter is unknown, or it has only a derivative at the nominal design and its value is moved away.
+            A parameter is unknown, it has only a derivative at the nominal design and its value is moved away, or it is moved,
+            be it by an imaginary step, and nothing that was loaded tells how the invariant depends on it.
         """
         values = {**self.nominal, **(values or {})}
         for parameter in set(values) - set(self.nominal):
             raise InputError(
-                f"reduced model {self._label} has no parameter {parameter!r}; available: {', '.join(self.parameters)}. "
+                f"reduced model {self._label} has no parameter {parameter!r}; available: {', '.join(self.parameters) or 'none'}. "
                 f"Rerun preprocessing with {parameter!r} in its design list."
             )
-        return self._evaluate(name, values, np.array([values[p] / self.nominal[p] for p in self.parameters]))
-
-    def _evaluate(self, name: str, values: Mapping[str, Any], ratio: np.ndarray) -> np.ndarray:
         if self.affine is not None and name in self.affine:
-            return self.affine[name](ratio)
+            return self.affine[name](np.array([values[p] / self.nominal[p] for p in self.parameters]))
         value = getattr(self.invariants, name)
-        for parameter, derivative in (self.derivatives or {}).items():
-            if name in derivative:
-                step = values[parameter] - self.nominal[parameter]
-                if np.real(step) != 0:
-                    raise InputError(
-                        f"{parameter!r} of reduced model {self._label} is fixed at {self.nominal[parameter]:g}: the file holds "
-                        f"its derivative there, not {name} at other values. Rerun preprocessing with the wanted value."
-                    )
-                value = value + step * derivative[name]
+        for parameter, nominal in self.nominal.items():
+            step = values[parameter] - nominal
+            if step != 0:
+                value = value + self._change(name, parameter, step)
         return value
+
+    def _change(self, name: str, parameter: str, step: Any) -> Any:
+        """Change of an invariant without polynomial: its derivative times the step, which has to be imaginary."""
+        known = self.derivatives or {}
+        if parameter not in known:
+            raise InputError(
+                f"{parameter!r} has no derivatives in reduced model {self._label}: nothing there tells how {name} depends on it; "
+                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or rerun preprocessing with "
+                f"{parameter!r} in its design list."
+            )
+        if name not in known[parameter]:
+            return 0.0
+        if np.real(step) != 0:
+            raise InputError(
+                f"{parameter!r} of reduced model {self._label} is fixed at {self.nominal[parameter]:g}: the file holds "
+                f"its derivative there, not {name} at other values. Rerun preprocessing with the wanted value."
+            )
+        return step * known[parameter][name]
 
     @property
     def _label(self) -> str:

@@ -1,40 +1,153 @@
-"""Refusal of reduced models that cannot be physical."""
+"""Refusal of reduced models that are incomplete or cannot be physical; whatever is wrong is named by its place in the file."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from toolkit.errors import ModelFileError
-from toolkit.reduced_model import ReducedModel, generalized_mass
+from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints, generalized_mass
+from toolkit.units import UNIT_SYSTEMS
 
 RIGID = 1e-12
 """Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7."""
 
+ROUND_OFF = 1e-9
+"""Largest relative difference of two numbers that should be equal; sums over some hundred nodes leave 1e-13."""
+
+SHAPES: dict[Any, dict[str, str]] = {
+    Invariants: {
+        "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "2z", "inertia": "zz", "gyroscopic": "zz",
+        "stress_operator": "sf",
+    },
+    InterfacePoint: {"arc_length": "", "arc_length_range": "2", "position": "k2z", "rotation": "kz"},
+    StressPoints: {"element": "s", "end": "s", "fibre": "s"},
+    Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
+    Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
+}  # fmt: skip
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, p parameters, r = 3 nodes; others are free."""
+
+Sizes = dict[str, int]
+
 
 def check(model: ReducedModel, path: Path) -> None:
-    """Refuse a model whose shapes disagree or whose matrices are not physical, naming the file and the group."""
-    inv, n = model.invariants, len(model.invariants.stiffness)
-    shapes = {
-        "mass": (),
-        "first_moment": (2, 1 + n),
-        "inertia": (1 + n, 1 + n),
-        "gyroscopic": (1 + n, 1 + n),
-        "stiffness": (n, n),
-        "damping": (n, n),
-        "stress_operator": (len(inv.stress_operator), n),
-    }
-    for name, shape in shapes.items():
-        if getattr(inv, name).shape != shape:
-            _refuse(path, name, f"has shape {getattr(inv, name).shape} instead of {shape}")
+    """Refuse a model whose parts disagree or whose matrices are not physical.
+
+    Raises
+    ------
+    ModelFileError
+        It names the file and the group, dataset or attribute.
+    """
+    _check_attributes(model, path)
+    sizes: Sizes = {"2": 2, "p": len(model.nominal)}
+    _fit_all(path, "invariants", model.invariants, sizes)
+    _check_matrices(model.invariants, path)
+    _check_derivatives(model, path, sizes)
+    _check_affine(model, path, sizes)
+    for name, point in (model.interfaces or {}).items():
+        _fit_all(path, f"interfaces/{name}", point, sizes)
+        low, high = point.arc_length_range
+        if not low <= point.arc_length <= high:
+            _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
+    for part in ("stress", "shape", "mesh"):
+        if getattr(model, part) is not None:
+            _fit_all(path, part, getattr(model, part), sizes)
+    _check_numbers(model, path)
+
+
+def _check_attributes(model: ReducedModel, path: Path) -> None:
+    if model.dimension != 2:
+        _refuse(path, "dimension", f"is {model.dimension}; only planar models, of dimension 2, can be used")
+    if model.units not in UNIT_SYSTEMS:
+        _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
+    for name, value in model.nominal.items():
+        if not isinstance(value, (int, float)) or not np.isfinite(value):
+            _refuse(path, f"nominal/{name}", f"is {value!r} instead of a finite number")
+        if name not in model.nominal_units:
+            _refuse(path, f"nominal_units/{name}", "is missing")
+
+
+def _check_matrices(inv: Invariants, path: Path) -> None:
     for name, sign in (("inertia", 1), ("gyroscopic", -1), ("stiffness", 1), ("damping", 1)):
         matrix = getattr(inv, name)
-        if np.abs(matrix - sign * matrix.T).max(initial=0) > 1e-9 * np.abs(matrix).max(initial=0):
-            _refuse(path, name, "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    if n and np.linalg.eigvalsh(generalized_mass(inv)).min() <= RIGID:
-        _refuse(path, "inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
+        if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
+            _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
+    if len(inv.stiffness) and np.linalg.eigvalsh(generalized_mass(inv)).min() <= RIGID:
+        _refuse(path, "invariants/inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
 
 
-def _refuse(path: Path, name: str, problem: str) -> None:
-    raise ModelFileError(f"{str(path)!r}: invariants/{name} {problem}. Build it again with ffrf-preprocess.")
+def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
+    for parameter, derivatives in (model.derivatives or {}).items():
+        if parameter not in model.nominal:
+            _refuse(
+                path, f"derivatives/{parameter}", f"belongs to none of the parameters {', '.join(model.parameters) or 'none'}"
+            )
+        for name, derivative in derivatives.items():
+            _fit(
+                path, f"derivatives/{parameter}/{name}", derivative, _of_invariant(path, f"derivatives/{parameter}", name), sizes
+            )
+
+
+def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
+    """Polynomials of the parameters' ratios to their nominal values, which give the invariants where all ratios are 1."""
+    for name, polynomial in (model.affine or {}).items():
+        place, free = f"affine/{name}", dict(sizes)
+        _fit(path, f"{place}/coefficients", polynomial.coefficients, "k" + _of_invariant(path, "affine", name), free)
+        _fit(path, f"{place}/exponents", polynomial.exponents, "kp", free)
+        if np.any(polynomial.exponents != np.round(polynomial.exponents)):
+            _refuse(path, f"{place}/exponents", "holds numbers that are not whole")
+        difference = np.sum(polynomial.coefficients, axis=0) - getattr(model.invariants, name)
+        if np.abs(difference).max(initial=0) > ROUND_OFF * np.abs(polynomial.coefficients).max(initial=0):
+            _refuse(path, f"{place}/coefficients", f"differs from invariants/{name} at the nominal design")
+    if model.affine and 0 in model.nominal.values():
+        _refuse(path, "nominal", "holds a zero, but the polynomials of affine are relative to the nominal values")
+
+
+def _check_numbers(model: ReducedModel, path: Path) -> None:
+    """Numbers of nodes, elements, ends and fibres that pictures index with."""
+    mesh, stress = model.mesh, model.stress
+    if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
+        _refuse(path, "mesh/connectivity", f"names nodes other than 0 to {len(mesh.nodes) - 1}")
+    if stress is None:
+        return
+    for name, allowed in (("end", (0, 1)), ("fibre", (-1, 1))):
+        if not np.isin(getattr(stress, name), allowed).all():
+            _refuse(path, f"stress/{name}", f"holds numbers other than {allowed[0]} and {allowed[1]}")
+    if mesh is not None and not np.isin(stress.element, np.arange(len(mesh.connectivity))).all():
+        _refuse(path, "stress/element", f"names elements other than 0 to {len(mesh.connectivity) - 1}")
+
+
+def _of_invariant(path: Path, group: str, name: str) -> str:
+    if name not in SHAPES[Invariants]:
+        _refuse(path, f"{group}/{name}", f"is the name of no invariant; there are {', '.join(SHAPES[Invariants])}")
+    return SHAPES[Invariants][name]
+
+
+def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
+    """Fit all arrays of one object; its free letters are its own, f, z and s are known to all after the invariants."""
+    own = dict(sizes)
+    for name, letters in SHAPES[type(part)].items():
+        _fit(path, f"{place}/{name}", getattr(part, name), letters, own)
+        if name == "stiffness":
+            own["z"] = 1 + own["f"]
+        if name == "nodes":
+            own["r"] = 3 * own["k"]
+    if isinstance(part, Invariants):
+        sizes.update(own)
+
+
+def _fit(path: Path, place: str, array: np.ndarray, letters: str, sizes: Sizes) -> None:
+    """Refuse an array whose shape disagrees with its letters or whose values are no finite numbers; note the size of new letters."""
+    if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+        _refuse(path, place, "holds values that are not finite numbers")
+    if array.ndim != len(letters) or any(
+        sizes.setdefault(letter, n) != n for letter, n in zip(letters, array.shape, strict=True)
+    ):
+        expected = ", ".join(str(sizes.get(letter, "any")) for letter in letters)
+        _refuse(path, place, f"has shape {array.shape} instead of ({expected})")
+
+
+def _refuse(path: Path, place: str, problem: str) -> None:
+    raise ModelFileError(f"{str(path)!r}: {place} {problem}. Build it again with ffrf-preprocess.")

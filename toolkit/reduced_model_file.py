@@ -17,6 +17,7 @@ from toolkit.replaced_file import replaced
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 1
+SIGNATURE = b"\x89HDF\r\n\x1a\n"  # first bytes of every HDF5 file
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 
@@ -39,9 +40,11 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
     Raises
     ------
     ModelFileError
-        The file is missing, no HDF5 file, foreign, of another schema version, incomplete, or its numbers are not physical.
+        The file is missing, no HDF5 file, foreign, of another schema version, incomplete, its parts disagree, or its numbers are
+        not physical.
     """
     path = Path(path)
+    _check_signature(path)
     try:
         with h5py.File(path, "r") as file:
             _check_schema(file, path)
@@ -49,27 +52,47 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
             attributes: dict[str, Any] = {
                 f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs
             }
-            missing = [f.name for f in fields(ReducedModel)[:8] if f.name not in (*attributes, *MAPS)]
+            missing = [f.name for f in fields(ReducedModel)[:8] if f.name not in (*attributes, *(set(MAPS) & set(file)))]
             if missing:
-                raise ModelFileError(
-                    f"{str(path)!r} lacks the attribute{'s' if len(missing) > 1 else ''} {', '.join(missing)}. "
-                    "Build it again with ffrf-preprocess."
-                )
+                raise ModelFileError(f"{str(path)!r} lacks {', '.join(missing)}. Build it again with ffrf-preprocess.")
             maps: dict[str, Any] = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in MAPS}
-    except FileNotFoundError:
-        raise ModelFileError(
-            f"there is no reduced model {str(path)!r}. Build it with ffrf-preprocess, or mend the path in the scene."
-        ) from None
+        model = ReducedModel(**attributes, **maps, **content, path=path)
+        check(model, path)
     except ModelFileError:
         raise
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, OverflowError) as error:
+    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError) as error:
         raise ModelFileError(
-            f"{str(path)!r} cannot be read as a reduced model ({error}); it is damaged, incomplete or not an HDF5 file. "
-            "Build it again with ffrf-preprocess."
+            f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete. Build it again with ffrf-preprocess."
         ) from error
-    model = ReducedModel(**attributes, **maps, **content, path=path)
-    check(model, path)
     return model
+
+
+def is_reduced_model(path: str | Path) -> bool:
+    """Whether a file calls itself a reduced model, of whatever schema version and even if parts of it are missing."""
+    try:
+        with h5py.File(path, "r") as file:
+            return bool(file.attrs.get("schema") == SCHEMA)
+    except (OSError, RuntimeError, ValueError):
+        return False
+
+
+def _check_signature(path: Path) -> None:
+    """Say plainly what HDF5 would report in the words of its developers."""
+    try:
+        with path.open("rb") as file:
+            start = file.read(len(SIGNATURE))
+    except (FileNotFoundError, ValueError):  # ValueError: a zero byte in the name
+        raise ModelFileError(
+            f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
+        ) from None
+    except OSError as error:
+        raise ModelFileError(
+            f"{str(path)!r} cannot be read ({error.strerror}). Give a reduced model, a file written by ffrf-preprocess."
+        ) from error
+    if start != SIGNATURE:
+        raise ModelFileError(
+            f"{str(path)!r} is not an HDF5 file and so not a reduced model. Give a file written by ffrf-preprocess."
+        )
 
 
 def _check_schema(file: h5py.File, path: Path) -> None:
@@ -124,11 +147,7 @@ def _read_object(kind: Any, group: h5py.Group, path: Path) -> Any:
             raise ModelFileError(
                 f"{str(path)!r}: group {group.name!r} lacks the dataset {name!r}. Build it again with ffrf-preprocess."
             )
-        arrays[name] = group[name][()] if group[name].ndim else np.asarray(group[name][()])
-        if not np.all(np.isfinite(arrays[name])):
-            raise ModelFileError(
-                f"{str(path)!r}: {group.name}/{name} holds values that are not finite. Build it again with ffrf-preprocess."
-            )
+        arrays[name] = np.asarray(group[name][()])
     return arrays if kind == "arrays" else kind(**arrays)
 
 

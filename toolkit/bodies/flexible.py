@@ -61,7 +61,7 @@ class Flexible(Body):
         if getattr(written, "body", None) != name:
             raise InputError(
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
-                f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {", ".join(model.interfaces or {})}.'
+                f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
         interface = find_interface(model, written.interface, name)
         return interface.at(float(interface.arc_length) if written.arc_length is None else written.arc_length)
@@ -131,10 +131,14 @@ def find_interface(model: ReducedModel, interface: str, body: str) -> InterfaceP
     found = (model.interfaces or {}).get(interface)
     if found is None:
         raise InputError(
-            f"flexible body {body!r} has no interface point {interface!r}; available: {', '.join(model.interfaces or {})}. "
+            f"flexible body {body!r} has no interface point {interface!r}; available: {_names(model)}. "
             "Add it to the interface points of the skin file and run preprocessing again."
         )
     return found
+
+
+def _names(model: ReducedModel) -> str:
+    return ", ".join(model.interfaces or {}) or "none"
 
 
 def interface_pattern(interface: InterfacePoint) -> np.ndarray:

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from toolkit.errors import InputError
+
 if TYPE_CHECKING:
     from toolkit.reduced_model import InterfacePoint, ReducedModel
     from toolkit.results.results import Results
@@ -26,13 +28,18 @@ def describe(path: Path) -> dict[str, Any]:
         from toolkit.scene_file import read_scene
 
         return describe_scene(read_scene(path))
-    from toolkit.reduced_model_file import load
+    from toolkit.reduced_model_file import is_reduced_model, load
     from toolkit.results.layout import SCHEMA, schema_of
 
-    if schema_of(path) == SCHEMA:
+    if path.is_file() and schema_of(path) == SCHEMA:
         from toolkit.results.results_file import load_results
 
         return describe_results(load_results(path))
+    if path.suffix != ".h5" and not is_reduced_model(path):
+        what = "is" if path.is_file() else "is a folder," if path.is_dir() else "does not exist; it is"
+        raise InputError(
+            f"{str(path)!r} {what} neither a scene (.toml) nor a reduced model or results (.h5). Give the path of one of them."
+        )
     return describe_model(load(path))
 
 
