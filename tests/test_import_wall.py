@@ -25,7 +25,7 @@ LAYERS = [
     ("scene", "equations"),
     ("compilation",),
     ("system",),
-    ("solution", "solvers"),
+    ("solution", "solvers", "conformance"),
     ("responses",),
     ("sensitivity", "scene_file"),
     ("studies",),
