@@ -11,6 +11,7 @@ from typer.core import TyperGroup
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Method, SceneFile, design_of, prepare_folder, read
 from toolkit.command_line.inspection import describe, print_description
+from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.errors import ToolkitError
 
@@ -40,6 +41,7 @@ app = typer.Typer(
     no_args_is_help=True,
     help="Flexible multibody dynamics with exact design sensitivities.",
 )
+app.add_typer(new_project, name="new")
 
 
 @app.command()
