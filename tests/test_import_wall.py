@@ -27,7 +27,7 @@ LAYERS = [
     ("system",),
     ("solution", "solvers", "conformance"),
     ("responses",),
-    ("sensitivity", "scene_file"),
+    ("sensitivity", "scene_file", "scene_schema"),
     ("studies",),
     ("render",),
     ("cli", "command_line"),

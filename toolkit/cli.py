@@ -36,7 +36,6 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     cls=Commands,
-    add_completion=False,
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     help="Flexible multibody dynamics with exact design sensitivities.",
