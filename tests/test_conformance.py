@@ -208,6 +208,12 @@ def test_a_wrong_derivative_of_a_users_joint_is_caught_and_named(mistake, tmp_pa
         check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
 
 
+def test_a_joint_of_another_scene_is_refused(directory):
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ValueError, match="names body 'wheel', which does not exist"):
+        check_joint(ParabolaGuide(bodies=("wheel", "ground"), point="A", steepness=0.6), scene)
+
+
 def test_a_joint_that_hides_its_curvature_is_caught(directory):
     kind = type("Flat", (ParabolaGuide,), {"kind": "test-flat", "curved": False, "__module__": __name__})
     scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)

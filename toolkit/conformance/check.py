@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
@@ -24,15 +26,19 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
     ------
     ConformanceError
         A derivative differs from a complex step by more than 1e-10 of the largest; names the derivative, the entry and both values.
+    ValueError
+        The joint names a body or a point that the scene does not have.
     """
-    check_joint_formula(joint, scene, np.random.default_rng(seed))
-    check_scene(scene.model_copy(update={"joints": {"joint": joint}, "loads": {}}), seed)
+    alone = _alone(scene, joints={"joint": joint})
+    check_joint_formula(joint, alone, np.random.default_rng(seed))
+    check_scene(alone, seed)
 
 
 def check_load(load: Load, scene: Scene, seed: int = 0) -> None:
     """Check every derivative of a load; arguments and errors as `check_joint`."""
-    check_load_formula(load, scene, np.random.default_rng(seed))
-    check_scene(scene.model_copy(update={"joints": {}, "loads": {"load": load}}), seed)
+    alone = _alone(scene, loads={"load": load})
+    check_load_formula(load, alone, np.random.default_rng(seed))
+    check_scene(alone, seed)
 
 
 def check_scene(scene: Scene, seed: int = 0) -> None:
@@ -43,3 +49,8 @@ def check_scene(scene: Scene, seed: int = 0) -> None:
     """
     check_state_derivatives(scene, seed)
     check_design_derivatives(scene, seed)
+
+
+def _alone(scene: Scene, **component: Any) -> Scene:
+    """The scene's bodies and points with one component, which is refused if it names others."""
+    return Scene(**{**dict(scene), "joints": {}, "loads": {}, "responses": {}, "design": {}, **component})
