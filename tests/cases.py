@@ -13,7 +13,7 @@ from preprocessing.section import Section
 from tests.beam_models import save_beam
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.component import Component
+from toolkit.component import Component, Place, on_both
 from toolkit.joints.distance import Distance
 from toolkit.joints.driver import AngleDriver, PositionDriver
 from toolkit.joints.joint import Joint
@@ -57,9 +57,9 @@ GRIPS = {
     "rigid on grounded flexible": (("block", "skin"), ("C", "S"), "S"),
     "moving flexible on rod": (("strip", "rod"), ("T", "B"), "T"),
     "ground on moving flexible": (("ground", "strip"), ("O", "T"), "U"),
-    "grounded on moving flexible": (("skin", "strip"), ("S", "T"), None),
+    "grounded on moving flexible": (("skin", "strip"), ("S", "T"), ("S", "T")),
 }
-"""Bodies a and b, a point on each, and a point that both share; two flexible bodies cannot share one."""
+"""Bodies a and b, a point on each, and the point where they meet: one that both share, or one of each flexible body."""
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Case:
     numbers: dict[str, Any]
     bodies: tuple[str, str]
     points: tuple[str, str]
-    common: str | None
+    common: Place
 
     def scene(self, directory: Path) -> Scene:
         """The scene, with its reduced models in `directory` (see `write_models`)."""
@@ -90,12 +90,13 @@ class Case:
             given["bodies"] = self.bodies
         if "points" in fields:
             given["points"] = self.points
+        first, second = self.bodies if self.bodies[0] != "ground" else self.bodies[::-1]
         if "point" in fields:
-            given["point"] = self.common
+            given["point"] = on_both(self.common)[0] if fields["point"].annotation is str else self.common
         if "body" in fields:
-            given["body"] = self.bodies[0]
+            given["body"] = first
         if "reaction" in fields:
-            given["reaction"] = self.bodies[1]
+            given["reaction"] = second
         return given
 
 
@@ -130,8 +131,7 @@ def _cases() -> list[Case]:
     cases = [Case(f"{a} and {b} alone", None, {}, (a, b), ("A", "C"), "A") for a, b in alone]
     for name, kind, numbers in KINDS:
         for grip, (bodies, places, common) in GRIPS.items():
-            if common or "points" in kind.model_fields:
-                cases.append(Case(f"{name}: {grip}", kind, numbers, bodies, places, common))
+            cases.append(Case(f"{name}: {grip}", kind, numbers, bodies, places, common))
     return cases
 
 

@@ -18,7 +18,7 @@ from toolkit.command_line.announcements import kernel_of
 from toolkit.command_line.report import record_of, undefined_numbers
 from toolkit.kernel import is_on_disk
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import prepare, result, solve
+from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
 
 ROOT = Path(__file__).parents[1]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
@@ -147,7 +147,7 @@ def test_a_change_without_a_value_is_a_usage_error():
 
 
 def test_a_missing_scene_is_named():
-    assert "there is no scene file 'nowhere.toml'" in refused("statics", "nowhere.toml")
+    assert "'nowhere.toml' cannot be read" in refused("statics", "nowhere.toml")
 
 
 def test_an_unknown_variable_lists_the_available_ones():
@@ -177,7 +177,7 @@ def test_a_number_that_does_not_exist_is_null_and_named():
     scene = read_scene(SCENE)
     solution = solve(prepare(scene), "static")
     slopes = {name: {"t_w": np.nan if name == "shape_rmse" else 1.0} for name in RESPONSES}
-    found = result(scene, solution, slopes, "direct", 0.0, 0.0)
+    found = result(scene, solution, evaluate_responses(solution), slopes, "direct", 0.0, 0.0)
     assert undefined_numbers(found) == ["the derivative of shape_rmse by t_w"]
     assert record_of(found)["gradients"]["shape_rmse"] == {"t_w": None}
 

@@ -9,12 +9,14 @@ from tests.scenes import WING, hanging_skin
 from toolkit.errors import InputError
 from toolkit.reduced_model_file import load, save
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.catalogue import KSStress, MaxStress, Rotation, ShapeMSE, ShapeRMS, TimeIntegral
+from toolkit.responses.catalogue import Displacement, KSStress, MaxStress, Rotation, ShapeMSE, ShapeRMS, TimeIntegral
 from toolkit.responses.energy import KineticEnergy
+from toolkit.responses.instant import magnitude
 from toolkit.responses.shape_error import shape_error
 from toolkit.responses.stress import stress_field
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import prepare, solve, values_of
+from toolkit.sensitivity.analysis import direct, prepare, solve, values_of
+from toolkit.sensitivity.numerical import numerical
 
 
 @pytest.fixture(scope="module")
@@ -152,3 +154,19 @@ def test_statics_leave_out_what_needs_motion():
     scene = scene.model_copy(update={"responses": {**scene.responses, "work": TimeIntegral(of=KineticEnergy())}})
     assert set(values_of(scene, "static")) == set(read_scene(WING).responses)
     assert "work" in values_of(scene, "transient")
+
+
+def test_the_integral_of_a_magnitude_that_starts_at_zero_has_a_gradient(hanging):
+    """At the start the displacement is zero whatever the design, so its length is too; nothing is undefined about that."""
+    integral = TimeIntegral(of=Displacement(body="arm", point="C", component="magnitude"))
+    path = "loads.drive.torque"
+    scene = hanging.system.scene.model_copy(update={"responses": {"way": integral}})
+    found = direct(scene, [path], "transient").gradients["way"][path]
+    exact = numerical(scene, [path], "transient", "complex-step").gradients["way"][path]
+    assert found == pytest.approx(exact, rel=1e-9)  # round-off, times the condition of the skin's equations
+
+
+def test_a_length_has_no_derivative_where_it_starts_to_grow():
+    assert magnitude(np.zeros(2), np.zeros((2, 3)))[1].tolist() == [0.0, 0.0]
+    assert np.isnan(magnitude(np.zeros(2), np.array([[0.0], [1.0]]))[1]).all()
+    assert magnitude(np.array([3.0, 4.0]), np.zeros((2, 1)))[0] == pytest.approx(5.0)

@@ -5,7 +5,7 @@ import pytest
 
 from tests.scenes import MODELS, WING, hanging_skin
 from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.errors import InputError
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
@@ -149,3 +149,9 @@ def test_the_position_of_a_moving_body_places_its_interface_points():
     local = scene.model("skin.h5").interfaces["C"].position[0, :, 0]
     A = np.array([[np.cos(0.1), -np.sin(0.1)], [np.sin(0.1), np.cos(0.1)]])
     np.testing.assert_allclose(scene.position("C"), A @ local + [3.0, 5.0], rtol=1e-14)
+
+
+def test_the_size_of_a_scene_without_points_is_that_of_its_bodies():
+    """Displacements need a length to be compared with, in any unit: sqrt(I / m)."""
+    block = Rigid(mass=2.0, inertia=18.0, center="P")
+    assert Scene(units="m-kg-s", points={"P": Point(x=7.0, y=1.0)}, bodies={"block": block}).size == pytest.approx(3.0)

@@ -23,13 +23,14 @@ from toolkit.loads.torque import Torque
 from toolkit.point import Point
 from toolkit.profile import SmoothStep
 from toolkit.reduced_model_file import save
-from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
+from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
+from toolkit.solvers.undeformed import undeformed
 from toolkit.system import compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
@@ -69,6 +70,63 @@ def test_a_following_force_turns_the_arm_in_proportion():
     fixed = solve_statics(compile_scene(arm(tip=PointForce(**force)))).q[0, 2]
     assert following == pytest.approx(30.0 / 20.0, rel=NEWTON)
     assert fixed == pytest.approx(brentq(lambda angle: 20.0 * angle - 30.0 * np.cos(angle), 0, 1.5), rel=NEWTON)
+
+
+HANGING = {"O": (0.0, 0.0), "A": (0.0, -1.0)}
+
+
+def hanging_rod(points: dict = HANGING, **joints) -> Scene:
+    """A rod of 3 kg on a hinge, held by nothing but its weight."""
+    bodies = {"rod": Rod(between=("O", "A"), area=1.0, density=3.0)}
+    joints = {"O": Revolute(bodies=("rod", "ground"), point="O"), **joints}
+    return scene(points, bodies, joints, {"gravity": Gravity(acceleration=(0.0, -9.81))})
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.1])
+def test_a_pendulum_that_only_its_weight_holds_hangs_straight_and_swings_like_a_pendulum(tilt):
+    """Without load nothing determines it; frequency of a rod about its end: omega^2 = 3 g / (2 L)."""
+    points = {"O": (0.0, 0.0), "A": (np.sin(tilt), -np.cos(tilt))}
+    run = solve_statics(compile_scene(hanging_rod(points)))
+    assert run.q[0, 2] == pytest.approx(-tilt, abs=1e-9)  # to the vertical, to Newton's tolerance
+    assert solve_modes(run).frequencies == pytest.approx([np.sqrt(1.5 * 9.81) / (2 * np.pi)], rel=NEWTON)
+
+
+def test_the_upright_pendulum_is_refused():
+    with pytest.raises(ConvergenceError, match="equilibrium is unstable"):
+        solve_statics(compile_scene(hanging_rod({"O": (0.0, 0.0), "A": (0.0, 1.0)})))
+
+
+def test_modes_of_a_free_body_are_found_about_the_given_positions():
+    """Three rigid motions without frequency, and nothing else; statics has nothing to hold it."""
+    bodies = {"block": Rigid(mass=2.0, inertia=0.3, center="P")}
+    spring = SpringDamper(bodies=("block", "ground"), points=("Q", "R"), stiffness=8.0)
+    sprung = scene({"P": (0.0, 0.0), "Q": (1.0, 0.0), "R": (2.0, 0.0)}, bodies, {}, {"spring": spring})
+    with pytest.raises(SingularSystemError):
+        solve_statics(compile_scene(sprung))
+    frequencies = solve_modes(undeformed(compile_scene(sprung))).frequencies
+    # along the spring omega^2 = k / m; across it and in rotation nothing restores at relaxed length
+    assert frequencies == pytest.approx([0.0, 0.0, 2.0 / (2 * np.pi)], abs=1e-9)
+
+
+def test_joints_that_cannot_be_closed_are_named_not_called_a_limit_point():
+    out_of_reach = Distance(bodies=("rod", "ground"), points=("A", "B"), length=5.0)
+    points = {**HANGING, "B": (2.0, 0.0)}
+    with pytest.raises(ConvergenceError, match=r"joints cannot be closed .*distance of joint 'stay' is open by"):
+        solve_statics(compile_scene(hanging_rod(points, stay=out_of_reach)))
+
+
+def test_open_joints_are_closed_before_the_load_grows():
+    """The stay of 1.7 m is 0.54 m too short; closed, the rod leans towards it by the law of cosines."""
+    stay = Distance(bodies=("rod", "ground"), points=("A", "B"), length=1.7)
+    run = solve_statics(compile_scene(hanging_rod({**HANGING, "B": (2.0, 0.0)}, stay=stay)))
+    between = np.arccos((1 + 4 - 1.7**2) / 4)  # angle at O between rod and OB
+    assert run.q[0, 2] == pytest.approx(np.pi / 2 - between, abs=1e-9)
+
+
+def test_the_load_steps_of_a_static_solution_are_counted():
+    run = solve_statics(compile_scene(arm(gravity=Gravity(acceleration=(0.0, -9.81)))), RunOptions(load_steps=7))
+    assert run.load_steps == 7
+    assert run.steps == 0
 
 
 CRANK, ROD, STIFFNESS, TORQUE = 0.5, 1.2, 40.0, 6.0
@@ -261,14 +319,9 @@ def test_the_hard_neighbour_has_no_static_state_beyond_92_percent_of_the_torque(
 
 
 def transient(given: Scene, **options) -> tuple[np.ndarray, np.ndarray, float]:
-    """Times, angle of body 2, and energy created by the scheme over the largest energy: max rise of T + U - work."""
-    system = compile_scene(given)
-    run = simulate(system, given.solver.model_copy(update=options))
-    angle = run.q[:, run.coordinates("body2")][:, 2]
-    torque = 4200.0 * given.loads["drive"].curve.evaluate(run.times)[:, 0]
-    work = np.append(0, np.cumsum((torque[1:] + torque[:-1]) / 2 * np.diff(angle)))
-    energy = np.array([KineticEnergy().at(run, n).value + StrainEnergy().at(run, n).value for n in range(len(run.times))])
-    return run.times, angle, (energy - work).max() / energy.max()
+    """Times, angle of body 2, and the defect of the energy balance over the largest energy or work."""
+    run = simulate(compile_scene(given), given.solver.model_copy(update=options))
+    return run.times, run.q[:, run.coordinates("body2")][:, 2], energy_balance(run).relative_defect
 
 
 @pytest.mark.parametrize("step", [0.05, 0.02, 0.01])
@@ -278,20 +331,31 @@ def test_a_coarse_transient_run_of_the_snap_through_is_refused(hard_neighbour, s
         transient(hard_neighbour, scheme=scheme, step=step)
 
 
-def test_a_fine_transient_run_resolves_the_snap_through(hard_neighbour):
-    """Two steps agree on the whole path into the snap, which the static limit announces; no energy is created."""
-    angles = []
-    for step in (1e-3, 5e-4):
-        times, angle, created = transient(hard_neighbour, scheme="arnold-bruels", step=step)
-        angles.append(np.interp([0.5, 0.6, 0.7, 0.75], times, angle))
+def test_a_fine_transient_run_resolves_the_way_into_the_snap_through_and_through_it(hard_neighbour):
+    """Three steps agree before and in the snap, which the static limit announces. The undamped ringing after it does not converge
+    point by point (neighbouring paths part), so only its energy is held to account."""
+    angles, defects = [], []
+    for step in (1e-3, 5e-4, 2.5e-4):
+        times, angle, defect = transient(hard_neighbour, scheme="arnold-bruels", step=step)
+        angles.append(np.interp([0.5, 0.6, 0.7, 0.75, 0.8], times, angle))
+        defects.append(defect)
         snapped = times[np.argmax(angle > 0.45)]
         assert 0.75 < snapped < 0.85  # 92 % of the torque is reached at 0.76 s
-        assert created < 0.01  # what the scheme makes or the trapezoidal rule of the work misses
-    np.testing.assert_allclose(angles[0], angles[1], rtol=2e-3)  # second order: (1e-3 / shortest wanted period 0.01)^2 / 5
+    np.testing.assert_allclose(angles[0][:4], angles[2][:4], rtol=1e-5)  # slow motion: (1e-3 / 0.2)^2 / 5
+    np.testing.assert_allclose(
+        angles[0][4], angles[2][4], rtol=5e-3
+    )  # in the snap, time scale 0.01: (1e-3 / 0.01)^2 / 5 and more
+    assert max(defects) < 0.03  # numerical damping of the ringing, with rho_inf = 0.5
 
 
-def test_the_papers_scheme_is_refused_where_it_creates_energy(hard_neighbour):
-    """At this step it would return 13 % more energy than the torque has put in; its joints open by 2.5e-3, which is refused."""
+@pytest.mark.parametrize("step", [1e-3, 2.5e-4])
+def test_the_energy_balance_tells_that_the_papers_scheme_creates_energy_in_the_snap(hard_neighbour, step):
+    """Newton converges and the joints hold, so nothing else would tell."""
+    assert transient(hard_neighbour, scheme="paper", step=step)[2] > 0.03
+
+
+def test_the_papers_scheme_is_refused_at_a_coarser_step(hard_neighbour):
+    """Its joints open by 2.5e-3 of the scene's size."""
     with pytest.raises(ConvergenceError, match="joints came apart"):
         transient(hard_neighbour, scheme="paper", step=2e-3)
 

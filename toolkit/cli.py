@@ -10,9 +10,12 @@ from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Method, SceneFile, design_of, prepare_folder, read
+from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
+from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.command_line.report_command import report
 from toolkit.errors import ToolkitError
 
 INTERRUPTED = 130
@@ -44,25 +47,30 @@ app.add_typer(new_project, name="new")
 
 
 @app.command()
-def simulate(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
+def simulate(scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import prepare, result, solve
+    from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, timed
 
-    described = read(scene, changes)
+    check_output(output)
+    described, text = read(scene, changes), text_of(scene)
     with at_work("time steps", described, "transient") as progress:
-        solution = solve(prepare(described), "transient", progress)
-    print_result(result(described, solution, {}, "none", solution.wall["run"], 0.0), as_json)
+        seconds, solution = timed(prepare(described), "transient", progress)
+    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
+    keep(found, output, text, changes)
+    print_result(found, as_json)
 
 
 @app.command()
-def statics(scene: SceneFile, changes: Changes = None, as_json: AsJson = False) -> None:
-    """Find the equilibrium under the full load and print its responses with gradients."""
+def statics(scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False) -> None:
+    """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.sensitivity.analysis import direct
 
-    described = read(scene, changes)
+    check_output(output)
+    described, text = read(scene, changes), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names) as progress:
         found = direct(described, names, "static", progress)
+    keep(found, output, text, changes)
     print_result(found, as_json)
 
 
@@ -75,13 +83,15 @@ def sensitivity(
     ] = None,
     static: Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")] = False,
     changes: Changes = None,
+    output: Output = None,
     as_json: AsJson = False,
 ) -> None:
     """Print the responses with their gradients."""
     from toolkit.sensitivity.analysis import direct
     from toolkit.sensitivity.numerical import numerical
 
-    described = read(scene, changes)
+    check_output(output)
+    described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("steps" if method is Method.direct else "variables", described, kind, names) as progress:
@@ -89,6 +99,7 @@ def sensitivity(
             found = direct(described, names, kind, progress)
         else:
             found = numerical(described, names, kind, method.value, progress)
+    keep(found, output, text, changes)
     print_result(found, as_json)
 
 
@@ -96,16 +107,22 @@ def sensitivity(
 def modes(
     scene: SceneFile,
     count: Annotated[int, typer.Option(min=1, help="How many, from the lowest.")] = 10,
+    about_start: Annotated[
+        bool, typer.Option("--undeformed", help="About the given positions, e.g. of a free body, not the equilibrium.")
+    ] = False,
     changes: Changes = None,
     as_json: AsJson = False,
 ) -> None:
-    """Print the eigenfrequencies about the static end state."""
+    """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
+    from toolkit.solvers.undeformed import undeformed
 
     described = read(scene, changes)
     with at_work("load steps", described, "static") as progress:
-        frequencies = solve_modes(solve(prepare(described), "static", progress), count).frequencies.tolist()
+        system = prepare(described)
+        state = undeformed(system) if about_start else solve(system, "static", progress)
+        frequencies = solve_modes(state, count).frequencies.tolist()
     if as_json:
         print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
     else:
@@ -114,37 +131,41 @@ def modes(
 
 @app.command()
 def inspect(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, or a scene.")], as_json: AsJson = False
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, results, or a scene.")],
+    as_json: AsJson = False,
 ) -> None:
-    """Print what is in a reduced model (.h5) or a scene (.toml)."""
+    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml)."""
     (print_json if as_json else print_description)(describe(file))
 
 
 @app.command()
 def render(
-    scene: SceneFile,
+    file: SceneOrResults,
     output: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the pictures.")] = Path("output"),
     times: Annotated[
         list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
     changes: Changes = None,
+    models: Models = None,
     as_json: AsJson = False,
 ) -> None:
-    """Simulate the scene and draw it at several instants into PNG files."""
+    """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
     from toolkit.render.pictures import render_solution
     from toolkit.render.probe import drawing_environment
-    from toolkit.sensitivity.analysis import prepare, solve
 
-    described = read(scene, changes)
+    solve = motion_of(file, changes, models)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
-    with at_work("time steps", described, "transient") as progress:
-        files = render_solution(solve(prepare(described), "transient", progress), folder, times, width)
+    files = render_solution(solve(), folder, times, width)
     if as_json:
         print_json({"files": [str(file) for file in files]})
     else:
         typer.echo("\n".join(str(file) for file in files))
+
+
+app.command()(export)
+app.command()(report)
 
 
 def main() -> None:

@@ -11,6 +11,14 @@ from numba.core.registry import CPUDispatcher
 from toolkit.description import Registered
 from toolkit.profile import Curve
 
+Place = str | tuple[str, str]
+"""A point that both bodies share, or each body's own point, where two flexible bodies meet."""
+
+
+def on_both(place: Place) -> tuple[str, str]:
+    """The point on the first body and that on the second."""
+    return (place, place) if isinstance(place, str) else place
+
 
 class Skeleton(Protocol):
     """What a component may ask of its scene: where the points are in the undeformed configuration."""

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat
+from pydantic import BaseModel, ConfigDict, Field
 
 from toolkit.errors import InputError
 
-Positive = Annotated[FiniteFloat, Field(gt=0)]
-Pair = tuple[FiniteFloat, FiniteFloat]
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+"""A finite number; no text and no truth value passes for one."""
+Positive = Annotated[Number, Field(gt=0)]
+NotNegative = Annotated[Number, Field(ge=0)]
+Pair = tuple[Number, Number]
 
 
 class Description(BaseModel):

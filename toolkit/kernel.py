@@ -1,4 +1,7 @@
-"""One source, two ways to run: formulas compiled by numba, and the same formulas as plain Python on complex arrays."""
+"""One source, two ways to run: formulas compiled by numba, and the same formulas as plain Python on complex arrays.
+
+With the environment variable NUMBA_DISABLE_JIT=1 real numbers run as plain Python too, slowly, so that a debugger can step through.
+"""
 
 from __future__ import annotations
 
@@ -44,6 +47,8 @@ def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
 
 def is_on_disk(function: CPUDispatcher) -> bool:
     """Whether a kernel has been compiled before, by any process, from these formulas."""
+    if not isinstance(function, CPUDispatcher):
+        return True
     return Path(function._cache._cache_file._index_path).exists()  # type: ignore[attr-defined]
 
 
@@ -81,8 +86,11 @@ def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
     return tuple(([first_class(function, signature) for function in functions] * SLOTS)[:SLOTS])
 
 
-def first_class(function: CPUDispatcher, signature: Any) -> CompileResultWAP:
-    """A kernel compiled for one signature, as an argument for other kernels: they are compiled without its code."""
+def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
+    """A kernel compiled for one signature (by default its last), as an argument for other kernels, compiled without its code."""
+    if not isinstance(function, CPUDispatcher):
+        return function
+    signature = signature or function.nopython_signatures[-1]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         function.compile(signature)
@@ -99,6 +107,8 @@ def call(function: Callable, *arguments: Any) -> Any:
 @cache
 def plain(function: CPUDispatcher) -> FunctionType:
     """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
+    if not isinstance(function, CPUDispatcher):
+        return function
     source = function.py_func
     names = {name: value for name, value in source.__globals__.items() if name in source.__code__.co_names}
     called = {name: plain(value) for name, value in names.items() if isinstance(value, CPUDispatcher) and value is not function}

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from pydantic import FiniteFloat
-
-from toolkit.description import Description
+from toolkit.description import Description, Number
 
 
 class Point(Description):
     """A point given by its coordinates."""
 
-    x: FiniteFloat
-    y: FiniteFloat
+    x: Number
+    y: Number
 
 
 class BodyPoint(Description):
@@ -19,4 +17,4 @@ class BodyPoint(Description):
 
     body: str
     interface: str
-    arc_length: FiniteFloat | None = None
+    arc_length: Number | None = None

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Field, FiniteFloat, model_validator
+from pydantic import Field, model_validator
 
-from toolkit.description import Description, Positive
+from toolkit.description import Description, Number, Positive
 from toolkit.errors import InputError
 
 
@@ -18,7 +18,7 @@ class Constant(Description):
     """f(t) = value."""
 
     type: Literal["constant"] = "constant"
-    value: FiniteFloat = 1.0
+    value: Number = 1.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
@@ -29,8 +29,8 @@ class SmoothStep(Description):
     """f(t) = height s(u), u = (t - start) / duration, s = u^3 (10 - 15 u + 6 u^2) on [0, 1], 0 before and 1 after."""
 
     type: Literal["smooth-step"] = "smooth-step"
-    height: FiniteFloat = 1.0
-    start: FiniteFloat = 0.0
+    height: Number = 1.0
+    start: Number = 0.0
     duration: Positive = 1.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
@@ -46,9 +46,9 @@ class Sine(Description):
     """f(t) = amplitude sin(2 pi frequency t + phase); frequency in 1/time, phase in rad."""
 
     type: Literal["sine"] = "sine"
-    amplitude: FiniteFloat = 1.0
+    amplitude: Number = 1.0
     frequency: Positive
-    phase: FiniteFloat = 0.0
+    phase: Number = 0.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
@@ -65,8 +65,8 @@ class Table(Description):
     """
 
     type: Literal["table"] = "table"
-    times: tuple[FiniteFloat, ...] = Field(min_length=2)
-    values: tuple[FiniteFloat, ...]
+    times: tuple[Number, ...] = Field(min_length=2)
+    values: tuple[Number, ...]
     interpolation: Literal["cubic", "linear"] = "cubic"
 
     @model_validator(mode="after")
@@ -108,6 +108,10 @@ class Sum(Description):
 
 Curve = Annotated[Constant | SmoothStep | Sine | Table | Sum, Field(discriminator="type")]
 Sum.model_rebuild()
+CURVES: dict[str, type[Description]] = {
+    kind.model_fields["type"].default: kind for kind in (Constant, SmoothStep, Sine, Table, Sum)
+}
+"""Every kind of curve by the name that a file gives it."""
 
 
 def is_smooth(curve: Constant | SmoothStep | Sine | Table | Sum) -> bool:

@@ -6,16 +6,16 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from toolkit.description import Description, Positive
+from toolkit.description import Description, NotNegative, Number, Positive
 
-Count = Annotated[int, Field(ge=1)]
+Count = Annotated[int, Field(strict=True, ge=1)]
 
 
 class Baumgarte(Description):
     """Constraint stabilization Phi'' + 2 damping Phi' + stiffness^2 Phi = 0; by default damping = 1/step, stiffness = sqrt(2)/step."""
 
-    damping: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
-    stiffness: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+    damping: NotNegative | None = None
+    stiffness: NotNegative | None = None
 
 
 class RunOptions(Description):
@@ -31,9 +31,9 @@ class RunOptions(Description):
     end_time: Positive = 1.0
     step: Positive = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
-    rho_inf: Annotated[float, Field(ge=0, le=1)] = 0.5
+    rho_inf: Annotated[Number, Field(ge=0, le=1)] = 0.5
     baumgarte: Baumgarte = Baumgarte()
-    tolerance: Annotated[float, Field(gt=1e-14, lt=1e-2)] = 1e-10
+    tolerance: Annotated[Number, Field(gt=1e-14, lt=1e-2)] = 1e-10
     max_iterations: Count = 20
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3

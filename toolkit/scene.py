@@ -12,7 +12,6 @@ from pydantic import Field, model_validator
 from toolkit.bodies.body import Body
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.ground import Ground
-from toolkit.component import Component
 from toolkit.description import Description, Registered
 from toolkit.design import Design, DesignVariable
 from toolkit.errors import InputError
@@ -24,6 +23,7 @@ from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model import ReducedModel
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
+from toolkit.scene_names import check_names, known
 
 
 class Scene(Description):
@@ -46,25 +46,9 @@ class Scene(Description):
     directory: Path = Path()
 
     @model_validator(mode="after")
-    def _known_names(self) -> Self:
-        for group, components in (("joints", self.joints), ("loads", self.loads)):
-            for name, component in components.items():
-                if isinstance(component, Component):
-                    for body, point in component.grips:
-                        self._known(body, {**self.bodies, "ground": None}, f"{group}.{name}", "body", "bodies")
-                        self._known(point, self.points, f"{group}.{name}", "point", "points")
-        for name, owner in self.bodies.items():
-            for named in owner.named_points():
-                self._known(named, self.points, f"bodies.{name}", "point", "points")
-        for name, written in self.points.items():
-            if isinstance(written, BodyPoint):
-                self._known(written.body, self.bodies, f"points.{name}", "body", "bodies")
+    def _names(self) -> Self:
+        check_names(self.points, self.bodies, self.joints, self.loads, self.responses)
         return self
-
-    @staticmethod
-    def _known(name: str, known: dict, user: str, kind: str, kinds: str) -> None:
-        if name not in known:
-            raise InputError(f"{user} names {kind} {name!r}, which does not exist; {kinds} of the scene: {', '.join(known)}.")
 
     def all_bodies(self) -> dict[str, Body]:
         """The bodies and the ground."""
@@ -72,12 +56,12 @@ class Scene(Description):
 
     def body(self, name: str) -> Body:
         """One body, or an error that lists all."""
-        self._known(name, {**self.bodies, "ground": None}, "the scene", "body", "bodies")
+        known(name, (*self.bodies, "ground"), "the scene", "body")
         return self.all_bodies()[name]
 
     def interface(self, point: str) -> Point | BodyPoint:
         """The point as it was written."""
-        self._known(point, self.points, "the scene", "point", "points")
+        known(point, self.points, "the scene", "point")
         return self.points[point]
 
     def position(self, point: str) -> np.ndarray:
@@ -111,10 +95,10 @@ class Scene(Description):
 
     @property
     def size(self) -> float:
-        """Extent of the scene, the length that displacements are compared with."""
+        """Extent of the points or of the largest body, the length that displacements are compared with."""
         positions = np.real([self.position(point) for point in self.points])
-        extent = float(np.ptp(positions, axis=0).max()) if len(positions) else 0.0
-        return extent or float(np.abs(positions).max(initial=0)) or 1.0
+        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(2)
+        return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
 
     def number(self, path: str) -> Any:
         """The number at a path; a flexible body's parameter that the scene does not set has its nominal value."""

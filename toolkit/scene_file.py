@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -28,9 +27,12 @@ from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.point import BodyPoint, Point
+from toolkit.profile import CURVES
 from toolkit.responses.catalogue import Response
+from toolkit.responses.instant import Instant
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.validation_messages import messages
 
 
 def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
@@ -44,9 +46,9 @@ def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Sc
     path = Path(path)
     try:
         table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except FileNotFoundError:
-        raise InputError(f"there is no scene file {str(path)!r}. Give the path of a scene in TOML.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, IsADirectoryError) as error:
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a scene in TOML.") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
     for key, text in (changes or {}).items():
         _change(table, table.get("design", {}).get(key, key), text, path)
@@ -74,12 +76,13 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     rest = {key: value for key, value in table.items() if key not in (*groups, "solver")}
     if problems:
         raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
-    try:
-        scene = _validated(Scene, {**rest, **parsed, "directory": path.parent}, "", problems)
-    except InputError as error:
-        raise InputError(f"{path.name}: {error}") from error
+    scene = _validated(Scene, {**rest, **parsed, "directory": path.parent}, "", problems)
     if scene is None:
         raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
+    try:
+        scene.design_variables()
+    except InputError as error:
+        raise InputError(f"{path.name}: {error}") from error
     return scene
 
 
@@ -114,20 +117,8 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
     try:
         return kind.model_validate(value)
     except ValidationError as error:
-        for each in error.errors():
-            key = ".".join([*([where] if where else []), *(str(part) for part in each["loc"])])
-            problems.append(f"{key}: {_hint(kind, each)}")
+        problems += messages(error, kind, value, where, {**Instant.kinds, **CURVES})
         return None
-
-
-def _hint(kind: type[Description], error: Any) -> str:
-    keys = ", ".join(name for name in kind.model_fields if name != "directory")
-    if error["type"] == "extra_forbidden":
-        close = get_close_matches(str(error["loc"][-1]), kind.model_fields, n=1)
-        return f"unknown key{f', did you mean {close[0]!r}' if close else ''}; possible here: {keys}."
-    if error["type"] == "missing":
-        return f"this key is missing; needed or possible here: {keys}."
-    return f"{error['msg']} (given: {error['input']!r})."
 
 
 def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:

@@ -14,7 +14,8 @@ class Solution:
     """States at all times; a static solution has one time. Leading d: total design derivative, design on the last axis.
 
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
-    `drift` is the largest violation of a joint, relative to the scene's size (or rad).
+    `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, both relative
+    to the scene's size (or rad); `load_steps` of a static solution.
     """
 
     system: System
@@ -28,6 +29,8 @@ class Solution:
     da: np.ndarray
     dmultipliers: np.ndarray
     drift: float = 0.0
+    correction: float = 0.0
+    load_steps: int = 0
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
 
@@ -43,7 +46,7 @@ class Solution:
 
     @property
     def steps(self) -> int:
-        """Number of time steps, or load steps."""
+        """Number of time steps."""
         return len(self.times) - 1
 
     def coordinates(self, body: str) -> slice:

@@ -9,6 +9,7 @@ import numpy as np
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
+from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.component_arrays import families
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
@@ -76,7 +77,7 @@ class System:
 
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
-        return first_class(evaluate_all, evaluate_all.nopython_signatures[-1]) if self.compiled else plain(evaluate_all)
+        return first_class(evaluate_all) if self.compiled else plain(evaluate_all)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
@@ -117,6 +118,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     InputError
         A name, a path, a body's grip or a parameter is wrong.
     """
+    check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values = evaluate_quantities(scene, numbering)

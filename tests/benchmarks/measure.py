@@ -19,20 +19,20 @@ WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 REPEATS = 9
 
 
-def variables(scene: Scene, count: int) -> list[str]:
-    """The scene's own design variables first, then any other number of a point, repeated never."""
-    own = list(scene.design)
-    paths = [path for path in scene.available_paths() if path not in scene.design.values() and _is_free(path)]
-    return (own + paths)[:count]
+def variables(scene: Scene, count: int) -> tuple[Scene, list[str]]:
+    """The scene's own design variables first, then any other number, and the scene with names for them.
 
-
-def _is_free(path: str) -> bool:
-    return (path.split(".")[0] == "points" and path.split(".")[-1] in "xy") or path.split(".")[-1] in ("area", "density")
+    The wing has fewer than 50 numbers that can vary; the rest are the same ones under second names, which cost as much as others.
+    """
+    paths = [path for path in scene.available_paths() if not path.startswith(("bodies.skin.position", "bodies.skin.angle"))]
+    paths = list(dict.fromkeys([*scene.design.values(), *paths]))
+    design = {f"x{k}": paths[k % len(paths)] for k in range(count)}
+    return scene.model_copy(update={"design": design}), list(design)
 
 
 def measure(scene: Scene, counts: list[int]) -> None:
     """Print time per step without gradients, and the ratio of the whole run with n_x gradients to the run without."""
-    systems = {n_x: compile_scene(scene, variables(scene, n_x)) for n_x in [0, *counts]}
+    systems = {n_x: compile_scene(*variables(scene, n_x)) for n_x in [0, *counts]}
     times: dict[int, list[float]] = {n_x: [] for n_x in systems}
     for _ in range(REPEATS):
         for n_x, system in systems.items():

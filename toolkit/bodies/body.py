@@ -80,6 +80,10 @@ class Body(Registered):
         """Displacement that a unit of each coordinate stands for; nan for angles."""
 
     @abstractmethod
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """sqrt(I / m) of the undeformed body about its frame's origin: its size, where points tell nothing."""
+
+    @abstractmethod
     def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
         """The named point of the scene as a marker on this body."""
 

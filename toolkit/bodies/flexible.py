@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, FiniteFloat
+from pydantic import ConfigDict, model_validator
 
 from toolkit.bodies.body import Body, ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
-from toolkit.description import Pair
+from toolkit.description import Number, Pair
 from toolkit.errors import InputError
 from toolkit.planar import rotation
 from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths
@@ -24,13 +24,23 @@ class Flexible(Body):
 
     kind = "flexible"
     model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, FiniteFloat]
+    __pydantic_extra__: dict[str, Number]
 
     model: str
     frame: Literal["grounded", "moving"] = "grounded"
     position: Pair = (0.0, 0.0)
-    angle: FiniteFloat = 0.0
-    velocity: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+    angle: Number = 0.0
+    velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _still(self) -> Flexible:
+        if self.frame == "grounded" and any(self.velocity):
+            raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
+        return self
+
+    def numbers(self) -> Iterator[tuple[str, Any]]:
+        """All numbers that mean something: a grounded body has no velocity."""
+        return ((path, value) for path, value in super().numbers() if self.has_frame or not path.startswith("velocity."))
 
     @property
     def has_frame(self) -> bool:
@@ -72,6 +82,11 @@ class Flexible(Body):
         """RMS displacement of the body per unit elastic coordinate."""
         elastic = generalized_lengths(scene.model(self.model).invariants)
         return np.concatenate([[1.0, 1.0, np.nan], elastic]) if self.has_frame else elastic
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """About the origin of the reference condition, at the nominal design."""
+        inv = scene.model(self.model).invariants
+        return float(np.sqrt(inv.inertia[0, 0] / inv.mass))
 
     def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
         """An interface point; the placement of a grounded body is part of its Z."""

@@ -29,6 +29,10 @@ class Ground(Body):
         """Empty."""
         return np.zeros(0)
 
+    def radius_of_gyration(self, _scene: Placed) -> float:
+        """No mass, no size."""
+        return 0.0
+
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
         """A fixed point."""
         return MarkerNumbers(np.append(scene.position(point), 0.0), np.zeros(0, int), np.zeros((0, 3)))

@@ -6,16 +6,15 @@ from abc import abstractmethod
 from typing import Any
 
 import numpy as np
-from pydantic import FiniteFloat
 
 from toolkit.bodies.body import Body, ConstantNumbers, MarkerNumbers, Placed
-from toolkit.description import Positive
+from toolkit.description import Number, Positive
 
 
 class RigidBody(Body):
     """Base of rigid bodies: mass, centre of mass, moment of inertia about it; velocity = (v_x, v_y, omega) of that centre."""
 
-    velocity: tuple[FiniteFloat, FiniteFloat, FiniteFloat] = (0.0, 0.0, 0.0)
+    velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
 
     @abstractmethod
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
@@ -32,6 +31,11 @@ class RigidBody(Body):
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
         """Two displacements and an angle."""
         return np.array([1.0, 1.0, np.nan])
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """About the centre of mass."""
+        mass, _, inertia = self.mass_properties(scene)
+        return float(np.sqrt(np.real(inertia) / np.real(mass))) if np.real(mass) else 0.0
 
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
         """Any point can be gripped."""

@@ -25,14 +25,14 @@ Progress = Callable[[int, int], None]
 def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = ()) -> Iterator[Progress]:
     """Show a bar that moves with the calls (done, in all) of the function given back; it vanishes at the end.
 
-    Formulas that were never compiled on this machine are compiled before, so that a run's time is that of the run.
+    Formulas that were never compiled on this machine are compiled before, and it is said so.
     """
     from toolkit.kernel import is_on_disk
     from toolkit.sensitivity.analysis import prepare
 
     if not is_on_disk(kernel_of(kind)):
         system = prepare(scene, list(design))
-        typer.echo("compiling the formulas for this machine, once, about a minute ...", err=True)
+        typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
         with bar("compiling"):
             compile_formulas(system, kind)
     with bar(title) as progress:
@@ -51,6 +51,7 @@ def bar(title: str) -> Iterator[Progress]:
 
 def compile_formulas(system: System, kind: Kind) -> None:
     """Compile what an analysis calls, by one equilibrium or one time step."""
+    from toolkit.solvers.energy_balance import energy_balance
     from toolkit.solvers.statics import solve_statics
     from toolkit.solvers.transient import simulate
 
@@ -58,7 +59,7 @@ def compile_formulas(system: System, kind: Kind) -> None:
     if kind == "static":
         solve_statics(system, options)
     else:
-        simulate(system, options.model_copy(update={"end_time": options.step}))
+        energy_balance(simulate(system, options.model_copy(update={"end_time": options.step})))
 
 
 def kernel_of(kind: Kind) -> CPUDispatcher:

@@ -1,4 +1,4 @@
-"""What is in a file: a reduced model, or a scene with every number that can be a design variable."""
+"""What is in a file: a reduced model, results, or a scene with every number that can be a design variable."""
 
 from __future__ import annotations
 
@@ -10,23 +10,29 @@ import typer
 
 if TYPE_CHECKING:
     from toolkit.reduced_model import InterfacePoint, ReducedModel
+    from toolkit.results.results import Results
     from toolkit.scene import Scene
 
 
 def describe(path: Path) -> dict[str, Any]:
-    """Content of a scene (.toml) or of a reduced model (anything else).
+    """Content of a scene (.toml), of results, or of a reduced model (anything else).
 
     Raises
     ------
-    InputError, ModelFileError
-        The file is missing or is neither.
+    InputError, ModelFileError, ResultsFileError
+        The file is missing or is none of them.
     """
     if path.suffix == ".toml":
         from toolkit.scene_file import read_scene
 
         return describe_scene(read_scene(path))
     from toolkit.reduced_model_file import load
+    from toolkit.results.layout import SCHEMA, schema_of
 
+    if schema_of(path) == SCHEMA:
+        from toolkit.results.results_file import load_results
+
+        return describe_results(load_results(path))
     return describe_model(load(path))
 
 
@@ -49,6 +55,35 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "exact_for_every_value": ", ".join(model.affine or {}),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
+    }
+
+
+def describe_results(results: Results) -> dict[str, Any]:
+    """What was computed, of what, with which settings."""
+    from toolkit.command_line.report import finite_or_none
+    from toolkit.results.layout import SCHEMA, SCHEMA_VERSION
+
+    values, gradients = results.responses.items(), results.gradients.items()
+    return {
+        "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
+        "analysis": results.kind,
+        "units": results.units,
+        "times": {"from": results.times[0], "to": results.times[-1], "steps": len(results.times) - 1},
+        "sizes": {"coordinates": len(results.coordinates), "multipliers": len(results.multiplier_names)},
+        "bodies": {
+            name: {"stress points": body.stress.shape[1], "points with a target": body.shape_error.shape[1]}
+            for name, body in results.bodies.items()
+        },
+        "responses": {name: {"value": finite_or_none(value), "unit": results.response_units[name]} for name, value in values},
+        "method": results.method,
+        "gradients": {name: {x: finite_or_none(slope) for x, slope in slopes.items()} for name, slopes in gradients},
+        "derivatives_of_states_by": ", ".join(results.design),
+        "variables": results.variables,
+        "settings": {key: value for key, value in results.settings.items() if not isinstance(value, dict)},
+        "run": results.run,
+        "scene": {"sha256": results.scene.sha256, "changes": ", ".join(f"{k}={v}" for k, v in results.scene.changes.items())},
+        "models": dict(results.scene.models),
+        "writers": results.writers,
     }
 
 

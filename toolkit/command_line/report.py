@@ -45,7 +45,7 @@ def record_of(result: Result) -> dict[str, Any]:
         },
         "run": {
             "method": result.method,
-            "steps": result.solution.steps,
+            "steps": result.solution.load_steps or result.solution.steps,
             "newton_iterations": result.solution.newton_iterations,
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
         },
@@ -89,6 +89,7 @@ def print_tables(result: Result) -> None:
 def remarks(result: Result) -> list[str]:
     """Remarks of the responses, drift of the joints, iterations, wall times."""
     from toolkit.responses.stress import KSStress
+    from toolkit.solvers.energy_balance import energy_balance
 
     solution = result.solution
     lines = [
@@ -97,7 +98,19 @@ def remarks(result: Result) -> list[str]:
         if isinstance(response, KSStress)
     ]
     if solution.steps:
-        lines.append(f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size.")
+        lines.append(
+            f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, "
+            f"energy balance by {energy_balance(solution).relative_defect:.1e} of the largest energy or work."
+        )
+        if solution.correction > solution.system.scene.solver.tolerance:
+            lines.append(
+                f"Newton was content with a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance."
+            )
+    else:
+        lines.append(f"Equilibrium under the loads at t = {solution.times[-1]:g}, reached in {solution.load_steps} load steps.")
+        left_out = [name for name in solution.system.scene.responses if name not in result.values]
+        if left_out:
+            lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
     price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"

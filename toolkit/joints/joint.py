@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from pydantic import model_validator
 
-from toolkit.component import Component
+from toolkit.component import Component, Place, on_both
 
 
 class Joint(Component):
@@ -33,11 +33,12 @@ class Joint(Component):
 
 
 class PointJoint(Joint):
-    """A joint at one point, which belongs to both bodies in the undeformed configuration."""
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
 
-    point: str
+    point: Place
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The same point on both bodies."""
-        return (self.bodies[0], self.point), (self.bodies[1], self.point)
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)

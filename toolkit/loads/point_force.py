@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import field_validator
 
 from toolkit.component import Skeleton
 from toolkit.description import Pair
@@ -38,6 +39,13 @@ class PointForce(Load):
     force: Pair
     frame: Literal["space", "body"] = "space"
     curve: Curve = Constant()
+
+    @field_validator("body")
+    @classmethod
+    def _moves(cls, body: str) -> str:
+        if body == "ground":
+            raise ValueError("a force on the ground has no effect; name the body that it acts on")
+        return body
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:

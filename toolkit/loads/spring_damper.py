@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydantic import FiniteFloat, NonNegativeFloat, model_validator
+from pydantic import model_validator
 
-from toolkit.component import Skeleton
+from toolkit.component import Place, Skeleton, on_both
+from toolkit.description import NotNegative, Number
 from toolkit.kernel import kernel
 from toolkit.loads.load import Load
 
@@ -65,14 +66,16 @@ class SpringDamper(Load):
 
     bodies: tuple[str, str]
     points: tuple[str, str]
-    stiffness: NonNegativeFloat = 0.0
-    damping: NonNegativeFloat = 0.0
-    length: NonNegativeFloat | None = None
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
+    length: NotNegative | None = None
 
     @model_validator(mode="after")
     def _two_points(self) -> SpringDamper:
         if self.points[0] == self.points[1]:
             raise ValueError("a spring needs two different points, otherwise it has no direction")
+        if self.bodies == ("ground", "ground"):
+            raise ValueError("a spring between two points of the ground has no effect; name a body that moves")
         return self
 
     @property
@@ -93,15 +96,22 @@ class RotationalSpringDamper(Load):
     formula = rotational_spring_damper
 
     bodies: tuple[str, str]
-    point: str
-    stiffness: NonNegativeFloat = 0.0
-    damping: NonNegativeFloat = 0.0
-    rest_angle: FiniteFloat = 0.0
+    point: Place
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
+    rest_angle: Number = 0.0
+
+    @model_validator(mode="after")
+    def _two_bodies(self) -> RotationalSpringDamper:
+        if self.bodies[0] == self.bodies[1]:
+            raise ValueError(f"a rotational spring ties two different bodies, not {self.bodies[0]!r} to itself")
+        return self
 
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The same point on both bodies."""
-        return (self.bodies[0], self.point), (self.bodies[1], self.point)
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """Stiffness, damping, relaxed angle."""

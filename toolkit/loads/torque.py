@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydantic import FiniteFloat
+from pydantic import model_validator
 
-from toolkit.component import Skeleton
+from toolkit.component import Place, Skeleton, on_both
+from toolkit.description import Number
 from toolkit.kernel import kernel
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import CURVE
@@ -22,21 +23,33 @@ def torque(z, w, force, force_z, force_w):
 
 
 class Torque(Load):
-    """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`."""
+    """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
+
+    With two points the reaction acts at the second.
+    """
 
     kind = "torque"
     formula = torque
 
     body: str
-    point: str
-    torque: FiniteFloat
+    point: Place
+    torque: Number
     curve: Curve = Constant()
     reaction: str = "ground"
 
+    @model_validator(mode="after")
+    def _two_bodies(self) -> Torque:
+        if self.body == self.reaction:
+            raise ValueError(
+                f"a torque on {self.body!r} with its reaction on the same body has no effect; name another `reaction`"
+            )
+        return self
+
     @property
     def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The same point on both bodies."""
-        return (self.body, self.point), (self.reaction, self.point)
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.body, first), (self.reaction, second)
 
     @property
     def time_curve(self) -> Curve:

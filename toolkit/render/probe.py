@@ -41,9 +41,7 @@ def drawing_environment() -> dict[str, str]:
     RenderError
         pyvista is not installed, or no OpenGL library works; names the packages that bring them.
     """
-    for module in ("pyvista", "matplotlib"):
-        if find_spec(module) is None:
-            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
+    require("pyvista", "matplotlib")
     failures = []
     for environment in _candidates():
         problem = _trial(environment)
@@ -54,6 +52,13 @@ def drawing_environment() -> dict[str, str]:
         f"pictures need OpenGL, and a trial picture failed ({'; '.join(failures)}). "
         f"On Debian and Ubuntu install it with: apt-get install {PACKAGES}. Everything else works without it."
     )
+
+
+def require(*modules: str) -> None:
+    """Refuse to go on without a package that pictures need."""
+    for module in modules:
+        if find_spec(module) is None:
+            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
 
 
 def _candidates() -> list[dict[str, str]]:

@@ -92,11 +92,18 @@ def _displacement(mesh: Mesh, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _stress(configuration: Configuration, body: str, model: ReducedModel) -> np.ndarray:
-    """Stress of outer and inner fibre, linear between the ends of every element, (n_e, POINTS, 2); nan if the model has none."""
+    """Stress of outer and inner fibre, (n_e, POINTS, 2)."""
+    return fibre_values(model, np.real(stress_operator(configuration.scene, body)) @ configuration.elastic(body))
+
+
+def fibre_values(model: ReducedModel, values: np.ndarray) -> np.ndarray:
+    """Values at the stress points (n_s,) in outer and inner fibre, linear between the ends of every element, (n_e, POINTS, 2).
+
+    They are nan if the model does not say where its stress points are.
+    """
     n_elements = 0 if model.mesh is None else len(model.mesh.connectivity)
     ends = np.full((n_elements, 2, 2), np.nan)
     if model.stress is not None:
-        values = np.real(stress_operator(configuration.scene, body)) @ configuration.elastic(body)
         ends[model.stress.element, model.stress.end, (1 - model.stress.fibre) // 2] = values
     r = _ratios()[:, None]
     return (1 - r) * ends[:, None, 0] + r * ends[:, None, 1]

@@ -6,18 +6,29 @@ from abc import abstractmethod
 from typing import Any
 
 import numpy as np
-from pydantic import Field, FiniteFloat, field_validator
+from pydantic import Field, field_validator
 
+from toolkit.description import Number
 from toolkit.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.solution import Solution
+from toolkit.time_grid import time_grid
 from toolkit.units import unit
 
 
 class Instant(Response):
     """A quantity of the state at one time: the end, unless `time` names another step."""
 
-    time: FiniteFloat | None = Field(default=None, ge=0)
+    time: Number | None = Field(default=None, ge=0)
+
+    @property
+    def needs_motion(self) -> bool:
+        """At a time of its own; the end is also the time of a static solution."""
+        return self.time is not None
+
+    def check(self, scene: Any) -> None:
+        """The time is one of the steps."""
+        self._nearest(time_grid(scene.solver))
 
     @abstractmethod
     def at(self, solution: Solution, step: int) -> Partials:
@@ -25,12 +36,15 @@ class Instant(Response):
 
     def step(self, solution: Solution) -> int:
         """Number of the step at `time`."""
+        return self._nearest(solution.times)
+
+    def _nearest(self, times: np.ndarray) -> int:
         if self.time is None:
-            return len(solution.times) - 1
-        step = int(np.argmin(np.abs(solution.times - self.time)))
-        if abs(solution.times[step] - self.time) > 1e-9 * max(solution.times[-1], 1e-300):
+            return len(times) - 1
+        step = int(np.argmin(np.abs(times - self.time)))
+        if abs(times[step] - self.time) > 1e-9 * max(times[-1], 1e-300):
             raise InputError(
-                f"there is no time step at t = {self.time:g}; the nearest is {solution.times[step]:g}. "
+                f"there is no time step at t = {self.time:g}; the nearest is {times[step]:g}. "
                 "Choose a time that is a multiple of solver.step, or a step that divides it."
             )
         return step
@@ -59,13 +73,28 @@ def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Parti
     return Partials(value, **arrays, design=design)
 
 
+def magnitude(vector: np.ndarray, change: np.ndarray) -> tuple[Any, np.ndarray]:
+    """Length of a vector, and the vector's direction; `change` is the vector's total design derivative, (2, n_x).
+
+    A vector that is zero and stays zero has a length that stays zero: its direction counts as zero. If it is zero but would change,
+    the length has a kink and the direction is nan.
+    """
+    length = np.sqrt(vector @ vector)
+    if length.real != 0:
+        return length, vector / length
+    return length, np.full(len(vector), np.nan if np.any(change) else 0.0)
+
+
 class TimeIntegral(Response):
     """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table."""
 
     kind = "time-integral"
-    needs_motion = True
-
     of: Any
+
+    @property
+    def needs_motion(self) -> bool:
+        """Always."""
+        return True
 
     @field_validator("of")
     @classmethod
@@ -75,6 +104,10 @@ class TimeIntegral(Response):
         if not isinstance(value, dict) or value.get("type") not in Instant.kinds:
             raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
         return Instant.kinds[value["type"]](**{key: item for key, item in value.items() if key != "type"})
+
+    def check(self, scene: Any) -> None:
+        """The quantity's own."""
+        self.of.check(scene)
 
     def markers(self) -> tuple[tuple[str, str], ...]:
         """Those of the quantity."""

@@ -9,9 +9,8 @@ import numpy as np
 from toolkit.bodies.marker_design import update_marker_designs
 from toolkit.bodies.marker_kernel import update_markers
 from toolkit.equations import allocate_work
-from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import evaluate_joint
-from toolkit.responses.instant import Instant
+from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.solution import Solution
 
@@ -34,8 +33,9 @@ class JointForce(Instant):
         """Value, and derivatives by coordinates, multipliers and design."""
         force, force_q, force_lam, force_x = self.force(solution, step)
         if self.component == "magnitude":
-            size = np.sqrt(force[:2] @ force[:2])
-            weights = np.append(force[:2] / size, 0) if size.real != 0 else np.full(3, np.nan)
+            change = np.real(force_q) @ solution.dq[step] + np.real(force_lam) @ solution.dmultipliers[step] + force_x
+            size, direction = magnitude(force[:2], change[:2])
+            weights = np.append(direction, 0)
             return Partials(size, q=weights @ force_q, multipliers=weights @ force_lam, design=weights @ force_x)
         k = ("x", "y", "torque").index(self.component)
         return Partials(force[k], q=force_q[k], multipliers=force_lam[k], design=force_x[k])
@@ -43,10 +43,7 @@ class JointForce(Instant):
     def force(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """(f_x, f_y, torque) and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
         system, plan = solution.system, solution.system.plan
-        names = list(system.scene.joints)
-        if self.joint not in names:
-            raise InputError(f"there is no joint {self.joint!r}; joints of the scene: {', '.join(names)}.")
-        j, work, markers = names.index(self.joint), allocate_work(plan, system.dtype), plan.markers
+        j, work, markers = list(system.scene.joints).index(self.joint), allocate_work(plan, system.dtype), plan.markers
         rest: np.ndarray = np.zeros(system.n, system.dtype)
         q = np.concatenate([solution.q[step], rest[system.n_q :]])
         acc = np.concatenate([rest[: system.n_q], solution.multipliers[step]])

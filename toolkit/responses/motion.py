@@ -8,11 +8,11 @@ import numpy as np
 
 from toolkit.bodies.marker_design import update_marker_designs
 from toolkit.bodies.marker_kernel import MarkerState, update_markers
-from toolkit.compilation.quantities import STEP
 from toolkit.equations import allocate_work
-from toolkit.responses.instant import Instant
+from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.solution import Solution
+from toolkit.system import System
 
 
 class MarkerResponse(Instant):
@@ -25,11 +25,9 @@ class MarkerResponse(Instant):
         """The point on the body."""
         return ((self.body, self.point),)
 
-    def pose(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def pose(self, system: System, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pose (3,), its derivatives by the coordinates (3, n_q) and by the design (3, n_x)."""
-        system, marker = solution.system, solution.system.numbering.marker((self.body, self.point))
-        state = marker_states(solution, step)
-        markers = system.plan.markers
+        marker, state, markers = system.numbering.marker((self.body, self.point)), marker_states(system, q), system.plan.markers
         columns = slice(markers.start[marker], markers.start[marker + 1])
         pose_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
         pose_q[:, markers.coordinate[columns]] = state.B[columns].T
@@ -39,14 +37,13 @@ class MarkerResponse(Instant):
         return state.y[marker], pose_q, pose_x
 
 
-def marker_states(solution: Solution, step: int) -> MarkerState:
-    """All markers at one step of a solution, at rest."""
-    system = solution.system
+def marker_states(system: System, q: np.ndarray) -> MarkerState:
+    """All markers at coordinates (n_q,), at rest."""
     work = allocate_work(system.plan, system.dtype)
     rest: np.ndarray = np.zeros(system.n, system.dtype)
-    q = np.concatenate([solution.q[step], rest[system.n_q :]])
+    padded = np.concatenate([q, rest[system.n_q :]])
     for function in (update_markers, update_marker_designs):
-        system.run(function, system.plan.markers, work.markers, q, rest, rest, work.scratch)
+        system.run(function, system.plan.markers, work.markers, padded, rest, rest, work.scratch)
     return work.markers
 
 
@@ -58,7 +55,7 @@ class Rotation(MarkerResponse):
 
     def at(self, solution: Solution, step: int) -> Partials:
         """The angle of the marker."""
-        pose, pose_q, pose_x = self.pose(solution, step)
+        pose, pose_q, pose_x = self.pose(solution.system, solution.q[step])
         return Partials(pose[2], q=pose_q[2], design=pose_x[2])
 
 
@@ -71,16 +68,14 @@ class Displacement(MarkerResponse):
     component: Literal["x", "y", "magnitude"]
 
     def at(self, solution: Solution, step: int) -> Partials:
-        """Position of the marker minus the undeformed position of the point."""
-        pose, pose_q, pose_x = self.pose(solution, step)
-        scene = solution.system.scene
-        move, move_x = pose[:2] - scene.position(self.point), pose_x[:2].copy()
-        for x, variable in enumerate(solution.system.design):
-            stepped = scene.with_number(variable.path, scene.number(variable.path) + 1j * STEP)
-            move_x[:, x] -= np.imag(stepped.position(self.point)) / STEP
+        """Position of the marker minus the undeformed one, which may follow the design too."""
+        system = solution.system
+        start, _, dstart, _ = (item[: system.n_q] for item in system.start())
+        pose, pose_q, pose_x = self.pose(system, solution.q[step])
+        origin, origin_q, origin_x = self.pose(system, start)
+        move, move_q, move_x = (pose - origin)[:2], pose_q[:2], (pose_x - origin_x - np.real(origin_q) @ dstart)[:2]
         if self.component != "magnitude":
             row = "xy".index(self.component)
-            return Partials(move[row], q=pose_q[row], design=move_x[row])
-        length = np.sqrt(move @ move)
-        direction = move / length if length.real != 0 else np.full(2, np.nan)
-        return Partials(length, q=direction @ pose_q[:2], design=direction @ move_x)
+            return Partials(move[row], q=move_q[row], design=move_x[row])
+        length, direction = magnitude(move, np.real(move_q) @ solution.dq[step] + move_x)
+        return Partials(length, q=direction @ move_q, design=direction @ move_x)

@@ -33,8 +33,10 @@ class Response(Registered):
     quantity: ClassVar[str] = "none"
     """What it is, for its unit: a key of `toolkit.units`."""
 
-    needs_motion: ClassVar[bool] = False
-    """Whether it exists for a transient solution only; a static analysis leaves it out."""
+    @property
+    def needs_motion(self) -> bool:
+        """Whether it exists for a transient solution only; a static analysis leaves it out."""
+        return False
 
     @abstractmethod
     def partials(self, solution: Solution) -> Partials:
@@ -53,16 +55,23 @@ class Response(Registered):
         """Label of the unit."""
         return unit(system_of_units, self.unit_quantity)
 
+    def check(self, scene: Any) -> None:
+        """Refuse, before anything runs, what this response cannot be asked of the scene; names are checked by the scene itself."""
+
     def value(self, solution: Solution) -> Any:
         """The number."""
         return self.partials(solution).value
 
     def gradient(self, solution: Solution) -> np.ndarray:
         """Total design derivative, shape (n_x,)."""
+        return self.evaluate(solution)[1]
+
+    def evaluate(self, solution: Solution) -> tuple[Any, np.ndarray]:
+        """The number and its total design derivative, shape (n_x,)."""
         partials = self.partials(solution)
         total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
         pairs = ((partials.q, solution.dq), (partials.v, solution.dv), (partials.multipliers, solution.dmultipliers))
         for partial, derivative in pairs:
-            if partial is not None:
-                total = total + np.einsum("ti,tix->x", partial, derivative)
-        return total
+            if partial is not None and derivative.shape[-1]:
+                total = total + np.einsum("ti,tix->x", np.real(partial), derivative)
+        return partials.value, total

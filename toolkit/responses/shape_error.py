@@ -5,21 +5,29 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.errors import InputError
+from toolkit.reduced_model import Shape
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.stress import elastic_coordinates, flexible_body
+from toolkit.scene import Scene
 from toolkit.solution import Solution
 
 
-def gaps(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors from target to body at every node (n_k, 2), and their derivatives by the elastic coordinates (n_k, 2, n_f)."""
-    model = solution.system.scene.model(flexible_body(solution.system.scene, body).model, "shape")
+def target_shape(scene: Scene, body: str) -> Shape:
+    """The body's points and their targets, or an error that says how to get them."""
+    model = scene.model(flexible_body(scene, body).model, "shape")
     if model.shape is None:
         raise InputError(
             f"the reduced model of body {body!r} has no target shape. State a target airfoil in its skin file and rebuild."
         )
-    position = model.shape.position
+    return model.shape
+
+
+def gaps(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors from target to body at every node (n_k, 2), and their derivatives by the elastic coordinates (n_k, 2, n_f)."""
+    shape = target_shape(solution.system.scene, body)
+    position = shape.position
     elastic = solution.q[-1, elastic_coordinates(solution, body)]
-    return position[:, :, 0] + position[:, :, 1:] @ elastic - model.shape.target, position[:, :, 1:]
+    return position[:, :, 0] + position[:, :, 1:] @ elastic - shape.target, position[:, :, 1:]
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -36,10 +44,28 @@ def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
     return error, np.where(error.real[:, None] == 0, np.nan, change / safe)
 
 
+def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """`shape_error` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
+    scene, where = solution.system.scene, elastic_coordinates(solution, body)
+    shape = scene.model(flexible_body(scene, body).model, "shape").shape
+    if shape is None:
+        return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))
+    place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
+    gap = place - shape.target + np.einsum("kif,tf->tki", place_q, solution.q[:, where])
+    error = np.sqrt(np.einsum("tki,tki->tk", gap, gap))
+    change = np.einsum("tki,kif,tfx->tkx", gap, place_q, solution.dq[:, where], optimize=True)
+    zero = error.real[:, :, None] == 0
+    return error, np.where(zero, np.nan, change / np.where(zero, 1, error[:, :, None]))
+
+
 class ShapeResponse(Response):
     """Base of responses that weight the squared distances of the nodes."""
 
     body: str
+
+    def check(self, scene: Scene) -> None:
+        """The body has a target shape."""
+        target_shape(scene, self.body)
 
     def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
         """Partials of a response from its derivatives by the gap vectors, shape (n_k, 2)."""

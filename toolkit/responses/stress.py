@@ -70,6 +70,10 @@ class StressResponse(Response):
     measure: Literal["signed", "absolute"] = "signed"
     when: Literal["all", "end"] = "all"
 
+    def check(self, scene: Scene) -> None:
+        """The body is flexible."""
+        flexible_body(scene, self.body)
+
     def considered(self, solution: Solution) -> np.ndarray:
         """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
         where = elastic_coordinates(solution, self.body)

@@ -16,7 +16,7 @@ from toolkit.compilation.quantities import STEP
 from toolkit.design import DesignVariable
 from toolkit.errors import InputError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, solve, values_of
+from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, timed, values_of
 
 Method = Literal["complex-step", "forward-difference", "central-difference"]
 METHODS = ("complex-step", "forward-difference", "central-difference")
@@ -37,9 +37,7 @@ def numerical(
         raise InputError(f"unknown method {method!r}; available: direct, {', '.join(METHODS)}.")
     variables = scene.design_variables(design)
     system = prepare(scene)
-    begun = clock.perf_counter()
-    solution = solve(system, kind)
-    primal = clock.perf_counter() - begun
+    primal, solution = timed(system, kind)
     base = evaluate_responses(solution)
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
     begun = clock.perf_counter()
@@ -48,7 +46,7 @@ def numerical(
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
-    return result(scene, solution, gradients, method, primal, clock.perf_counter() - begun)
+    return result(scene, solution, base, gradients, method, primal, clock.perf_counter() - begun)
 
 
 def derivative(

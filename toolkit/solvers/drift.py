@@ -1,5 +1,7 @@
 """How far the joints of a finished run are from closed."""
 
+import numpy as np
+
 from toolkit.bodies.marker_kernel import update_markers
 from toolkit.joints.joint_kernel import evaluate_joint
 from toolkit.kernel import kernel
@@ -19,5 +21,5 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
                     value -= curves[n, plan.joints.curve[j], 0]
                 row = plan.joints.row[j] + i
                 violation = weights[row] * abs(value.real)
-                if not violation <= found[0]:
+                if not violation <= found[0] and not np.isnan(found[0]):
                     found[0], found[1], found[2] = violation, n, row

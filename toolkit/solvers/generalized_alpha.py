@@ -9,7 +9,7 @@ from toolkit.kernel import copy, inner, kernel
 from toolkit.linear.linear_solver import factorize
 from toolkit.solvers.newton import CONVERGED, newton, newton_matrix
 from toolkit.solvers.prediction import advance_auxiliary, predict
-from toolkit.solvers.staggered import carry_over, sensitivity_step
+from toolkit.solvers.staggered import carries, carry_over, sensitivity_step
 
 REUSED, SHARP = 1e-13, 1e-7
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
@@ -23,7 +23,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
         memory.aux[i] = history.acc[0, i]
         for x in range(plan.n_x):
             memory.daux[i, x] = history.dacc[0, i, x]
-    if scheme.carried_applied != 0:
+    if carries(scheme):
         q, v, acc = history.q[0], history.v[0], history.acc[0]
         evaluator(plan, functions, inputs, q, v, acc, True, plan.n_x > 0, memory.terms, memory.work)
         carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
@@ -36,7 +36,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, correction, m
     Returns whether the factors belong to the Jacobian.
     """
     relinearize = plan.n_x > 0 and correction > REUSED
-    if plan.n_x > 0 or scheme.carried_applied != 0:
+    if plan.n_x > 0 or carries(scheme):
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize:
         newton_matrix(scheme, memory.terms, memory.jacobian)
@@ -52,7 +52,6 @@ def integrate(
     """Steps first ... last - 1; step n goes from time n to n + 1. Stops at the first step that fails."""
     if first == 0:
         begin(evaluator, plan, functions, Inputs(curves[0], curves_x[0], 1.0, levels), scheme, history, memory)
-    carries = scheme.carried_applied != 0
     for step in range(first, last):
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels)
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
@@ -72,11 +71,12 @@ def integrate(
             evaluator, plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome
         )
         outcome.counts[4] += outcome.counts[2]
+        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
         if outcome.counts[0] != CONVERGED:
             return
         fresh = refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, outcome.correction[0], memory)
         if plan.n_x > 0:
             sensitivity_step(plan, scheme, history, step, fresh, memory)
         advance_auxiliary(scheme, history.acc[step], acc, plan.n_q, memory.aux)
-        if carries:
+        if carries(scheme):
             carry_over(plan, scheme, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig, eigh, null_space
+from scipy.linalg import LinAlgError, eig, eigh, null_space
 
 from toolkit.errors import SingularSystemError
 from toolkit.solution import Solution
@@ -61,7 +61,13 @@ def _null_space(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
 def _eigen(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     asymmetry = np.abs(stiffness - stiffness.T).max(initial=0)
     if asymmetry <= 1e-9 * np.abs(stiffness).max(initial=0):
-        return eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+        try:
+            return eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+        except LinAlgError as error:
+            raise SingularSystemError(
+                f"the mass matrix is not positive definite ({error}), so there are no modes. Give every body a mass that its stiffness "
+                "does not dwarf beyond round-off."
+            ) from error
     squares, vectors = eig(stiffness, mass)
     if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
         raise SingularSystemError(

@@ -50,6 +50,12 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
 
 
 @inner
+def carries(scheme):
+    """Whether a step's residual needs terms of the step before."""
+    return scheme.carried_inertial != 0 or scheme.carried_applied != 0
+
+
+@inner
 def carry_over(plan, scheme, memory, dq, dv, dacc):
     """The carried part of the next step's residual, and its total derivative (without it a gradient is wrong by a per cent)."""
     terms = memory.terms

@@ -46,7 +46,9 @@ class Outcome(NamedTuple):
     """What the loop reports: `status`, step, Newton iterations of that step, unknown at fault; in all: iterations."""
 
     counts: np.ndarray  # (5,)
-    correction: np.ndarray  # (1,) last Newton correction, relative to the scene's size
+    correction: (
+        np.ndarray
+    )  # (2,) Newton correction, relative to the scene's size: the last, and the largest that a step was content with
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:

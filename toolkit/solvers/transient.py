@@ -18,7 +18,11 @@ from toolkit.solvers.newton import CONVERGED, NOT_CONVERGED, SINGULAR
 from toolkit.solvers.scheme import generalized_alpha
 from toolkit.solvers.step_memory import History, Outcome, allocate_memory
 from toolkit.system import System
+from toolkit.time_grid import time_grid
 
+MOST_MEMORY = 8e9
+"""Bytes of all states with their derivatives, beyond which a machine would swap, not simulate."""
+UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE = 200
 """Steps between two reports of progress; long enough that a report costs nothing."""
 
@@ -59,7 +63,7 @@ def simulate(
     curves, curves_x = system.curves(times)
     memory, outcome = (
         allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype),
-        Outcome(np.zeros(5, np.int64), np.zeros(1)),
+        Outcome(np.zeros(5, np.int64), np.zeros(2)),
     )
     for first in range(0, len(times) - 1, PIECE):
         last = min(first + PIECE, len(times) - 1)
@@ -77,20 +81,10 @@ def simulate(
         times,
         history[:6],
         drift=drift,
+        correction=float(outcome.correction[1]),
         newton_iterations=int(outcome.counts[4]),
         wall={"run": clock.perf_counter() - begun},
     )
-
-
-def time_grid(options: RunOptions) -> np.ndarray:
-    """Equal steps from 0 to the end time; the end is hit exactly, so the step is at most the one that was asked for."""
-    steps = int(np.ceil(options.end_time / options.step * (1 - 1e-9)))
-    if options.step > options.end_time * (1 + 1e-9):
-        raise InputError(
-            f"solver.step = {options.step:g} is larger than solver.end_time = {options.end_time:g}. "
-            "Choose a step that resolves the motion, for example a twentieth of the load's rise time."
-        )
-    return np.linspace(0.0, options.end_time, steps + 1)
 
 
 def constraint_levels(options: RunOptions) -> np.ndarray:
@@ -104,6 +98,12 @@ def constraint_levels(options: RunOptions) -> np.ndarray:
 
 def allocate_history(system: System, n_t: int, start: tuple) -> History:
     """Memory for all states, the first filled in."""
+    needed = 8 * n_t * sum(item.size for item in start)
+    if needed > MOST_MEMORY:
+        raise InputError(
+            f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {needed / 1e9:.0f} GB, more than "
+            f"{MOST_MEMORY / 1e9:.0f} GB. Choose a larger solver.step, a shorter time, or fewer design variables at once."
+        )
     arrays = [np.zeros((n_t, *item.shape), system.dtype if item.ndim == 1 else float) for item in start]
     for array, item in zip(arrays, start, strict=True):
         array[0] = item
@@ -118,10 +118,11 @@ def check_drift(system: System, options: RunOptions, times: np.ndarray, curves: 
         allocate_work(system.plan, system.dtype),
     )  # fmt: skip
     if not found[0] <= options.drift_tolerance:
+        stabilised = constraint_levels(options)[2] > 0
+        cause = f"the step of {times[1]:g} is far too large for this motion. Try a tenth of it" if stabilised else UNSTABILISED
         raise ConvergenceError(
             f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
-            f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = "
-            f"{options.drift_tolerance:g}: the step of {times[1]:g} is far too large for this motion. Try a tenth of it."
+            f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."
         )
     return float(found[0])
 

@@ -1,0 +1,92 @@
+"""Results files on the command line: where a run is kept, and a kept run instead of a new one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from toolkit.command_line.announcements import at_work
+from toolkit.command_line.arguments import read, split
+from toolkit.errors import InputError
+
+if TYPE_CHECKING:
+    from toolkit.scene import Scene
+    from toolkit.sensitivity.analysis import Result
+    from toolkit.solution import Solution
+
+Output = Annotated[
+    Path | None, typer.Option("--output", metavar="FILE.h5", help="Keep states, stress, responses and gradients in this file.")
+]
+SceneOrResults = Annotated[
+    Path,
+    typer.Argument(metavar="FILE", help="A scene (.toml), or results that --output kept (.h5), which are not computed again."),
+]
+Models = Annotated[
+    Path | None,
+    typer.Option(metavar="DIR", help="Folder of the reduced models of a results file, if they are not where they were."),
+]
+
+
+def check_output(path: Path | None) -> None:
+    """Refuse a path where no results file belongs, before anything long begins."""
+    if path is not None:
+        from toolkit.results.results_file import refuse_foreign
+
+        refuse_foreign(path)
+
+
+def keep(found: Result, path: Path | None, text: str, changes: list[str] | None) -> None:
+    """Write the results file, if one was asked for, and say so."""
+    if path is None:
+        return
+    from toolkit.results.results_file import save_results
+
+    save_results(found, path, text, dict(split(change) for change in changes or []))
+    typer.echo(f"results are in {path}; ffrf inspect {path} tells what they are.", err=True)
+
+
+def text_of(path: Path) -> str:
+    """Content of a scene's file that was just read."""
+    return path.read_text(encoding="utf-8")
+
+
+def is_results(path: Path) -> bool:
+    """Whether a file is to be read as results: anything that is no scene."""
+    return path.suffix != ".toml"
+
+
+def check_options(file: Path, changes: list[str] | None, models: Path | None) -> None:
+    """Refuse changes of results, and a folder of models with a scene.
+
+    Raises
+    ------
+    InputError
+        They were given together.
+    """
+    if changes and is_results(file):
+        raise InputError(f"{str(file)!r} holds the results of a finished run, which --set cannot change. Give the scene instead.")
+    if models is not None and not is_results(file):
+        raise InputError("--models belongs to a results file; a scene says itself where its models are. Leave it out.")
+
+
+def motion_of(file: Path, changes: list[str] | None, models: Path | None) -> Callable[[], Solution]:
+    """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked."""
+    check_options(file, changes, models)
+    if is_results(file):
+        from toolkit.results.restore import restore_solution
+        from toolkit.results.results_file import load_results
+
+        solution = restore_solution(load_results(file), models)
+        return lambda: solution
+    scene = read(file, changes)
+    return lambda: _solve(scene)
+
+
+def _solve(scene: Scene) -> Solution:
+    from toolkit.sensitivity.analysis import prepare, solve
+
+    with at_work("time steps", scene, "transient") as progress:
+        return solve(prepare(scene), "transient", progress)

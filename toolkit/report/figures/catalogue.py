@@ -1,0 +1,25 @@
+"""All figures in the order of the report."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from toolkit.report.figures.error_sensitivity import error_sensitivity
+from toolkit.report.figures.load_curves import load_curves
+from toolkit.report.figures.mechanism import mechanism
+from toolkit.report.figures.monitor_curves import monitor_curves
+from toolkit.report.figures.skin_error import skin_error
+from toolkit.report.figures.stress_motion import stress_motion
+from toolkit.report.figures.stress_sensitivity import stress_sensitivity
+from toolkit.report.material import Material
+from toolkit.report.sheet import Drawing
+
+FIGURES: tuple[Callable[[Material], list[Drawing]], ...] = (
+    load_curves,
+    mechanism,
+    stress_motion,
+    skin_error,
+    stress_sensitivity,
+    error_sensitivity,
+    monitor_curves,
+)

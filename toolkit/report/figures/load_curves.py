@@ -1,0 +1,37 @@
+"""Curves of loads and drivers over time (paper, fig. 6)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.loads.torque import Torque
+from toolkit.report.material import Material
+from toolkit.report.sheet import Drawing, sheet, style
+from toolkit.units import unit
+
+
+def load_curves(material: Material) -> list[Drawing]:
+    """Every load and driver that follows a curve; torques as torques, all else as the factor that the curve is."""
+    scene = material.scene
+    curved = {name: each for name, each in [*scene.loads.items(), *scene.joints.items()] if hasattr(each, "curve")}
+    if not curved or not material.moving:
+        return []
+    times = np.linspace(material.solution.times[0], material.solution.times[-1], 401)
+    with sheet(0.6 + 2.2 * len(curved), len(curved), sharex=True) as (figure, axes):
+        for number, (panel, (name, part)) in enumerate(zip(axes[:, 0], curved.items(), strict=True)):
+            scale, label = _scale(part, scene.units)
+            panel.plot(times, scale * part.curve.evaluate(times)[:, 0], **style(number))
+            steps = material.solution.times
+            panel.plot(steps, scale * part.curve.evaluate(steps)[:, 0], ".", color="black", markersize=4, label="time steps")
+            panel.set_ylabel(f"{name}: {label}")
+        axes[0, 0].legend(loc="lower right")
+        axes[-1, 0].set_xlabel(f"time in {unit(scene.units, 'time')}")
+    return [Drawing("load_curves", "Loads over time", "What drives the motion, as in figure 6 of the paper.", figure)]
+
+
+def _scale(part: Any, units: str) -> tuple[float, str]:
+    if isinstance(part, Torque):
+        return float(part.torque), f"torque in {unit(units, 'torque')}"
+    return 1.0, "curve"

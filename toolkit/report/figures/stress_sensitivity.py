@@ -1,0 +1,57 @@
+"""Derivatives of the stress by every variable: over the skin at the end, and along it over time (paper, fig. 9)."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
+from toolkit.report.figures.stress_motion import BAND, stress
+from toolkit.report.material import Material
+from toolkit.report.shape_panel import draw_band, equal_axes, panel_height, window
+from toolkit.report.sheet import SIGNED, Drawing, sheet, symmetric
+from toolkit.report.variable_unit import per, variable_unit
+from toolkit.units import unit
+
+
+def stress_sensitivity(material: Material) -> list[Drawing]:
+    """One drawing per skin and variable."""
+    return [_one(material, body, x, variable) for body in material.skins for x, variable in enumerate(material.results.design)]
+
+
+def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
+    path, moment = material.results.variables[variable]["path"], material.moment(-1)
+    label = per(stress(material), variable_unit(material.scene, path))
+    derivative = material.results.bodies[body].dstress[:, :, x]
+    fibres = np.array([fibre_values(drawn_model(moment, body), row) for row in derivative])  # (n_t, n_e, POINTS, 2)
+    colors = symmetric([fibres])
+    corners = window([material.moment(0), moment], [body])
+    heights = [panel_height(corners), 2.0][: 1 + material.moving]
+    with sheet(sum(heights) + 1.6, len(heights), height_ratios=heights) as (figure, axes):
+        above = axes[0, 0]
+        band = draw_band(above, moment, body, fibres[-1], colors, BAND * material.scene.size)
+        equal_axes(above, moment, corners)
+        peak = fibres[-1].ravel()[np.nanargmax(np.abs(fibres[-1]))]
+        above.set_title(f"at the end; largest {peak:.4g} {label}", loc="left")
+        if material.moving:
+            _over_time(axes[1, 0], material, body, fibres[..., 0], colors)
+        bar = figure.colorbar(band, ax=axes, label=f"d stress / d {variable} in {label}", location="bottom", aspect=40, pad=0.02)
+        bar.ax.locator_params(nbins=5)
+    caption = f"How the stress of {body} changes with {variable} ({path}). Compare figure 9 of the paper."
+    return Drawing(f"stress_sensitivity_{body}_{variable}", f"Sensitivity of the stress to {variable}", caption, figure)
+
+
+def _over_time(axes: Axes, material: Material, body: str, outer: np.ndarray, colors) -> None:
+    """Outer fibre: along the skin to the right, time upwards; two points of every element are enough, for it is linear there."""
+    shape, units = skin_shape(material.moment(0), body), material.scene.units
+    assert shape is not None
+    lengths = np.linalg.norm(np.diff(shape.line, axis=1), axis=2).sum(axis=1)
+    places = np.append(0.0, np.cumsum(lengths))
+    means = (outer[:, :, 0] + outer[:, :, -1]) / 2
+    times = material.solution.times
+    edges = np.concatenate([times[:1], (times[1:] + times[:-1]) / 2, times[-1:]])
+    axes.pcolormesh(places, edges, means, cmap=SIGNED, norm=colors, rasterized=True)
+    axes.grid(False)
+    axes.set_xlabel(f"arc length in {unit(units, 'length')}")
+    axes.set_ylabel(f"time in {unit(units, 'time')}")
+    axes.set_title("outer fibre, mean of each element", loc="left")

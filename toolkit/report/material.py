@@ -1,0 +1,71 @@
+"""What a report is made of: one solution, its results, and the gradients of the methods that judge them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from toolkit.bodies.flexible import Flexible
+from toolkit.render.configuration import Configuration
+from toolkit.render.skin_shape import skin_shape
+from toolkit.report.monitors import Monitors, monitor
+from toolkit.results.results import Results
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Kind, Result
+from toolkit.sensitivity.numerical import numerical
+from toolkit.solution import Solution
+
+Progress = Callable[[str, int, int], None]
+JUDGES = ("forward-difference", "central-difference", "complex-step")
+"""Methods that the gradients are compared with, from the roughest to the finest."""
+
+
+@dataclass(frozen=True)
+class Material:
+    """A motion and what was computed about it.
+
+    judges : method -> result of the same gradients by other means; empty if nothing was run to compare
+    """
+
+    solution: Solution
+    results: Results
+    judges: Mapping[str, Result] = field(default_factory=dict)
+
+    @property
+    def scene(self) -> Scene:
+        """What was solved."""
+        return self.solution.system.scene
+
+    @property
+    def moving(self) -> bool:
+        """Whether there is more than one time."""
+        return self.solution.steps > 0
+
+    @property
+    def skins(self) -> list[str]:
+        """Flexible bodies that can be drawn."""
+        flexible = [name for name, body in self.scene.bodies.items() if isinstance(body, Flexible)]
+        return [name for name in flexible if skin_shape(self.moment(-1), name) is not None]
+
+    def moment(self, step: int) -> Configuration:
+        """The solution at one step; -1 is the last."""
+        return Configuration(self.solution, range(len(self.solution.times))[step])
+
+    @cached_property
+    def monitors(self) -> Monitors:
+        """Energy and drift over time."""
+        return monitor(self.solution)
+
+
+def judge(material: Material, progress: Progress) -> Material:
+    """The same material with the gradients of all numerical methods; the complex step takes seconds per variable."""
+    names = list(material.results.variables)
+    kind: Kind = "transient" if material.moving else "static"
+    if not names:
+        return material
+
+    def run(method: str) -> Result:
+        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
+
+    return Material(material.solution, material.results, {method: run(method) for method in JUDGES})

@@ -1,0 +1,89 @@
+"""The page: one HTML file with pictures, tables and numbers inside, which opens without a network."""
+
+from __future__ import annotations
+
+import base64
+import json
+import math
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from string import Template
+from typing import Any, NamedTuple
+
+from toolkit.report.tables import Table
+
+LONG = 40
+"""Letters from which on an entry of a table is broken into lines."""
+
+
+class Section(NamedTuple):
+    """A heading and what stands below it, as HTML."""
+
+    name: str
+    title: str
+    body: str
+    full: bool = True
+    """Whether it needs the whole width; the others stand side by side where there is room."""
+
+
+def page(title: str, summary: str, sections: Sequence[Section]) -> str:
+    """The whole page."""
+    contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
+    bodies = "".join(map(_section, sections))
+    return _template("page.html").substitute(title=escape(title), summary=escape(summary), contents=contents, sections=bodies)
+
+
+def _section(section: Section) -> str:
+    kind = ' class="full"' if section.full else ""
+    return f'<section id="{escape(section.name)}"{kind}><h2>{escape(section.title)}</h2>{section.body}</section>'
+
+
+def _template(name: str) -> Template:
+    return Template((files("toolkit.report") / name).read_text(encoding="utf-8"))
+
+
+def paragraph(text: str) -> str:
+    """A paragraph of plain text."""
+    return f"<p>{escape(text)}</p>"
+
+
+def listing(text: str) -> str:
+    """Text as it is, in letters of equal width."""
+    return f"<pre>{escape(text)}</pre>"
+
+
+def picture(path: Path, caption: str) -> str:
+    """A picture's file inside the page, with its caption."""
+    kind = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}[path.suffix]
+    data = base64.b64encode(path.read_bytes()).decode()
+    return f'<figure><img src="data:{kind};base64,{data}" alt="{escape(caption)}"><figcaption>{escape(caption)}</figcaption></figure>'
+
+
+def pictures(parts: Sequence[str]) -> str:
+    """Pictures side by side where there is room."""
+    return f'<div class="figures">{"".join(parts)}</div>'
+
+
+def viewer(data: dict[str, Any]) -> str:
+    """The moving picture that the reader can hold at any time."""
+    text = json.dumps(data, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+    return _template("viewer.html").substitute(data=text)
+
+
+def table(content: Table) -> str:
+    """A table that scrolls on its own if it is wider than the screen."""
+    head = "".join(f"<th>{escape(str(name))}</th>" for name in content.head)
+    rows = "".join(f"<tr>{''.join(_cell(value) for value in row)}</tr>" for row in content.rows)
+    return (
+        f'{paragraph(content.caption)}<div class="wide"><table><thead><tr>{head}</tr></thead><tbody>{rows}</tbody></table></div>'
+    )
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        text = f"{value:.6g}" if math.isfinite(value) else "does not exist"
+        return f'<td class="number">{text}</td>'
+    kind = "word" if len(str(value)) < LONG else "long"
+    return f'<td class="{kind}">{escape(str(value))}</td>'

@@ -1,0 +1,162 @@
+"""The tables of a report: as lists for JSON, as CSV files, and as they stand on the page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toolkit.report.material import Material
+from toolkit.report.variable_unit import per, variable_unit
+from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
+from toolkit.responses.stress import KSStress
+from toolkit.results.csv_tables import write_csv
+from toolkit.units import unit
+
+AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+"""Parameters of the table, beside the scene's own."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of numbers and words under a head."""
+
+    name: str
+    title: str
+    caption: str
+    head: Sequence[str]
+    rows: Sequence[Sequence[Any]]
+
+    def save(self, folder: Path) -> Path:
+        """Write it as CSV with all digits."""
+        return write_csv(folder / f"{self.name}.csv", self.head, self.rows)
+
+    def record(self) -> dict[str, Any]:
+        """For JSON; numbers that do not exist are None."""
+        rows = [[None if isinstance(x, float) and not np.isfinite(x) else x for x in row] for row in self.rows]
+        return {"title": self.title, "head": list(self.head), "rows": rows}
+
+
+def response_table(material: Material) -> Table:
+    """Values of all responses."""
+    results = material.results
+    rows = [[name, value, results.response_units[name]] for name, value in results.responses.items()]
+    return Table("responses", "Responses", "Value of every response of the scene.", ["response", "value", "unit"], rows)
+
+
+def variable_table(material: Material) -> Table:
+    """Design variables with their values."""
+    rows = [
+        [n, each["path"], each["value"], variable_unit(material.scene, each["path"])]
+        for n, each in material.results.variables.items()
+    ]
+    return Table("variables", "Design variables", "What the derivatives are by.", ["variable", "path", "value", "unit"], rows)
+
+
+def ks_tables(material: Material) -> list[Table]:
+    """The smooth maximum against its parameter, with the most that it can exceed the true one, ln(n) / rho (paper, table 1)."""
+    known = {name: response for name, response in material.scene.responses.items() if isinstance(response, KSStress)}
+    return [_ks_table(material, name, response) for name, response in known.items()]
+
+
+def _ks_table(material: Material, name: str, response: KSStress) -> Table:
+    stress, label = response.considered(material.solution), unit(material.scene.units, "stress")
+    largest = float(stress.max())
+    rows = []
+    for rho in sorted({*AGGREGATIONS, response.aggregation}):
+        sharpness = rho / (response.reference_stress or 1.0)
+        value = float(kreisselmeier_steinhauser(stress, sharpness)[0].real)
+        rows.append(
+            [float(rho), value, value - largest, gap_bound(stress.size, sharpness), (value - largest) / abs(largest or 1.0)]
+        )
+    caption = (
+        f"{name} against its aggregation parameter; the largest of the n = {stress.size} stresses is {largest:.8g} {label}. "
+        f"The scene uses {response.aggregation:g}. Compare table 1 of the paper."
+    )
+    head = [
+        "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS - maximum in {label}",
+        f"bound ln(n)/rho in {label}", "relative excess",
+    ]  # fmt: skip
+    return Table(f"ks_{name}", "Smooth maximum and its parameter", caption, head, rows)
+
+
+def gradient_table(material: Material) -> Table:
+    """Gradients, and how far the other methods are from them (paper, table 2)."""
+    results, rows = material.results, []
+    for name, slopes in results.gradients.items():
+        for variable, slope in slopes.items():
+            label = per(results.response_units[name], variable_unit(material.scene, results.variables[variable]["path"]))
+            others = [judge.gradients[name][variable] for judge in material.judges.values()]
+            rows.append([name, variable, slope, label, *(abs(other - slope) / (abs(slope) or 1.0) for other in others)])
+    compared = [f"relative difference to {method}" for method in material.judges]
+    caption = (
+        "Total derivatives of the responses. The forward difference uses steps of 1e-6 of the value, as in the paper, the central "
+        "one 1e-5; the complex step is exact to round-off. Compare table 2 of the paper."
+    )
+    head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
+    return Table("gradients", "Gradients", caption, head, rows)
+
+
+def cost_table(material: Material) -> Table:
+    """Wall times (paper, table 3)."""
+    run, count = material.results.run, len(material.results.variables)
+    primal = run["wall_primal"]
+    rows: list[list[Any]] = [["primal analysis", 1, primal, 1.0]]
+    if material.results.method != "none":
+        total = primal + run["wall_sensitivity"]
+        rows.append(
+            [f"primal analysis and {material.results.method} differentiation", 1, total, total / primal if primal else np.nan]
+        )
+    for method, judge in material.judges.items():
+        runs = count * (2 if method == "central-difference" else 1) + (method != "complex-step")
+        total = judge.wall_sensitivity + (judge.wall_primal if method != "complex-step" else 0.0)
+        rows.append([method, runs, total, total / primal if primal else np.nan])
+    caption = (
+        f"Wall times on the machine of this report, {count} variables. Compiled and warm; the median of several runs where a run is "
+        "short. The other methods compile the scene's numbers anew for every run, and the complex step runs as plain Python. "
+        "Compare table 3 of the paper."
+    )
+    return Table("cost", "Cost", caption, ["analysis", "runs", "wall time in s", "relative to primal"], rows)
+
+
+def settings_table(material: Material) -> Table:
+    """Solver settings."""
+    flat: dict[str, Any] = {}
+    for key, value in material.results.settings.items():
+        flat |= {f"{key}.{name}": item for name, item in value.items()} if isinstance(value, dict) else {key: value}
+    rows = [[f"solver.{key}", "default" if value is None else value] for key, value in flat.items()]
+    rows += [[f"changed: {key}", value] for key, value in material.results.scene.changes.items()]
+    return Table("settings", "Settings", "Everything that the solver was told.", ["setting", "value"], rows)
+
+
+def origin_table(material: Material) -> Table:
+    """Hashes of the files, versions of the programs."""
+    results = material.results
+    rows = [["scene file", results.scene.sha256 or "made in Python"]]
+    rows += [[model, sha256] for model, sha256 in results.scene.models.items()]
+    rows += [[f"version of {name}", version] for name, version in results.writers.items()]
+    caption = "SHA-256 of the files that were read, versions of the programs."
+    return Table("origin", "Files and versions", caption, ["file or program", "hash or version"], rows)
+
+
+def monitor_table(material: Material) -> list[Table]:
+    """Energies and drift at every time."""
+    if not material.moving:
+        return []
+    found, energy = material.monitors, unit(material.scene.units, "energy")
+    energies = [f"{name} in {energy}" for name in ("kinetic", "strain", "work", "defect")]
+    head = [f"time in {unit(material.scene.units, 'time')}", *energies, "relative drift"]
+    columns = (material.solution.times, *found.energy, found.energy.defect, found.drift)
+    return [Table("monitors", "Monitors", "Energies and drift over time.", head, np.column_stack(columns).tolist())]
+
+
+def all_tables(material: Material) -> list[Table]:
+    """Every table that has something in it, in the order of the report."""
+    tables = [
+        response_table(material), variable_table(material), *ks_tables(material), gradient_table(material), cost_table(material),
+        *monitor_table(material), settings_table(material), origin_table(material),
+    ]  # fmt: skip
+    return [table for table in tables if table.rows]

@@ -1,0 +1,60 @@
+"""The numbers of the moving picture in the page: lines, rods and colours of every frame."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+
+from toolkit.render.configuration import Configuration
+from toolkit.render.skin_shape import POINTS, drawn_model, skin_shape
+from toolkit.report.animation import frame_steps
+from toolkit.report.material import Material
+from toolkit.report.shape_panel import window
+from toolkit.report.sheet import SIGNED, symmetric
+from toolkit.units import unit
+
+EVERY = (POINTS - 1) // 4
+"""Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""
+
+
+def viewer_data(material: Material) -> dict[str, Any]:
+    """Frames as lists of numbers, rounded to a ten-thousandth of the scene.
+
+    Each frame: time; per skin its points x, y and the stress of its outer fibre; rods and links as x, y, x, y.
+    """
+    moments = [material.moment(step) for step in frame_steps(material)]
+    corners = window([moments[0], moments[len(moments) // 2], moments[-1]], material.skins)
+    limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax
+    digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
+    palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)
+    return {
+        "corners": corners.round(digits).tolist(),
+        "unit": {quantity: unit(material.scene.units, quantity) for quantity in ("length", "time", "stress")},
+        "limit": limit,
+        "palette": palette.tolist(),
+        "targets": [line.round(digits).tolist() for body in material.skins for line in _targets(moments[-1], body)],
+        "frames": [_frame(moment, material.skins, digits) for moment in moments],
+    }
+
+
+def _targets(moment: Configuration, body: str) -> list[np.ndarray]:
+    mesh = drawn_model(moment, body).mesh
+    return [] if mesh is None or not len(mesh.target_outline) else [moment.place(body, mesh.target_outline)]
+
+
+def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, Any]:
+    found = [shape for body in skins if (shape := skin_shape(moment, body))]
+    rods = [ends for body in moment.scene.bodies for ends in moment.segments(body)] + moment.links()
+    return {
+        "time": round(moment.time, 6),
+        "skins": [
+            {
+                "points": shape.line[:, ::EVERY].round(digits).tolist(),
+                "stress": np.nan_to_num(shape.stress[:, ::EVERY, 0]).round(3).tolist(),
+            }
+            for shape in found
+        ],
+        "rods": [ends.round(digits).tolist() for ends in rods],
+    }

@@ -1,0 +1,130 @@
+"""Writing a report: page, figures, tables, numbers, animation and results file in one folder."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from toolkit.replaced_file import replaced
+from toolkit.report import page
+from toolkit.report.animation import animate
+from toolkit.report.figures.catalogue import FIGURES
+from toolkit.report.material import Material, Progress
+from toolkit.report.page import Section
+from toolkit.report.sheet import Drawing
+from toolkit.report.tables import Table, all_tables
+from toolkit.report.viewer import viewer_data
+from toolkit.results.results_file import save_results
+
+
+def write_report(material: Material, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
+    """Write everything into a folder, which is made if it does not exist; the page last, when all that it shows is there.
+
+    Returns
+    -------
+    path of `report.html`; beside it `figures/` (PNG, SVG), `tables/` (CSV), `numbers.json`, `animation.gif`, `results.h5`
+    """
+    folder = Path(folder)
+    for name in ("figures", "tables"):
+        (folder / name).mkdir(parents=True, exist_ok=True)
+    tables = all_tables(material)
+    for table in tables:
+        table.save(folder / "tables")
+    _write(folder / "numbers.json", json.dumps(numbers(material, tables), indent=2, allow_nan=False))
+    if material.results.path != folder / "results.h5":
+        save_results(material.results, folder / "results.h5")
+    drawings = _draw(material, folder / "figures", progress)
+    sections = [*_motion(material, folder, progress), *_figure_sections(drawings, folder / "figures")]
+    sections += [
+        Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
+    ]
+    sections += [_missing(material), _again(material)]
+    path = folder / "report.html"
+    _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
+    return path
+
+
+def numbers(material: Material, tables: list[Table]) -> dict[str, object]:
+    """All numbers of the report."""
+    return {table.name: table.record() for table in tables}
+
+
+def summary(material: Material) -> str:
+    """What was done, in a few sentences."""
+    results, solution = material.results, material.solution
+    what = (
+        f"Motion over {solution.times[-1]:g} {results.unit('time')} in {solution.steps} steps, scheme {results.settings['scheme']}"
+        if material.moving
+        else "Equilibrium under the full load"
+    )
+    flexible = [f"{name} ({body.stress.shape[1]} stress points)" for name, body in results.bodies.items()]
+    parts = f"{len(material.scene.bodies)} bodies, {len(material.scene.joints)} joints, {len(results.coordinates)} coordinates"
+    bodies = f"; flexible: {', '.join(flexible)}" if flexible else ""
+    return (
+        f"{what}; {results.run['newton_iterations']:g} Newton iterations. The scene has {parts}{bodies}. Units: {results.units}."
+    )
+
+
+def _draw(material: Material, folder: Path, progress: Progress) -> list[tuple[str, Drawing]]:
+    """Draw and save all figures; each with the name of the function that drew it."""
+    found = []
+    for number, figure in enumerate(FIGURES):
+        for drawing in figure(material):
+            drawing.save(folder)
+            found.append((figure.__name__, drawing))
+        progress("figures", number + 1, len(FIGURES))
+    return found
+
+
+def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[Section]:
+    """One section per kind of figure."""
+    sections = []
+    for kind in dict.fromkeys(kind for kind, _ in drawings):
+        own = [drawing for name, drawing in drawings if name == kind]
+        body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
+        sections.append(Section(kind, own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize(), body, len(own) > 1))
+    return sections
+
+
+def _motion(material: Material, folder: Path, progress: Progress) -> list[Section]:
+    """The moving pictures, if anything moves."""
+    if not material.moving:
+        return []
+    gif = animate(material, folder / "animation.gif", lambda done, total: progress("animation", done, total))
+    data, stress = viewer_data(material), material.results.unit("stress")
+    colors = f"from {-data['limit']:.3g} to {data['limit']:.3g} {stress}"
+    hint = f"From blue to red: stress of the outer fibre {colors}. Grey: undeformed; dashes: target."
+    shown = f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>"
+    return [Section("motion", "Motion", page.pictures([shown, page.picture(gif, "The same as an animation (animation.gif).")]))]
+
+
+def _missing(material: Material) -> Section:
+    """What this report does not say, and how to get it."""
+    lines = []
+    if material.results.variables and not material.judges:
+        lines.append(
+            "Gradients are not compared with other methods here, because nothing was computed again: report the scene itself."
+        )
+    if not material.results.design:
+        lines.append(
+            "There are no derivatives of stress and shape: report the scene itself, or a file written by ffrf sensitivity with the "
+            "direct method, and see that the scene has variables in its table [design]."
+        )
+    if not material.moving:
+        lines.append("There are no curves over time, because this is an equilibrium.")
+    return Section("missing", "Not in this report", "".join(page.paragraph(line) for line in lines))
+
+
+def _again(material: Material) -> Section:
+    """How to repeat it."""
+    record = material.results.scene
+    changes = "".join(f" --set {key}={value}" for key, value in record.changes.items())
+    text = "Everything can be computed again from the scene below and the reduced models whose hashes are above, with:"
+    command = f"ffrf report scene.toml{changes} --output report"
+    scene = record.text or json.dumps(record.table, indent=2)
+    return Section("again", "To repeat it", page.paragraph(text) + page.listing(command) + page.listing(scene))
+
+
+def _write(path: Path, text: str) -> None:
+    with replaced(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

@@ -1,0 +1,68 @@
+"""What a results file says in words: everything that is no array, checked when it is read."""
+
+from __future__ import annotations
+
+from typing import Any, Literal, Self
+
+from pydantic import BaseModel, ConfigDict, model_validator
+
+Numbers = dict[str, float]
+
+
+class Variable(BaseModel):
+    """A design variable: where it is in the scene, and its value in the run."""
+
+    model_config = ConfigDict(extra="forbid")
+    path: str
+    value: float
+
+
+class SceneWords(BaseModel):
+    """`SceneRecord` without the text of the scene's file."""
+
+    model_config = ConfigDict(extra="forbid")
+    table: dict[str, Any]
+    sha256: str
+    changes: dict[str, str]
+    directory: str
+    models: dict[str, str]
+
+
+class Run(BaseModel):
+    """What a run cost, wall times in s, and how well its joints held."""
+
+    model_config = ConfigDict(extra="forbid")
+    drift: float
+    correction: float
+    load_steps: int
+    newton_iterations: int
+    wall_primal: float
+    wall_sensitivity: float
+
+
+class About(BaseModel):
+    """The fields of `Results` that are no arrays, under the same names."""
+
+    model_config = ConfigDict(extra="forbid")
+    kind: Literal["transient", "static"]
+    method: str
+    units: Literal["mm-t-s", "m-kg-s"]
+    responses: Numbers
+    response_units: dict[str, str]
+    gradients: dict[str, Numbers]
+    variables: dict[str, Variable]
+    run: Run
+    settings: dict[str, Any]
+    writers: dict[str, str]
+    bodies: list[str]
+    scene: SceneWords
+
+    @model_validator(mode="after")
+    def _names_agree(self) -> Self:
+        if set(self.response_units) != set(self.responses):
+            raise ValueError("responses and their units have different names")
+        if not set(self.gradients) <= set(self.responses):
+            raise ValueError("there are gradients of unknown responses")
+        if any(set(slopes) != set(self.variables) for slopes in self.gradients.values()):
+            raise ValueError("gradients and variables have different names")
+        return self

@@ -1,0 +1,107 @@
+"""From a solution, or the result of an analysis, to results as plain arrays."""
+
+from __future__ import annotations
+
+import hashlib
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+
+import numpy as np
+
+from toolkit.bodies.flexible import Flexible
+from toolkit.errors import InputError
+from toolkit.responses.shape_error import shape_error_history
+from toolkit.responses.stress import flexible_body, stress_field
+from toolkit.results.results import BodyResults, Results, SceneRecord
+from toolkit.results.scene_table import table_of
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Result, moving, responses_of, result
+from toolkit.solution import Solution
+
+WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
+
+
+def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str] | None = None) -> Results:
+    """Results of a run.
+
+    Parameters
+    ----------
+    text : content of the scene's file
+    changes : path -> value that replaced the file's
+
+    Raises
+    ------
+    InputError
+        The run was one of a complex step.
+    """
+    found = solved if isinstance(solved, Result) else _result(solved)
+    solution, system = found.solution, found.solution.system
+    if not system.compiled:
+        raise InputError("a run with complex numbers is a means to a derivative and has no results to keep. Run real numbers.")
+    n_q, scene = system.n_q, system.scene
+    variables = scene.design_variables(list(next(iter(found.gradients.values()), {})) or list(system.design.names))
+    return Results(
+        kind="transient" if moving(solution) else "static",
+        method=found.method,
+        units=scene.units,
+        times=solution.times,
+        **{name: getattr(solution, name) for name in ("q", "v", "a", "multipliers", "dq", "dv", "da", "dmultipliers")},
+        coordinates=list(system.numbering.names[:n_q]),
+        multiplier_names=list(system.numbering.names[n_q:]),
+        design=list(system.design.names),
+        responses=found.values,
+        response_units=found.units,
+        gradients=found.gradients,
+        bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, Flexible)},
+        variables={each.name: {"path": each.path, "value": each.value} for each in variables},
+        run={
+            "drift": solution.drift,
+            "correction": solution.correction,
+            "load_steps": solution.load_steps,
+            "newton_iterations": solution.newton_iterations,
+            "wall_primal": found.wall_primal,
+            "wall_sensitivity": found.wall_sensitivity,
+        },
+        settings=scene.solver.model_dump(),
+        scene=_record(scene, text, changes or {}),
+        writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
+    )
+
+
+def _result(solution: Solution) -> Result:
+    """A bare solution with its responses, and with their gradients if it has derivatives."""
+    scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
+    found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
+    values = {name: value for name, (value, _) in found.items()}
+    gradients = {name: dict(zip(names, map(float, slopes), strict=True)) for name, (_, slopes) in found.items() if names}
+    method = "direct" if names else "none"
+    return result(scene, solution, values, gradients, method, wall.get("run", 0.0), wall.get("sensitivity", 0.0))
+
+
+def _body(solution: Solution, body: str) -> BodyResults:
+    scene = solution.system.scene
+    model = scene.model(flexible_body(scene, body).model, "affine", "derivatives", "interfaces", "stress", "shape")
+    stress, dstress = stress_field(solution, body)
+    error, derror = shape_error_history(solution, body)
+    unknown = np.full(stress.shape[1], -1)
+    places = (unknown,) * 3 if model.stress is None else (model.stress.element, model.stress.end, model.stress.fibre)
+    arc_length = np.zeros(0) if model.shape is None else model.shape.arc_length
+    return BodyResults(stress, dstress, *places, error, derror, arc_length)
+
+
+def _record(scene: Scene, text: str, changes: Mapping[str, str]) -> SceneRecord:
+    models = {
+        body.model: hashlib.sha256((scene.directory / body.model).read_bytes()).hexdigest()
+        for body in scene.bodies.values()
+        if isinstance(body, Flexible)
+    }
+    sha256 = hashlib.sha256(text.encode()).hexdigest() if text else ""
+    return SceneRecord(table_of(scene), text, sha256, dict(changes), str(scene.directory), models)
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed as a package"

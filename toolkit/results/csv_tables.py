@@ -1,0 +1,79 @@
+"""Results as tables in CSV files, one per quantity, with names and units in the first line."""
+
+from __future__ import annotations
+
+import csv
+import io
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toolkit.replaced_file import replaced
+from toolkit.results.results import BodyResults, Results
+
+STATES = {"coordinates": "q", "velocities": "v", "accelerations": "a"}
+
+
+def export_csv(results: Results, directory: str | Path) -> list[Path]:
+    """Write all tables into a folder, which is made if it does not exist.
+
+    Returns
+    -------
+    files : `responses.csv` with gradients; `coordinates.csv`, `velocities.csv`, `accelerations.csv`, `multipliers.csv`, a line per
+        time; per flexible body `stress_<body>.csv`, `shape_error_<body>.csv`, and both again per variable
+    """
+    directory = Path(directory)
+    directory.mkdir(parents=True, exist_ok=True)
+    time = f"time in {results.unit('time')}"
+    tables = {name: (results.coordinates, getattr(results, field)) for name, field in STATES.items()}
+    tables["multipliers"] = (results.multiplier_names, results.multipliers)
+    for name, body in results.bodies.items():
+        tables |= _body_tables(results, name, body)
+    files = [write_csv(directory / "responses.csv", *response_table(results))]
+    for name, (columns, values) in tables.items():
+        rows = np.column_stack([results.times, values]).tolist()
+        files.append(write_csv(directory / f"{safe_name(name)}.csv", [time, *columns], rows))
+    return files
+
+
+def response_table(results: Results) -> tuple[list[str], list[list[Any]]]:
+    """Value, unit and gradient of every response: first line, and lines."""
+    variables = list(next(iter(results.gradients.values()), {}))
+    lines = [
+        [name, value, results.response_units[name], *(results.gradients[name][x] for x in variables if name in results.gradients)]
+        for name, value in results.responses.items()
+    ]
+    return ["response", "value", "unit", *(f"derivative by {x}" for x in variables)], lines
+
+
+def _body_tables(results: Results, name: str, body: BodyResults) -> dict[str, tuple[list[str], np.ndarray]]:
+    stress, length = results.unit("stress"), results.unit("length")
+    points = [f"{point} in {stress}" for point in body.stress_points]
+    nodes = [f"at arc length {place:.9g} in {length}" for place in body.arc_length]
+    tables = {f"stress_{name}": (points, body.stress)}
+    if nodes:
+        tables[f"shape_error_{name}"] = (nodes, body.shape_error)
+    for x, variable in enumerate(results.design):
+        tables[f"stress_{name}_by_{variable}"] = (body.stress_points, body.dstress[:, :, x])
+        if nodes:
+            tables[f"shape_error_{name}_by_{variable}"] = (nodes, body.dshape_error[:, :, x])
+    return tables
+
+
+def safe_name(name: str) -> str:
+    """The name with nothing in it that could lead to another folder."""
+    return re.sub(r"[^\w.-]", "_", name)
+
+
+def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) -> Path:
+    """One table, in one stroke; numbers with all their digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(head)
+    writer.writerows(rows)
+    with replaced(path) as temporary:
+        temporary.write_text(text.getvalue(), encoding="utf-8", newline="")
+    return path

@@ -1,0 +1,66 @@
+"""From results back to the scene and its solution, without solving anything."""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+from toolkit.results.layout import STATES, ResultsFileError
+from toolkit.results.results import Results
+from toolkit.scene import Scene
+from toolkit.scene_file import scene_from_table
+from toolkit.sensitivity.analysis import prepare
+from toolkit.solution import Solution
+
+
+def restore_scene(results: Results, directory: str | Path | None = None) -> Scene:
+    """The scene as it was solved.
+
+    Parameters
+    ----------
+    directory : folder of the reduced models; by default where they were, seen from the results file
+
+    Raises
+    ------
+    ResultsFileError
+        A reduced model is not there, or it is not the one of the run.
+    InputError
+        The scene has a kind of component that is not known here.
+    """
+    folder = Path(results.scene.directory if directory is None else directory)
+    for model, sha256 in results.scene.models.items():
+        _check_model(folder / model, sha256, results)
+    return scene_from_table(results.scene.table, folder / (results.path.name if results.path else "results"))
+
+
+def restore_solution(results: Results, directory: str | Path | None = None) -> Solution:
+    """The solution, compiled scene included, as if it had just been solved. Parameters and errors as `restore_scene`."""
+    system = prepare(restore_scene(results, directory), results.design)
+    n_q, names = system.n_q, list(system.numbering.names)
+    if (names[:n_q], names[n_q:]) != (results.coordinates, results.multiplier_names):
+        raise ResultsFileError(
+            f"the scene in {_label(results)} has other unknowns than its states; the file is damaged, or this program numbers them "
+            "in another way. Run the scene again."
+        )
+    arrays = {name: getattr(results, name) for name in STATES}
+    wall = {"run": results.run["wall_primal"], "sensitivity": results.run["wall_sensitivity"]}
+    report = {name: results.run[name] for name in ("drift", "correction")}
+    counted = {name: int(results.run[name]) for name in ("load_steps", "newton_iterations")}
+    return Solution(system, **arrays, **report, **counted, wall=wall)  # type: ignore[arg-type]
+
+
+def _check_model(path: Path, sha256: str, results: Results) -> None:
+    if not path.is_file():
+        raise ResultsFileError(
+            f"reduced model {str(path)!r}, which {_label(results)} was computed with, is not there. Name its folder with --models, "
+            "or run the scene again."
+        )
+    if hashlib.sha256(path.read_bytes()).hexdigest() != sha256:
+        raise ResultsFileError(
+            f"reduced model {str(path)!r} is not the one that {_label(results)} was computed with: its hash is another. Run the "
+            "scene again, or name the folder of the old model with --models."
+        )
+
+
+def _label(results: Results) -> str:
+    return repr(results.path.name) if results.path else "the run"

@@ -1,0 +1,99 @@
+"""Results: everything that a run found out, as plain arrays with the names of their rows and columns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class BodyResults:
+    """Fields of one flexible body; the last axis of a derivative is that of `Results.design`.
+
+    Stress is in the fibre `fibre` (+1 outer, -1 inner) at the end `end` (0 or 1) of element `element`. The shape error is the distance
+    of every node to its target; without a target its arrays have no nodes.
+    """
+
+    stress: np.ndarray  # (n_t, n_s)
+    dstress: np.ndarray  # (n_t, n_s, n_x)
+    element: np.ndarray  # (n_s,)
+    end: np.ndarray  # (n_s,)
+    fibre: np.ndarray  # (n_s,)
+    shape_error: np.ndarray  # (n_t, n_k)
+    dshape_error: np.ndarray  # (n_t, n_k, n_x), nan where the distance is zero
+    arc_length: np.ndarray  # (n_k,)
+
+    @property
+    def stress_points(self) -> list[str]:
+        """Names of the columns of `stress`."""
+        rows = zip(self.element, self.end, self.fibre, strict=True)
+        return [f"element {int(e)}, {'end' if end else 'start'}, {'outer' if side > 0 else 'inner'}" for e, end, side in rows]
+
+
+@dataclass(frozen=True)
+class SceneRecord:
+    """What was solved, so that it can be solved again.
+
+    table : the scene as nested tables, with every value as it was in the run
+    text, sha256 : the scene's file as it was written, and its hash; empty for a scene made in Python
+    changes : path -> value that replaced the file's for this run
+    directory : folder of the reduced models, from the folder of the results file
+    models : path of each reduced model from that folder -> SHA-256 of its file
+    """
+
+    table: dict[str, Any]
+    text: str = ""
+    sha256: str = ""
+    changes: Mapping[str, str] = field(default_factory=dict)
+    directory: str = "."
+    models: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Results:
+    """One run. Times and all else are in the units of `units`; `unit` gives the labels.
+
+    Leading d: total derivative by the variables `design`, on the last axis; n_x is zero if none were computed.
+    """
+
+    kind: str  # "transient" or "static"
+    method: str  # how gradients were computed: "none", "direct", "complex-step", ...
+    units: str
+    times: np.ndarray  # (n_t,)
+    q: np.ndarray  # (n_t, n_q)
+    v: np.ndarray
+    a: np.ndarray
+    multipliers: np.ndarray  # (n_t, n_lam)
+    dq: np.ndarray  # (n_t, n_q, n_x)
+    dv: np.ndarray
+    da: np.ndarray
+    dmultipliers: np.ndarray  # (n_t, n_lam, n_x)
+    coordinates: list[str]  # names of the columns of q, v, a
+    multiplier_names: list[str]
+    design: list[str]  # names of the last axis of every derivative
+    responses: dict[str, float]
+    response_units: dict[str, str]
+    gradients: dict[str, dict[str, float]]  # response -> variable -> derivative; empty if none were computed
+    bodies: dict[str, BodyResults]
+    variables: dict[str, dict[str, Any]]  # variable -> its path in the scene and its value
+    run: dict[
+        str, float
+    ]  # drift, correction, load_steps, newton_iterations as in `Solution`, wall_primal and wall_sensitivity in s
+    settings: dict[str, Any]  # solver settings
+    scene: SceneRecord
+    writers: dict[str, str]  # program -> version
+    path: Path | None = field(default=None, compare=False)
+
+    def column(self, coordinate: str) -> int:
+        """Number of a coordinate, for example of "rotation of body 'body2'"."""
+        return self.coordinates.index(coordinate)
+
+    def unit(self, quantity: str) -> str:
+        """Label of a quantity, for example of "stress"."""
+        from toolkit.units import unit
+
+        return unit(self.units, quantity)

@@ -1,0 +1,64 @@
+"""Names in a scene: each is legal, and each that is used exists."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from toolkit.component import Component
+from toolkit.errors import InputError
+from toolkit.point import BodyPoint
+
+PLURAL = {"body": "bodies", "point": "points", "joint": "joints"}
+
+
+def check_names(
+    points: Mapping[str, Any], bodies: Mapping[str, Any], joints: Mapping[str, Any], loads: Mapping[str, Any], responses: Mapping
+) -> None:
+    """Check all names of a scene.
+
+    Raises
+    ------
+    InputError
+        A name is not legal, or something names a body, point or joint that does not exist.
+    """
+    groups = {"points": points, "bodies": bodies, "joints": joints, "loads": loads, "responses": responses}
+    for group, items in groups.items():
+        for name in items:
+            _legal(group, name)
+    existing = {"body": (*bodies, "ground"), "point": points, "joint": joints}
+    for group in ("joints", "loads"):
+        for name, component in groups[group].items():
+            if isinstance(component, Component):
+                for body, point in component.grips:
+                    known(body, existing["body"], f"{group}.{name}", "body")
+                    known(point, points, f"{group}.{name}", "point")
+    for name, owner in bodies.items():
+        for point in owner.named_points():
+            known(point, points, f"bodies.{name}", "point")
+    for name, written in points.items():
+        if isinstance(written, BodyPoint):
+            known(written.body, bodies, f"points.{name}", "body")
+    for name, response in responses.items():
+        for kind, names in existing.items():
+            for each in (response, getattr(response, "of", None)):
+                used = getattr(each, kind, None)
+                if used is not None:
+                    known(used, names, f"responses.{name}", kind)
+
+
+def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
+    """Refuse a name that does not exist, and list those that do."""
+    if name not in existing:
+        raise InputError(
+            f"{user} names {kind} {name!r}, which does not exist; {PLURAL[kind]} of the scene: {', '.join(existing) or 'none'}."
+        )
+
+
+def _legal(group: str, name: str) -> None:
+    if "." in name or not name.strip():
+        raise InputError(f"{group}.{name!r} is no legal name: the dot separates the parts of a path. Use letters, digits and _.")
+    if group == "bodies" and name == "ground":
+        raise InputError(
+            "a body cannot be called 'ground': that is the inertial frame, which is always there. Choose another name."
+        )

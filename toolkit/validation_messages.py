@@ -1,0 +1,74 @@
+"""What pydantic found wrong, in words for the person who wrote it: the key as it stands in the file, and what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from difflib import get_close_matches
+from reprlib import Repr
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+SHORT = Repr()
+SHORT.maxstring = SHORT.maxother = 60
+
+
+def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: str, nested: Mapping[str, type]) -> list[str]:
+    """One line per mistake: where it is, what is wrong, what is possible.
+
+    Parameters
+    ----------
+    kind, value : class that was wanted, and what was given for it
+    where : path of the value in the file
+    nested : classes of tables below it that have a `type`
+    """
+    lines = []
+    for each in error.errors():
+        keys, owner = _walk(kind, value, each, nested)
+        place = ".".join([*([where] if where else []), *keys])
+        lines.append((f"{place}: " if place else "") + _said(each, owner))
+    return list(dict.fromkeys(lines))
+
+
+def _walk(kind: type[BaseModel], value: Any, error: Any, nested: Mapping[str, type]) -> tuple[list[str], type[BaseModel]]:
+    """Keys that a person wrote, without pydantic's own marks for unions, and the class of the innermost table."""
+    keys: list[str] = []
+    location = error["loc"]
+    for depth, part in enumerate(location):
+        last = depth == len(location) - 1
+        if _has(value, part):
+            value = value[part]
+        elif not (last and error["type"] == "missing"):
+            continue
+        keys.append(str(part))
+        if isinstance(value, Mapping) and not last:
+            kind = nested.get(str(value.get("type")), _field_class(kind, part))
+    return keys, kind
+
+
+def _has(value: Any, part: Any) -> bool:
+    if isinstance(value, (list, tuple)):
+        return isinstance(part, int) and part < len(value)
+    return isinstance(value, Mapping) and part in value
+
+
+def _field_class(kind: type[BaseModel], part: Any) -> type[BaseModel]:
+    field = kind.model_fields.get(part) if isinstance(part, str) else None
+    options = [] if field is None else [field.annotation, *get_args(field.annotation)]
+    return next((option for option in options if isinstance(option, type) and issubclass(option, BaseModel)), kind)
+
+
+def _said(error: Any, owner: type[BaseModel]) -> str:
+    possible = ", ".join(name for name in owner.model_fields if name != "directory")
+    if error["type"] == "extra_forbidden":
+        close = get_close_matches(str(error["loc"][-1]), owner.model_fields, n=1)
+        return f"unknown key{f', did you mean {close[0]!r}' if close else ''}; possible here: {possible}."
+    if error["type"] == "missing":
+        if isinstance(error["loc"][-1], int):
+            return "this entry is missing, the list is too short."
+        return f"this key is missing; needed or possible here: {possible}."
+    if error["type"] == "value_error":
+        return str(error["ctx"]["error"]).rstrip(".") + "."
+    if error["type"] == "union_tag_not_found":
+        return "this table needs a `type`."
+    return f"{error['msg']} (given: {SHORT.repr(error['input'])})."
