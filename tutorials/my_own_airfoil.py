@@ -55,7 +55,7 @@ print(model.n_f, "elastic coordinates; joints may grip at", ", ".join(model.inte
 # %%
 scene = read_scene(wing / "scene.toml")
 found = {}
-for torque in (1.0, 2000.0, 3000.0, 4000.0, 4200.0, 4400.0, 4600.0, 4800.0, 5000.0):  # N mm
+for torque in (1.0, 2000.0, 4000.0, 4400.0, 4800.0):  # N mm
     result = direct(scene.with_number("loads.drive.torque", torque), ["M_t"], "static")
     found[torque] = result.values["shape_rmse"]
     slope, stress = result.gradients["shape_rmse"]["M_t"], result.values["max_stress_true"]

@@ -61,7 +61,7 @@ def spinning(rate: float) -> Scene:
 # element carries the mean of the stress over its length h = L / 20, which is rho Omega^2 (L^2 - h^2 / 3) / 2 for the first.
 
 # %%
-for rate in (10.0, 20.0, 40.0):
+for rate in (20.0, 40.0):
     result = direct(spinning(rate), ["bodies.beam.density"], "transient")
     theory = 7800 * rate**2 * (1 - 0.05**2 / 3) / 2
     ratio, slope = result.values["stress"] / theory, result.gradients["stress"]["bodies.beam.density"] * 7800 / theory
