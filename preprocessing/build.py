@@ -24,7 +24,7 @@ from toolkit.units import unit
 WRITER_VERSION = "0.1.0"
 """Version of this distribution; part of the input hash, so that a new version builds its files again."""
 
-_QUANTITIES = {"youngs_modulus": "stress", "density": "density", "thickness": "length", "width": "length"}
+QUANTITIES = {"youngs_modulus": "stress", "density": "density", "thickness": "length", "width": "length"}
 _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
@@ -90,7 +90,7 @@ def _reduced_model(path: Path, file: SkinFile, hash_of_inputs: str, geometry: Ge
         reference_condition=basis.reference_condition,
         basis=basis.description,
         nominal={name: float(getattr(section, name)) for name in PARAMETERS},
-        nominal_units={name: unit(file.units, quantity) for name, quantity in _QUANTITIES.items()},
+        nominal_units={name: unit(file.units, quantity) for name, quantity in QUANTITIES.items()},
         input_hash=hash_of_inputs,
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
         invariants=contract(matrices, basis.z),

@@ -12,7 +12,7 @@ from preprocessing.skin_file import read_skin_file
 from toolkit.errors import InputError, ModelFileError, ToolkitError
 from toolkit.reduced_model_file import PARTS, is_reduced_model, load, save
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(pretty_exceptions_enable=False)
 
 
 @app.command()

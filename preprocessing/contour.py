@@ -61,6 +61,11 @@ class Contour:
             raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")
         return float(self.curve.point_s[i])
 
+    @property
+    def outline(self) -> np.ndarray:
+        """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""
+        return self.position(self._samples())
+
     @cached_property
     def leading_edge(self) -> float:
         """Arc length of the point farthest from the middle of the trailing edge."""

@@ -30,8 +30,8 @@ class Geometry:
     arc_lengths: np.ndarray  # (n_nodes,) from F along the true curve
     mesh: CurveMesh
     target: np.ndarray  # (n_nodes, 2)
-    outline: np.ndarray  # (n_rows, 2)
-    target_outline: np.ndarray  # (n_rows, 2)
+    outline: np.ndarray  # (n_points, 2)
+    target_outline: np.ndarray  # (n_points, 2)
 
 
 def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> Geometry:
@@ -45,9 +45,9 @@ def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> G
         An airfoil file cannot be used, or F, G, the thickness or the target do not fit to it; names the file and the key.
     """
     with at_key(path, "airfoil.file"):
-        outline, contour = _contour(path.parent / file.airfoil.file, file, remark)
+        contour = _contour(path.parent / file.airfoil.file, file, remark)
     with at_key(path, "airfoil.target"):
-        target_outline, target = _contour(path.parent / file.airfoil.target, file, remark)
+        target = _contour(path.parent / file.airfoil.target, file, remark)
     skin = _cut(path, file, contour)
     with at_key(path, "skin"):
         arc_lengths = skin.stations(file.skin.elements, file.skin.spacing, file.skin.grading)
@@ -58,7 +58,7 @@ def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> G
                 remark(f"{path.name}: {text}")
     with at_key(path, "airfoil.target"):
         positions = skin.target_positions(target, arc_lengths)
-    return Geometry(skin, arc_lengths, mesh, positions, outline, target_outline)
+    return Geometry(skin, arc_lengths, mesh, positions, contour.outline, target.outline)
 
 
 @contextmanager
@@ -70,14 +70,14 @@ def at_key(path: Path, key: str) -> Iterator[None]:
         raise InputError(f"{str(path)!r}, {key}: {error}") from error
 
 
-def _contour(path: Path, file: SkinFile, remark: Remark | None) -> tuple[np.ndarray, Contour]:
+def _contour(path: Path, file: SkinFile, remark: Remark | None) -> Contour:
     units, chord = file.airfoil.units, file.airfoil.chord
     in_file_units = chord * _METRES[file.units] / _METRES[units] if units in _METRES else None
     airfoil = read_airfoil(path, units, in_file_units)
     for text in (*airfoil.repairs, *airfoil.warnings):
         if remark is not None:
             remark(f"{path.name}: {text}")
-    return airfoil.points * chord, Contour.through(airfoil.points, chord)
+    return Contour.through(airfoil.points, chord)
 
 
 def _cut(path: Path, file: SkinFile, contour: Contour) -> Skin:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from typing import Any
 
 import numpy as np
@@ -10,23 +11,24 @@ import pytest
 from tests.cases import CASES, SINE, Case, write_models
 from toolkit.bodies.rigid import Rigid
 from toolkit.compilation.component_arrays import families
-from toolkit.compilation.quantities import loads_of
-from toolkit.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
+from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.comparison import STEP, TOLERANCE
+from toolkit.conformance.formula import check_joint_formula, check_load_formula
+from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.errors import ConformanceError
 from toolkit.joints.driver import PositionDriver
 from toolkit.joints.joint import Joint, PointJoint
-from toolkit.kernel import kernel, plain
+from toolkit.joints.slider import Slider
+from toolkit.kernel import kernel
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
+from toolkit.loads.spring_damper import SpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.point import Point
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
-
-H = 1e-30
-LEVELS = np.array([1.0, 0.7, 0.3])
-TOLERANCE = 1e-10
-"""Relative to the largest entry: only round-off separates an exact derivative from a complex step."""
 
 
 @pytest.fixture(scope="session")
@@ -41,79 +43,8 @@ def scene(request, directory) -> Scene:
     return request.param.scene(directory)
 
 
-def random_state(system: System, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """q near the start, v and [a; lam], all random and of order one."""
-    rng = np.random.default_rng(seed)
-    q, v, acc = rng.normal(size=(3, system.n))
-    q = system.start()[0] + 0.7 * q
-    q[system.n_q :] = v[system.n_q :] = 0
-    return q, v, acc
-
-
-def inputs(system: System, levels: np.ndarray = LEVELS) -> Inputs:
-    return system.inputs(0.37, levels, 0.8)
-
-
-def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, linearize: bool = False) -> Terms:
-    """Evaluate as plain Python, with complex arrays if the state is complex."""
-    scene, dtype = system.scene, np.result_type(q, v, acc, system.dtype)
-    components: tuple[list, list] = list(scene.joints.values()), loads_of(scene)
-    functions = tuple(tuple(plain(formula) for formula in families(group)) for group in components)
-    terms, work = allocate_terms(system.plan, dtype), allocate_work(system.plan, dtype)
-    arrays = [np.asarray(item, dtype) for item in (q, v, acc)]
-    plain(evaluate)(system.plan, functions, given, *arrays, linearize, terms, work)
-    return terms
-
-
-def stepped(state: tuple, which: int, direction: np.ndarray) -> list[np.ndarray]:
-    """The state with a complex step of one of q, v, acc."""
-    return [item + 1j * H * direction if k == which else item for k, item in enumerate(state)]
-
-
-def complex_step(system: System, state: tuple, which: int, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Derivatives (n, count) of both groups of the residual."""
-    columns = []
-    for direction in np.eye(system.n)[:count]:
-        terms = plain_terms(system, inputs(system), *stepped(state, which, direction))
-        columns.append((terms.inertial.imag / H, terms.applied.imag / H))
-    return np.stack([c[0] for c in columns], axis=1), np.stack([c[1] for c in columns], axis=1)
-
-
 def close(ours: np.ndarray, reference: np.ndarray, tolerance: float = TOLERANCE) -> None:
     np.testing.assert_allclose(ours, reference, rtol=0, atol=tolerance * np.abs(reference).max(initial=1e-300))
-
-
-def check_state_derivatives(scene: Scene) -> None:
-    system = compile_scene(scene)
-    state, n_q = random_state(system), system.n_q
-    terms = system.evaluate(inputs(system), *state)
-    I_acc, I_q, A_q, A_v = (system.matrix(values).toarray() for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v))
-    for which, count, inertial, applied in ((2, system.n, I_acc, None), (0, n_q, I_q, A_q), (1, n_q, None, A_v)):
-        reference = complex_step(system, state, which, count)
-        for ours, exact in zip((inertial, applied), reference, strict=True):
-            if ours is None:
-                assert not np.any(exact)
-            else:
-                close(ours[:, :count], exact)
-                assert not np.any(ours[:, count:])
-
-
-def check_design_derivatives(scene: Scene) -> None:
-    paths = design_paths(scene)
-    system = compile_scene(scene, paths)
-    state = random_state(system)
-    terms = system.evaluate(inputs(system), *state, design=True)
-    for x, path in enumerate(paths):
-        other = compile_scene(scene.with_number(path, scene.number(path) + 1j * H))
-        reference = plain_terms(other, other.inputs(0.37, LEVELS, 0.8), *state)
-        for ours, exact in ((terms.I_x[:, x], reference.inertial), (terms.A_x[:, x], reference.applied)):
-            size = max(np.abs(exact.imag / H).max(), 1e-3)  # entries are of order one, unless they cancel to zero
-            np.testing.assert_allclose(ours, exact.imag / H, rtol=0, atol=TOLERANCE * size, err_msg=path)
-
-
-def design_paths(scene: Scene) -> list[str]:
-    """Paths of all numbers of a scene that can be design variables: not the times of a table, not the place of a node."""
-    return [path for path in scene.available_paths() if ".times." not in path and path != "points.U.arc_length"]
 
 
 def test_state_derivatives_are_the_complex_step_of_the_residual(scene):
@@ -122,6 +53,24 @@ def test_state_derivatives_are_the_complex_step_of_the_residual(scene):
 
 def test_design_derivatives_are_the_complex_step_of_the_residual(scene):
     check_design_derivatives(scene)
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.kind], ids=lambda case: case.name)
+def test_derivatives_of_every_formula_are_the_complex_step_of_the_formula(case, directory):
+    scene, rng = case.scene(directory), np.random.default_rng(1)
+    if "component" in scene.joints:
+        check_joint_formula(scene.joints["component"], scene, rng)
+    else:
+        check_load_formula(scene.loads["component"], scene, rng)
+
+
+@pytest.mark.parametrize("kind", [Slider, SpringDamper])
+def test_a_joint_and_a_load_pass_the_public_check(kind, directory):
+    scene = next(case for case in CASES if case.kind is kind).scene(directory)
+    if kind is Slider:
+        check_joint(scene.joints["component"], scene, seed=1)
+    else:
+        check_load(scene.loads["component"], scene, seed=1)
 
 
 def test_compiled_formulas_equal_the_plain_ones(scene):
@@ -147,7 +96,7 @@ def test_constraint_levels_are_time_derivatives_of_one_another(scene):
         return (terms.inertial + terms.applied)[n_q:]
 
     for level in (0, 1):
-        close(rows(level + 1), rows(level, 1j * H).imag / H)
+        close(rows(level + 1), rows(level, 1j * STEP).imag / STEP)
 
 
 def test_constraint_forces_do_no_work_in_allowed_motions(scene):
@@ -169,7 +118,7 @@ def test_inertia_forces_are_those_of_lagrange(case, directory):
     def mass(position: np.ndarray) -> np.ndarray:
         return system.matrix(plain_terms(system, inputs(system), position, 0 * v, 0 * acc, linearize=True).I_acc).toarray()
 
-    rate = np.stack([mass(q + 1j * H * e).imag / H for e in np.eye(system.n)[:n_q]])  # (k, i, j): dM_ij / dq_k
+    rate = np.stack([mass(q + 1j * STEP * e).imag / STEP for e in np.eye(system.n)[:n_q]])  # (k, i, j): dM_ij / dq_k
     M, damping = mass(q), system.matrix(system.evaluate(inputs(system), q, 0 * v, acc).A_v) @ v
     lagrange = M @ acc + np.einsum("kij,k,j->i", rate, v, v) - np.einsum("kij,i,j->k", rate, v, v) / 2
     moving, resting = (system.evaluate(inputs(system), q, rates, acc) for rates in (v, 0 * v))
@@ -213,8 +162,8 @@ class ParabolaGuide(PointJoint):
 @pytest.mark.parametrize(("bodies", "point"), [(("strip", "rod"), "T"), (("rod", "ground"), "A")])
 def test_a_users_own_joint_plugs_in(bodies, point, directory):
     scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, bodies, (point, point), point).scene(directory)
-    check_state_derivatives(scene)
-    check_design_derivatives(scene)
+    check_scene(scene)
+    check_joint(scene.joints["component"], scene)
 
 
 def test_a_bead_on_a_users_parabola_keeps_its_energy():
@@ -229,6 +178,76 @@ def test_a_bead_on_a_users_parabola_keeps_its_energy():
     energy = (run.v[:, :2] ** 2).sum(axis=1) / 2 + 9.81 * run.q[:, 1]
     assert np.abs(energy / energy[0] - 1).max() < 1e-4  # second order: (step / shortest time scale)^2 = (1e-3 / 0.1)^2
     np.testing.assert_allclose(run.q[:, 1], 0.6 * run.q[:, 0] ** 2, atol=1e-5)
+
+
+MISTAKES = {
+    "phi_z": (
+        "phi_z[0, 1] = -phi_z[0, 1]",
+        r"phi_z is wrong at \(height, y of a\): it is -1, a complex step gives 1; .* 2, 2 of",
+    ),
+    "phi_z by a parameter": ("phi_z[0, 6] = -phi_z[0, 6]", r"phi_z is wrong at \(height, parameter z\[6\]\)"),
+    "phi_zz": ("phi_zz[0, 3, 0] = -phi_zz[0, 3, 0]", r"phi_zz is wrong at \(height, x of b, x of a\): it is -1.2, .* gives 1.2"),
+    "phi_zww": ("phi_zww[0, 6] = -phi_zww[0, 6]", r"phi_zww is wrong at \(height, parameter z\[6\]\)"),
+    "forgotten": ("phi_z[0, 4] = 0", r"phi_z is wrong at \(height, y of b\): it is 0, a complex step gives -1"),
+}
+"""A line that spoils the parabola, and what the check says about it."""
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_wrong_derivative_of_a_users_joint_is_caught_and_named(mistake, tmp_path, monkeypatch, directory):
+    line, message = MISTAKES[mistake]
+    own = tmp_path / "own_joint.py"
+    own.write_text(
+        "from toolkit.kernel import kernel\nfrom tests.test_conformance import parabola\n\n\n@kernel\n"
+        f"def spoiled(z, w, phi, phi_z, phi_zz, phi_zww):\n    parabola(z, w, phi, phi_z, phi_zz, phi_zww)\n    {line}\n"
+    )
+    spoiled = runpy.run_path(str(own))["spoiled"]
+    kind = type("Spoiled", (ParabolaGuide,), {"kind": "test-spoiled", "formula": spoiled, "__module__": __name__})
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match=f"'test-spoiled': {message}"):
+        check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
+
+
+def test_a_joint_of_another_scene_is_refused(directory):
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ValueError, match="names body 'wheel', which does not exist"):
+        check_joint(ParabolaGuide(bodies=("wheel", "ground"), point="A", steepness=0.6), scene)
+
+
+def test_a_joint_that_hides_its_curvature_is_caught(directory):
+    kind = type("Flat", (ParabolaGuide,), {"kind": "test-flat", "curved": False, "__module__": __name__})
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match="`curved` is False, so it counts as zero"):
+        check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
+
+
+@kernel
+def forgetful_drag(z, w, force, force_z, force_w):
+    """f_x = -p v_x |v_x| would need 2 |v_x|; this one states half of it."""
+    force[0] = -z[6] * w[0] * w[0]
+    force_z[0, 6] = -w[0] * w[0]
+    force_w[0, 0] = -z[6] * w[0]
+
+
+class ForgetfulDrag(Torque):
+    """A load with a wrong derivative by the rate."""
+
+    kind = "test-forgetful-drag"
+    formula = forgetful_drag
+
+
+def test_a_wrong_derivative_of_a_load_is_caught_and_named(directory):
+    scene = Case("drag", ForgetfulDrag, {"torque": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match=r"force_w is wrong at \(force in x on a, rate of x of a\)"):
+        check_load(scene.loads["component"], scene)
+
+
+def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unknowns(directory, monkeypatch):
+    scene = next(case for case in CASES if case.kind is PositionDriver).scene(directory)
+    original = System.matrix
+    monkeypatch.setattr(System, "matrix", lambda system, values: original(system, np.where(values == values.max(), 0, values)))
+    with pytest.raises(ConformanceError, match=r"d inertial / d .* is wrong at \(.* of body .*, .* of .*\): it is 0, a complex"):
+        check_scene(scene)
 
 
 @pytest.mark.parametrize("base", [Joint, PointJoint, Load])

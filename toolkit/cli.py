@@ -13,6 +13,7 @@ from toolkit.command_line.arguments import AsJson, Changes, Method, Quiet, Scene
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
+from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.errors import ToolkitError
@@ -38,11 +39,11 @@ class Commands(TyperGroup):
 
 app = typer.Typer(
     cls=Commands,
-    add_completion=False,
     pretty_exceptions_enable=False,
     no_args_is_help=True,
     help="Flexible multibody dynamics with exact design sensitivities.",
 )
+app.add_typer(new_project, name="new")
 
 
 @app.command()

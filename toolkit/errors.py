@@ -19,3 +19,7 @@ class SingularSystemError(ToolkitError, ArithmeticError):
 
 class ConvergenceError(ToolkitError, ArithmeticError):
     """Newton's iteration stopped before it met its criterion."""
+
+
+class ConformanceError(ToolkitError, ArithmeticError):
+    """A component states a derivative that is not the derivative of its own law."""

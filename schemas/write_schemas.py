@@ -1,0 +1,21 @@
+"""Write the JSON schemas of scene.toml and skin.toml beside this script, from the classes that read those files.
+
+Run it after a change of those classes: python schemas/write_schemas.py
+"""
+
+import json
+from pathlib import Path
+
+from preprocessing.skin_file import SkinFile
+from toolkit.replaced_file import replaced
+from toolkit.scene_schema import DRAFT, scene_schema, tidy
+
+skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexible skin of ffrf-toolkit"})
+texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in {"scene": scene_schema(), "skin": skin}.items()}
+
+if __name__ == "__main__":
+    for name, text in texts.items():
+        path = Path(__file__).with_name(f"{name}.json")
+        with replaced(path) as temporary:
+            temporary.write_text(text)
+        print(f"{path} written.")

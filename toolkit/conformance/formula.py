@@ -1,0 +1,94 @@
+"""The formula of a joint or a load on its own: each derivative that it fills against a complex step of what it fills before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from toolkit.conformance.comparison import STEP, compare
+from toolkit.conformance.residual import design_paths
+from toolkit.joints.joint import Joint
+from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
+from toolkit.joints.joint_kernel import ROWS
+from toolkit.kernel import plain
+from toolkit.loads.load import Load
+from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
+from toolkit.loads.load_kernel import CURVE
+from toolkit.scene import Scene
+
+POSES = [f"{what} of {body}" for body in ("a", "b") for what in ("x", "y", "angle")]
+FORCES = [f"{what} on {body}" for body in ("a", "b") for what in ("force in x", "force in y", "torque")]
+
+
+def check_joint_formula(joint: Joint, scene: Scene, rng: np.random.Generator) -> None:
+    """phi_z of phi, phi_zz of phi_z, and phi_zww of w^T phi_zz w, at random poses and rates."""
+    z, w, used = arguments(joint, scene, JOINT_ARGUMENTS, rng)
+    rows = len(joint.row_names)
+
+    def fill(at: np.ndarray) -> list[np.ndarray]:
+        shapes = [(ROWS,), (ROWS, len(z)), (ROWS, len(z), len(z)), (ROWS, len(z))]
+        filled = [np.zeros(shape, at.dtype) for shape in shapes]
+        plain(joint.law())(at, w.astype(at.dtype), *filled)
+        return [array[:rows] for array in filled]
+
+    _, phi_z, phi_zz, phi_zww = fill(z)
+    owner, names = f"{joint.kind!r}: ", argument_names(used)
+    compare(f"{owner}phi_z", phi_z[:, used], stepped(lambda at: fill(at)[0], z, used), [joint.row_names, names])
+    exact = stepped(lambda at: fill(at)[1][:, used], z, used)
+    if not joint.curved:
+        compare(f"{owner}phi_zz (`curved` is False, so it counts as zero)", 0 * exact, exact, [joint.row_names, names, names])
+        return
+    second = phi_zz[:, used][:, :, used]
+    exact[:, 6:, 6:] = second[:, 6:, 6:]  # parameter by parameter is never used
+    compare(f"{owner}phi_zz", second, exact, [joint.row_names, names, names])
+    exact = stepped(lambda at: np.einsum("ikl,k,l->i", fill(at)[2], w, w), z, used)
+    compare(f"{owner}phi_zww", phi_zww[:, used], exact, [joint.row_names, names])
+
+
+def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> None:
+    """force_z and force_w of force, at random poses and rates."""
+    z, w, used = arguments(load, scene, LOAD_ARGUMENTS, rng)
+    z[CURVE], w, used = rng.normal(), w[:6], np.append(used, CURVE)
+
+    def fill(at: np.ndarray, rates: np.ndarray) -> list[np.ndarray]:
+        dtype = np.result_type(at, rates)
+        filled = [np.zeros(shape, dtype) for shape in ((6,), (6, LOAD_ARGUMENTS), (6, 6))]
+        plain(load.law())(at.astype(dtype), rates.astype(dtype), *filled)
+        return filled
+
+    _, force_z, force_w = fill(z, w)
+    owner, names = f"{load.kind!r}: ", argument_names(used)
+    compare(f"{owner}force_z", force_z[:, used], stepped(lambda at: fill(at, w)[0], z, used), [FORCES, names])
+    rates = [f"rate of {name}" for name in POSES]
+    compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(6)), [FORCES, rates])
+
+
+def arguments(
+    component: Joint | Load, scene: Scene, size: int, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """z = (random poses, the component's parameters), rates w that are zero for parameters, numbers of the arguments that can change.
+
+    A parameter that no number of the scene moves, a switch, has no derivative that anyone could use.
+    """
+    parameters = np.array(component.parameters(scene), float)
+    z, w = np.zeros((2, size))
+    z[:6], w[:6] = rng.normal(size=(2, 6))
+    z[6 : 6 + len(parameters)] = parameters
+    moved = np.zeros(len(parameters), bool)
+    group = "joints" if isinstance(component, Joint) else "loads"
+    alone = scene.model_copy(update={"joints": {}, "loads": {}} | {group: {"component": component}})
+    for path in design_paths(alone):
+        other = alone.with_number(path, alone.number(path) + 1j * STEP)
+        moved |= np.imag(getattr(other, group)["component"].parameters(other)) != 0
+    return z, w, np.append(np.arange(6), 6 + np.flatnonzero(moved))
+
+
+def argument_names(used: np.ndarray) -> list[str]:
+    """What the arguments are."""
+    return [POSES[k] if k < 6 else "curve" if k == CURVE else f"parameter z[{k}]" for k in used]
+
+
+def stepped(function: Callable[[np.ndarray], np.ndarray], z: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Complex-step derivatives of a function by the arguments in use, on the last axis."""
+    return np.stack([function(z + 1j * STEP * np.eye(len(z))[k]).imag / STEP for k in used], axis=-1)

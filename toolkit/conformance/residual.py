@@ -1,0 +1,89 @@
+"""The equations of a whole scene against the complex step of their residual, in states that are neither small nor consistent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.compilation.component_arrays import families
+from toolkit.compilation.quantities import loads_of
+from toolkit.conformance.comparison import STEP, compare
+from toolkit.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
+from toolkit.kernel import plain
+from toolkit.scene import Scene
+from toolkit.system import System, compile_scene
+
+LEVELS = np.array([1.0, 0.7, 0.3])
+"""Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""
+
+
+def check_state_derivatives(scene: Scene, seed: int = 0) -> None:
+    """d residual / d (acceleration and multipliers, q, v), compiled, against complex steps of the plain residual."""
+    system = compile_scene(scene)
+    state, n_q = random_state(system, seed), system.n_q
+    terms = system.evaluate(inputs(system), *state)
+    names, zero = system.numbering.names, np.zeros((system.n, system.n))
+    I_acc, I_q, A_q, A_v = (system.matrix(values).toarray() for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v))
+    groups = (("acceleration or multiplier", system.n, I_acc, zero), ("q", n_q, I_q, A_q), ("v", n_q, zero, A_v))
+    for (by, count, *ours), which in zip(groups, (2, 0, 1), strict=True):
+        for group, matrix, exact in zip(("inertial", "applied"), ours, complex_step(system, state, which, count), strict=True):
+            beyond = np.zeros((system.n, system.n - count))  # multipliers are no coordinates: nothing depends on their q and v
+            compare(f"d {group} / d {by}", matrix, np.hstack([exact, beyond]), [names, names])
+
+
+def check_design_derivatives(scene: Scene, seed: int = 0) -> None:
+    """d residual / d number, for every number of the scene that can be a design variable, against complex steps."""
+    paths = design_paths(scene)
+    system = compile_scene(scene, paths)
+    state = random_state(system, seed)
+    terms = system.evaluate(inputs(system), *state, design=True)
+    residual = max(np.abs(terms.inertial).max(initial=0), np.abs(terms.applied).max(initial=0))
+    for x, path in enumerate(paths):
+        other = compile_scene(scene.with_number(path, scene.number(path) + 1j * STEP))
+        reference = plain_terms(other, inputs(other), *state)
+        least = 1e-4 * residual / max(abs(scene.number(path)), 1.0)  # entries that cancel to zero leave round-off
+        pairs = (("inertial", terms.I_x, reference.inertial), ("applied", terms.A_x, reference.applied))
+        for group, ours, exact in pairs:
+            compare(f"d {group} / d {path}", ours[:, x], exact.imag / STEP, [system.numbering.names], least)
+
+
+def design_paths(scene: Scene) -> list[str]:
+    """Paths of all numbers of a scene that can be design variables: not the times of a table."""
+    return [path for path in scene.available_paths() if ".times." not in path]
+
+
+def random_state(system: System, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """q near the start, v and [a; lam], all random and of order one."""
+    rng = np.random.default_rng(seed)
+    q, v, acc = rng.normal(size=(3, system.n))
+    q = system.start()[0] + 0.7 * q
+    q[system.n_q :] = v[system.n_q :] = 0
+    return q, v, acc
+
+
+def inputs(system: System, levels: np.ndarray = LEVELS) -> Inputs:
+    """What acts at some time, with the loads scaled."""
+    return system.inputs(0.37, levels, 0.8)
+
+
+def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, linearize: bool = False) -> Terms:
+    """Evaluate as plain Python, with complex arrays if the state is complex."""
+    scene, dtype = system.scene, np.result_type(q, v, acc, system.dtype).type
+    components: tuple[list, list] = list(scene.joints.values()), loads_of(scene)
+    functions = tuple(tuple(plain(formula) for formula in families(group)) for group in components)
+    terms, work = allocate_terms(system.plan, dtype), allocate_work(system.plan, dtype)
+    arrays = [np.asarray(item, dtype) for item in (q, v, acc)]
+    plain(evaluate)(system.plan, functions, given, *arrays, linearize, terms, work)
+    return terms
+
+
+def complex_step(system: System, state: tuple, which: int, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives (n, count) of both groups of the residual by q (0), v (1) or [a; lam] (2)."""
+    columns = []
+    for direction in np.eye(system.n)[:count]:
+        moved = [item + 1j * STEP * direction if k == which else item for k, item in enumerate(state)]
+        terms = plain_terms(system, inputs(system), *moved)
+        columns.append((terms.inertial.imag / STEP, terms.applied.imag / STEP))
+    empty = np.zeros((system.n, 0))
+    return np.column_stack([empty, *(c[0] for c in columns)]), np.column_stack([empty, *(c[1] for c in columns)])
