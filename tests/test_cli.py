@@ -209,7 +209,7 @@ def test_inspect_refuses_what_is_neither(tmp_path):
     assert "not an HDF5 file" in refused("inspect", str(foreign))
     assert "there is no reduced model" in refused("inspect", str(tmp_path / "none.h5"))
     airfoil = refused("inspect", str(ROOT / "models" / "morphing_wing" / "high_speed.dat"))
-    assert "high_speed.dat' is neither a scene (.toml) nor a reduced model (.h5). Give the path" in airfoil
+    assert "high_speed.dat' is neither a scene (.toml) nor a reduced model or results (.h5). Give the path" in airfoil
     assert "none.dat' does not exist; it is neither" in refused("inspect", str(tmp_path / "none.dat"))
     assert f"'{tmp_path}' is a folder, neither" in refused("inspect", str(tmp_path))
 

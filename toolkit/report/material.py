@@ -19,6 +19,8 @@ from toolkit.solution import Solution
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")
 """Methods that the gradients are compared with, from the roughest to the finest."""
+COMPLEX_STEP_COST, PATIENCE = 1000, 60.0
+"""How much longer than a compiled run a complex step takes, measured; and the time in s beyond which a report does without it."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Material:
 
 
 def judge(material: Material, progress: Progress) -> Material:
-    """The same material with the gradients of all numerical methods; the complex step takes seconds per variable."""
+    """The same material with the gradients of all numerical methods, without the complex step where it would take minutes."""
     names = list(material.results.variables)
     kind: Kind = "transient" if material.moving else "static"
     if not names:
@@ -68,4 +70,6 @@ def judge(material: Material, progress: Progress) -> Material:
     def run(method: str) -> Result:
         return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
 
-    return Material(material.solution, material.results, {method: run(method) for method in JUDGES})
+    seconds = COMPLEX_STEP_COST * material.results.run["wall_primal"] * len(names)
+    affordable = [method for method in JUDGES if method != "complex-step" or seconds < PATIENCE]
+    return Material(material.solution, material.results, {method: run(method) for method in affordable})
