@@ -29,10 +29,26 @@ from toolkit.scene_names import check_names, known
 class Scene(Description):
     """A multibody scene.
 
-    points : name -> Point or BodyPoint; rods run between them, joints sit at them
-    bodies, joints, loads, responses : name -> description; the body `ground` is always there
-    design : short name -> path of a number of points, bodies, joints or loads
-    directory : folder that paths of reduced models start from
+    Attributes
+    ----------
+    units
+        Unit system of all numbers.
+    points
+        Name -> [x, y] or interface point; rods run between points, joints sit at them.
+    bodies
+        Name -> body; the body `ground` is always there.
+    joints
+        Name -> joint.
+    loads
+        Name -> load.
+    design
+        Short name -> path of a number of points, bodies, joints or loads.
+    responses
+        Name -> response.
+    solver
+        Options of the analyses.
+    directory
+        Folder that paths of reduced models start from; for a scene file its own.
     """
 
     units: Literal["mm-t-s", "m-kg-s"]

@@ -19,7 +19,19 @@ class Flexible(Body):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
 
     Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
-    `velocity` = (v_x, v_y, omega) of the moving frame's origin.
+
+    Attributes
+    ----------
+    model
+        Path of the reduced model, relative to the scene's folder.
+    frame
+        Whether the reference condition is fixed to the ground or moves.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    angle
+        Rotation of the reduced model's axes at the start, in rad.
+    velocity
+        v_x, v_y of the moving frame's origin and omega at the start, in length/time and rad/time.
     """
 
     kind = "flexible"

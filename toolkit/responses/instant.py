@@ -17,7 +17,13 @@ from toolkit.units import unit
 
 
 class Instant(Response):
-    """A quantity of the state at one time: the end, unless `time` names another step."""
+    """A quantity of the state at one time: the end, unless `time` names another step.
+
+    Attributes
+    ----------
+    time
+        When; one of the time steps, by default the end.
+    """
 
     time: Number | None = Field(default=None, ge=0)
 
@@ -86,7 +92,13 @@ def magnitude(vector: np.ndarray, change: np.ndarray) -> tuple[Any, np.ndarray]:
 
 
 class TimeIntegral(Response):
-    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table."""
+    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table.
+
+    Attributes
+    ----------
+    of
+        Table of a response at one time, with its `type` and keys.
+    """
 
     kind = "time-integral"
     of: Any

@@ -45,7 +45,13 @@ def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
 
 
 class ShapeResponse(Response):
-    """Base of responses that weight the squared distances of the nodes."""
+    """Base of responses that weight the squared distances of the nodes.
+
+    Attributes
+    ----------
+    body
+        Name of a flexible body whose reduced model has a target shape.
+    """
 
     body: str
 
