@@ -18,7 +18,7 @@ from toolkit.reduced_model import Invariants, Polynomial
 
 
 def translation(n: int, axis: int) -> np.ndarray:
-    """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1."""
+    """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1, (n,)."""
     column = np.zeros(n)
     column[axis::3] = 1
     return column
@@ -67,7 +67,7 @@ def nonzero(invariants: Invariants) -> dict[str, np.ndarray]:
 
 
 def polynomials(parts: Parts, section: Section, z: np.ndarray) -> dict[str, Polynomial]:
-    """Exact dependence of every invariant on the section's parameters, relative to `section`.
+    """Exact dependence of every invariant on the section's parameters, relative to `section`, for Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term; invariants that are zero at every
     design have no polynomial.

@@ -113,7 +113,13 @@ class Table(Description):
         return self
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """f, f', f'' at the times, shape (n_t, 3)."""
+        """f, f', f'' at the times, shape (n_t, 3).
+
+        Raises
+        ------
+        InputError
+            A time of the table is complex: a design variable.
+        """
         if np.iscomplexobj(np.array(self.times)):
             raise InputError("the times of a table cannot be design variables; make its values design variables instead.")
         values = np.array(self.values)

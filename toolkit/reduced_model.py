@@ -65,7 +65,13 @@ class InterfacePoint:
     rotation: np.ndarray  # (n_powers, 1 + n_f)
 
     def at(self, arc_length: float | complex) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range."""
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range.
+
+        Raises
+        ------
+        InputError
+            The arc length is outside the range, or complex at a node, where no derivative exists.
+        """
         low, high = self.arc_length_range
         if not low <= np.real(arc_length) <= high or (low == high and np.imag(arc_length) != 0):
             raise InputError(

@@ -13,7 +13,13 @@ from toolkit.solution import Solution
 
 
 def target_shape(scene: Scene, body: str) -> Shape:
-    """The body's points and their targets, or an error that says how to get them."""
+    """The body's points and their targets.
+
+    Raises
+    ------
+    InputError
+        The body is not flexible, or its reduced model has no target shape.
+    """
     model = scene.model(flexible_body(scene, body).model, "shape")
     if model.shape is None:
         raise InputError(

@@ -17,7 +17,13 @@ from toolkit.solution import Solution
 
 
 def flexible_body(scene: Scene, body: str) -> Flexible:
-    """The flexible body of that name, or an error that lists those that exist."""
+    """The flexible body of that name.
+
+    Raises
+    ------
+    InputError
+        There is no such body, or it is not flexible; lists those that are.
+    """
     found = scene.body(body)
     if not isinstance(found, Flexible):
         flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
@@ -38,7 +44,7 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
 
 
 def stress_operator_derivatives(solution: Solution, body: str) -> dict[int, np.ndarray]:
-    """Derivatives of the stress operator by the design variables that it depends on."""
+    """Derivatives of the stress operator by the design variables that it depends on, number of the variable -> (n_s, n_f)."""
     scene, found = solution.system.scene, {}
     for x, variable in enumerate(solution.system.design):
         if variable.path.startswith(f"bodies.{body}."):
