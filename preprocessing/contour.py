@@ -40,6 +40,7 @@ class Contour:
 
     @property
     def length(self) -> float:
+        """Length of the whole loop."""
         return self.curve.length
 
     def position(self, s) -> np.ndarray:

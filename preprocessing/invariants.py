@@ -1,8 +1,10 @@
 """Invariants of a planar body, their analytical derivatives and their exact polynomials: contractions of theory section 1.
 
-m      = t_a^T M_aa t_a            N[a, :] = t_a^T M_aa Z          t_a: unit rigid translation along axis a
-G      = Z^T (M_11 + M_22) Z       H       = Z^T (M_12 - M_21) Z
-K      = Psi^T K_fe Psi            D       = Psi^T D_fe Psi        stress operator = B Psi
+With Z = [xi, Psi]:
+
+    m      = t_a^T M_aa t_a            N[a, :] = t_a^T M_aa Z          t_a: unit rigid translation along axis a
+    G      = Z^T (M_11 + M_22) Z       H       = Z^T (M_12 - M_21) Z
+    K      = Psi^T K_fe Psi            D       = Psi^T D_fe Psi        stress operator = B Psi
 """
 
 from __future__ import annotations

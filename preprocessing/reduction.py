@@ -26,7 +26,7 @@ class Basis:
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
-    """xi (3 n_nodes,): node positions (n_nodes, 2) on the translational coordinates; zero on the rotational ones, because the elements are straight."""
+    """xi (3 n_nodes,): node positions (n_nodes, 2) on the translations, and zero on the rotations, because the elements are straight."""
     return np.column_stack([nodes, np.zeros(len(nodes))]).ravel()
 
 

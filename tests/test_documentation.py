@@ -162,6 +162,14 @@ def test_sections_of_docstrings_are_underlined_as_numpydoc_wants(name):
                     assert lines[k + 2].strip()
 
 
+@pytest.mark.parametrize("name", MODULES)
+def test_formulas_in_rows_are_indented_so_that_they_stay_in_rows(name):
+    for node in ast.walk(TREES[name]):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
+            lines = (ast.get_docstring(node) or "").splitlines()  # what is common to all lines does not count as indentation
+            assert [line for line in lines if re.search(r"^\S.*\S {3,}\S", line)] == []
+
+
 DEFINED = {node.name for tree in TREES.values() for node in tree.body if isinstance(node, ast.ClassDef)}
 ERRORS = {name for name in DEFINED | set(vars(builtins)) if name.endswith("Error")}
 

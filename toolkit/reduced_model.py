@@ -36,7 +36,9 @@ class Invariants:
 class Polynomial:
     """Exact dependence of one invariant on the parameters p, relative to their nominal values p0.
 
-    value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+        value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+
+    Terms are few: one for each monomial that the finite elements consist of.
     """
 
     exponents: np.ndarray  # e (n_terms, n_parameters), whole numbers
@@ -118,6 +120,17 @@ class ReducedModel:
     The derivatives of the invariants are the analytical ones of the preprocessing, at the nominal design. Where an invariant is
     a polynomial of the parameters, `affine` holds it exactly for every value; the runtime prefers it. Parts that `load` was
     not asked for are None.
+
+    Attributes
+    ----------
+    dimension
+        Of space; 2.
+    reference_condition
+        What the body's frame is tied to, in words.
+    nominal_units
+        Parameter -> unit.
+    input_hash
+        SHA-256 of all files that the model was built from.
     """
 
     dimension: int

@@ -49,7 +49,8 @@ def find_equilibrium(
 ) -> tuple[Equilibrium, int]:
     """Newton at one load factor, down to round-off, from coordinates q (n,) and [0; lam] (n,).
 
-    Refuses to move any coordinate by more than `allowed`, a part of the scene's size (or rad). Returns the state and the number of iterations.
+    Refuses to move any coordinate by more than `allowed`, a part of the scene's size (or rad). Returns the state and the number of
+    iterations.
 
     Raises
     ------
