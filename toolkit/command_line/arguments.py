@@ -48,7 +48,13 @@ def split(change: str) -> tuple[str, str]:
 
 
 def design_of(scene: Scene, names: str | None) -> list[str]:
-    """Names of the design variables that were asked for."""
+    """Names of the design variables that were asked for.
+
+    Raises
+    ------
+    InputError
+        No variable is named, and the scene declares none.
+    """
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
     if not chosen:
         raise InputError(

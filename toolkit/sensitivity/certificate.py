@@ -16,7 +16,8 @@ def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[fl
 
     Returns
     -------
-    response -> fitted rate
+    rates : dict
+        Response -> fitted rate.
     """
     variables = scene.design_variables(design)
     base = direct(scene, design, kind)
@@ -45,7 +46,8 @@ def step_study(
 
     Returns
     -------
-    (relative step, largest relative difference) for every step
+    study : list of pairs
+        Relative step and largest relative difference, for every step.
     """
     exact = direct(scene, design, kind).gradients
     return [
