@@ -92,18 +92,14 @@ def sensitivity(
     quiet: Quiet = False,
 ) -> None:
     """Print the responses with their gradients."""
-    from toolkit.sensitivity.analysis import direct
-    from toolkit.sensitivity.numerical import numerical
+    from toolkit.sensitivity.methods import gradients_by
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("steps" if method is Method.direct else "variables", described, kind, names, quiet) as progress:
-        if method is Method.direct:
-            found = direct(described, names, kind, progress)
-        else:
-            found = numerical(described, names, kind, method.value, progress)
+    with at_work("gradients", described, kind, names, quiet) as progress:
+        found = gradients_by(method.value, described, names, kind, progress)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 

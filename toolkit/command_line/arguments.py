@@ -18,6 +18,7 @@ class Method(StrEnum):
     """How gradients are computed."""
 
     direct = "direct"
+    adjoint = "adjoint"
     complex_step = "complex-step"
     forward_difference = "forward-difference"
     central_difference = "central-difference"
