@@ -5,10 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
+from toolkit.loads.spring_damper import RotationalSpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.point import Point
+from toolkit.profile import Sine
 from toolkit.run_options import Baumgarte, RunOptions
 from toolkit.scene import Scene
 from toolkit.solvers.transient import simulate
@@ -88,17 +91,46 @@ def test_constant_baumgarte_parameters_keep_the_order(system, reference):
 )
 def test_sensitivities_are_exact_at_every_step_size(scheme, rho_inf):
     """They differentiate the discrete equations: a complex step of the whole run agrees however coarse the step is."""
-    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)}
-    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": Rod(between=("A", "B"), area=1.0, density=1.5)}
-    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
-    loads = {"gravity": Gravity(acceleration=(0.0, -9.81))}
-    scene = Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads=loads)
+    scene, design = driven_pendulum(), [*DESIGN, "bodies.lower.velocity.2", "loads.motor.curve.phase"]
     options = RunOptions(end_time=0.8, step=0.05, scheme=scheme, rho_inf=rho_inf, tolerance=1e-13, drift_tolerance=1e-2)
-    run = simulate(compile_scene(scene, DESIGN), options)
-    for x, path in enumerate(DESIGN):
+    run = simulate(compile_scene(scene, design), options)
+    for x, path in enumerate(design):
         stepped = simulate(compile_scene(scene.with_number(path, scene.number(path) + 1e-30j)), options)
         for name in ("q", "v", "a", "multipliers"):
             exact = getattr(stepped, name).imag / 1e-30
             ours = getattr(run, f"d{name}")[..., x]
             # round-off, multiplied by the condition of the multipliers' equations
             np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
+
+
+def driven_pendulum() -> Scene:
+    """A double pendulum that starts with a spin and is driven by a torque that acts from the start."""
+    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)}
+    lower = Rod(between=("A", "B"), area=1.0, density=1.5, velocity=(0.0, 0.0, 0.7))
+    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": lower}
+    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
+    motor = Torque(body="upper", point="O", torque=1.3, curve=Sine(frequency=0.8, phase=0.5))
+    loads = {"gravity": Gravity(acceleration=(0.0, -9.81)), "motor": motor}
+    return Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads=loads)
+
+
+@pytest.mark.parametrize("scheme", ["paper", "arnold-bruels"])
+def test_one_variable_alone_has_the_sensitivity_that_it_has_among_others(scheme):
+    options = RunOptions(end_time=0.8, step=0.05, scheme=scheme, tolerance=1e-13, drift_tolerance=1e-2)
+    alone, all_of_them = (simulate(compile_scene(driven_pendulum(), names), options) for names in (DESIGN[:1], DESIGN))
+    # blocks of four columns are solved in another order of the sums
+    np.testing.assert_allclose(alone.dmultipliers[..., 0], all_of_them.dmultipliers[..., 0], rtol=1e-9, atol=1e-9)
+
+
+def test_a_linear_problem_takes_two_iterations_per_step_the_second_to_see_that_the_first_was_exact():
+    block = Rigid(mass=2.0, inertia=1.0, center="P")
+    spring = RotationalSpringDamper(bodies=("block", "ground"), point="P", stiffness=3.0, rest_angle=0.2)
+    scene = Scene(units="m-kg-s", points={"P": Point(x=1.0, y=0.0)}, bodies={"block": block}, loads={"spring": spring})
+    run = simulate(compile_scene(scene), RunOptions(end_time=1.0, step=0.1))
+    assert run.newton_iterations == 2 * run.steps
+    assert run.correction <= 1e-15  # round-off of the second correction
+
+
+def test_the_largest_accepted_correction_is_reported():
+    options = RunOptions(end_time=0.8, step=0.05, tolerance=1e-6, drift_tolerance=1e-2)
+    assert 1e-12 < simulate(compile_scene(driven_pendulum()), options).correction <= 1e-6
