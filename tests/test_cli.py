@@ -275,3 +275,22 @@ def test_quiet_leaves_standard_error_to_errors(tmp_path):
     assert quiet.stderr == ""
     assert "max_stress" in quiet.stdout
     assert "cannot be read" in runner.invoke(app, ["statics", "nowhere.toml", "--quiet"]).stderr
+
+
+def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
+    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w,x_A", "--json"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    for method in ("adjoint", "complex-step"):
+        assert max(value for slopes in found["relative_differences"][method].values() for value in slopes.values()) < 1e-9
+    for response in ("max_stress", "shape_rmse", "drive_angle"):  # the others are maxima, with kinks
+        assert found["taylor_rates"][response] == pytest.approx(2.0, abs=0.2)
+    best = min(found["central_differences"], key=lambda point: point["largest_relative_difference"])
+    assert 1e-7 < best["relative_step"] < 1e-2  # truncation on one side, round-off on the other
+
+
+def test_certify_ends_with_an_error_where_exact_methods_disagree():
+    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w", "--tolerance", "0"])
+    assert done.exit_code == 1
+    assert "digits as complex step" in done.stdout
+    assert re.search(r"direct differentiation and (adjoint|complex-step) disagree on d \w+ / d t_w", done.stderr)

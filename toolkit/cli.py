@@ -9,7 +9,19 @@ import typer
 from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import AsJson, Changes, Method, Quiet, SceneFile, design_of, prepare_folder, read
+from toolkit.command_line.arguments import (
+    AsJson,
+    Changes,
+    Method,
+    Quiet,
+    SceneFile,
+    Static,
+    Variables,
+    design_of,
+    prepare_folder,
+    read,
+)
+from toolkit.command_line.certification import certify
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
@@ -82,10 +94,8 @@ def statics(
 def sensitivity(
     scene: SceneFile,
     method: Annotated[Method, typer.Option(help="How the gradients are computed.")] = Method.direct,
-    variables: Annotated[
-        str | None, typer.Option(metavar="t_w,x_A,...", help="Short names or paths; by default all that the scene declares.")
-    ] = None,
-    static: Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")] = False,
+    variables: Variables = None,
+    static: Static = False,
     changes: Changes = None,
     output: Output = None,
     as_json: AsJson = False,
@@ -167,6 +177,7 @@ def render(
         typer.echo("\n".join(str(file) for file in files))
 
 
+app.command()(certify)
 app.command()(export)
 app.command()(report)
 

@@ -28,6 +28,10 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
 ]
+Variables = Annotated[
+    str | None, typer.Option(metavar="t_w,x_A,...", help="Short names or paths; by default all that the scene declares.")
+]
+Static = Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
