@@ -14,7 +14,8 @@ from toolkit.point import Point
 from toolkit.profile import Sine
 from toolkit.run_options import Baumgarte, RunOptions
 from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
+from toolkit.solvers.scheme import generalized_alpha
+from toolkit.solvers.transient import constraint_levels, simulate
 from toolkit.system import System, compile_scene
 
 DURATION, SAMPLES = 0.8, 20
@@ -134,3 +135,32 @@ def test_a_linear_problem_takes_two_iterations_per_step_the_second_to_see_that_t
 def test_the_largest_accepted_correction_is_reported():
     options = RunOptions(end_time=0.8, step=0.05, tolerance=1e-6, drift_tolerance=1e-2)
     assert 1e-12 < simulate(compile_scene(driven_pendulum()), options).correction <= 1e-6
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("name", ["paper", "arnold-bruels"])
+def test_every_step_satisfies_the_scheme_as_it_is_written(name, rho_inf):
+    """The docstring of `Scheme`, line by line in numpy, for loads that act from the start."""
+    system = compile_scene(driven_pendulum())
+    options = RunOptions(end_time=0.4, step=0.02, scheme=name, rho_inf=rho_inf, tolerance=1e-13, drift_tolerance=1e-2)
+    run, scheme, n_q = simulate(system, options), generalized_alpha(name, rho_inf, 0.02), system.n_q
+    pad = np.zeros(system.n - n_q)
+
+    def groups(n: int) -> tuple[np.ndarray, np.ndarray]:
+        acc = np.concatenate([run.a[n], run.multipliers[n]])
+        inputs = system.inputs(run.times[n], constraint_levels(options))
+        terms = system.evaluate(inputs, np.append(run.q[n], pad), np.append(run.v[n], pad), acc)
+        return terms.inertial, terms.applied
+
+    h, w = scheme.h, run.a[0]
+    for n in range(run.steps):
+        w_new = scheme.new * run.a[n + 1] + scheme.old * run.a[n] - scheme.carry * w
+        v = run.v[n] + h * ((1 - scheme.gamma) * w + scheme.gamma * w_new)
+        q = run.q[n] + h * run.v[n] + h**2 * ((0.5 - scheme.beta) * w + scheme.beta * w_new)
+        (inertial, applied), (inertial_n, applied_n) = groups(n + 1), groups(n)
+        residual = scheme.weight_inertial * inertial + scheme.weight_applied * applied
+        residual += scheme.carried_inertial * inertial_n + scheme.carried_applied * applied_n
+        np.testing.assert_allclose(run.v[n + 1], v, atol=1e-12)  # round-off
+        np.testing.assert_allclose(run.q[n + 1], q, atol=1e-13)
+        np.testing.assert_allclose(residual, 0, atol=1e-8)  # Newton's tolerance 1e-13, over beta h^2 of the constraint rows
+        w = w_new
