@@ -19,8 +19,8 @@ from toolkit.solution import Solution
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")
 """Methods that the gradients are compared with, from the roughest to the finest."""
-COMPLEX_STEP_COST, PATIENCE = 1000, 60.0
-"""How much longer than a compiled run a complex step takes, measured; and the time in s beyond which a report does without it."""
+AFFORDABLE = 200_000
+"""Steps x unknowns x variables up to which a report takes a complex step: about a minute of plain Python."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,6 @@ def judge(material: Material, progress: Progress) -> Material:
     def run(method: str) -> Result:
         return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
 
-    seconds = COMPLEX_STEP_COST * material.results.run["wall_primal"] * len(names)
-    affordable = [method for method in JUDGES if method != "complex-step" or seconds < PATIENCE]
+    effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
+    affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]
     return Material(material.solution, material.results, {method: run(method) for method in affordable})
