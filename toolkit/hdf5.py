@@ -66,7 +66,7 @@ class Content:
             raise ValueError(f"{name} is {data.dtype} instead of numbers")
         self._pay(name, data)
         values = np.asarray(data[()])
-        return values if kind == "S" else values.astype(float if kind == "f" else np.int64)
+        return values if kind == "S" else values.astype(float if kind == "f" else np.int64, copy=False)
 
     def attributes(self, name: str = "/") -> dict[str, str | int | float]:
         """All attributes, each of which is one number or one text."""
