@@ -9,6 +9,7 @@ import numpy as np
 
 from preprocessing.airfoil_table import Table
 from toolkit.errors import InputError
+from toolkit.units import LARGEST
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +56,11 @@ def recognise(table: Table) -> Loop:
 def _coordinates(table: Table) -> Loop:
     points = np.array([row[:2] for row in table.rows])
     lines = np.array(table.lines)
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    bad = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
     if bad.size:
-        raise InputError(f"line {lines[bad[0]]}: a coordinate is not finite. Replace it by its value or remove the row.")
+        raise InputError(
+            f"line {lines[bad[0]]}: a coordinate is not finite or beyond {LARGEST:g}. Replace it by its value or remove the row."
+        )
     _refuse_counting_column(table)
     domain = _has_mses_domain(table)
     wide = [line for row, line in zip(table.rows[domain:], table.lines[domain:], strict=True) if len(row) > 2]
@@ -96,7 +99,7 @@ def _openvsp_counts(header: tuple[str, ...]) -> tuple[int, int] | None:
     text = "\n".join(header)
     if re.search(r"^1\s+Sym Flag", text, re.MULTILINE):
         raise InputError("OpenVSP file with symmetry flag 1 (one surface only). Export it with both surfaces.")
-    counts = re.findall(r"^(\d+)\s+Num Pnts", text, re.MULTILINE)
+    counts = re.findall(r"^(\d{1,9})\s+Num Pnts", text, re.MULTILINE)
     return (int(counts[0]), int(counts[1])) if len(counts) == 2 else None
 
 

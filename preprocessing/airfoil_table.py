@@ -8,6 +8,8 @@ from pathlib import Path
 
 from toolkit.errors import InputError
 
+LARGEST_FILE = 1_000_000
+"""Bytes; the most rows that are accepted have some 100 kB."""
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([EeDd][+-]?\d+)?")
 _NOT_FINITE = re.compile(r"[+-]?(nan|inf|infinity)|\*+", re.IGNORECASE)  # asterisks: overflow of a Fortran format
 _DECIMAL_COMMA = re.compile(r"[+-]?\d*,\d+")
@@ -32,15 +34,25 @@ def read_text(path: Path) -> str:
         The file cannot be read, or is no text.
     """
     try:
-        content = path.read_bytes()
+        content = read_start(path)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}. Check the path {str(path)!r}.") from error
+    if len(content) > LARGEST_FILE:
+        raise InputError(
+            f"has more than {LARGEST_FILE} bytes. Give a file of coordinates, of which one section has a few hundred."
+        )
     if b"\0" in content:
         raise InputError("is not a text file (it holds zero bytes). Save the coordinates as plain text, UTF-8 or ASCII.")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("latin-1")
+
+
+def read_start(path: Path) -> bytes:
+    """The whole file, or one byte more than any airfoil file has."""
+    with path.open("rb") as file:
+        return file.read(LARGEST_FILE + 1)
 
 
 def split_table(text: str) -> Table:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing.airfoil_table import read_start
 from preprocessing.assembly import Rayleigh, assemble, derivative, matrices_at
 from preprocessing.geometry import Geometry, Remark, at_key, read_geometry
 from preprocessing.gmsh_session import load_gmsh
@@ -72,7 +73,7 @@ def _measured(content: bytes) -> bytes:
 
 def _airfoil_bytes(path: Path) -> bytes:
     try:
-        return path.read_bytes()
+        return read_start(path)
     except OSError as error:
         raise InputError(
             f"the airfoil file {str(path)!r} cannot be read ({error.strerror}). Mend the path; it is relative to the TOML file."

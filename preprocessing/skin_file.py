@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
 from toolkit.errors import InputError
-
-LARGEST = 1e20
-"""Numbers of any unit system lie between this and its inverse, and products of several of them still are floating-point numbers."""
+from toolkit.toml_file import read_toml
+from toolkit.units import LARGEST
 
 
 def _ordinary(value: float) -> float:
@@ -136,12 +134,7 @@ def read_skin_file(path: str | Path) -> SkinFile:
         The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
     """
     path = Path(path)
-    try:
-        content = tomllib.loads(path.read_bytes().decode("utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a skin.toml.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{str(path)!r} is not a TOML file: {error}. Mend that line.") from error
+    content = read_toml(path, "a skin.toml")
     try:
         return SkinFile.model_validate(content)
     except ValidationError as error:

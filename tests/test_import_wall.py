@@ -15,11 +15,20 @@ DRAWING = ("toolkit.render", "toolkit.report")
 PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
 SHARED = tuple(
     f"toolkit.{name}"
-    for name in ("reduced_model", "reduced_model_check", "reduced_model_file", "replaced_file", "errors", "units")
+    for name in (
+        "reduced_model",
+        "reduced_model_check",
+        "reduced_model_file",
+        "replaced_file",
+        "hdf5",
+        "toml_file",
+        "errors",
+        "units",
+    )
 )
 
 LAYERS = [
-    ("errors", "kernel", "planar", "units", "design", "replaced_file"),
+    ("errors", "kernel", "planar", "units", "design", "replaced_file", "hdf5", "toml_file"),
     ("description", "validation_messages", "run_options", "time_grid", "profile"),
     ("reduced_model", "reduced_model_check", "reduced_model_file", "linear"),
     ("point", "component", "bodies"),

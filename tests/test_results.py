@@ -236,7 +236,7 @@ def elsewhere(file):
         (put("bodies/skin/stress", np.full((25, 120), np.inf)), "not finite"),
         (put("q", np.bytes_(b"text")), "instead of numbers"),
         (put("names/coordinates", np.array([b"one"])), "instead of 102 names"),
-        (put("about", np.bytes_(b"{")), "cannot be read"),
+        (put("about", np.bytes_(b"{")), "damaged or incomplete: Expecting property name"),
         (put("about", np.zeros(3)), "instead of a text"),
         (edit(responses=3), "responses"),
         (edit(kind="adventurous"), "kind"),

@@ -5,12 +5,22 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, ClassVar, Self
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
 from toolkit.errors import InputError
+from toolkit.units import LARGEST, SMALLEST
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-"""A finite number; no text and no truth value passes for one."""
+
+def _ordinary(value: float) -> float:
+    if value and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(
+            f"{value:g} cannot be meant: numbers are zero or from {SMALLEST:g} to {LARGEST:g}; mend the exponent or the units"
+        )
+    return value
+
+
+Number = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_ordinary)]
+"""A finite number of a size that a unit system can bring about; no text and no truth value passes for one."""
 Positive = Annotated[Number, Field(gt=0)]
 NotNegative = Annotated[Number, Field(ge=0)]
 Pair = tuple[Number, Number]

@@ -9,13 +9,18 @@ import numpy as np
 
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints, generalized_mass
-from toolkit.units import UNIT_SYSTEMS
+from toolkit.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 
 RIGID = 1e-12
 """Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7."""
 
 ROUND_OFF = 1e-9
 """Largest relative difference of two numbers that should be equal; sums over some hundred nodes leave 1e-13."""
+
+MAGNITUDE = LARGEST**3
+"""Largest number of a model, a product of some that the user gave; products of these still are floating-point numbers."""
+
+HIGHEST_POWER = 20
 
 SHAPES: dict[Any, dict[str, str]] = {
     Invariants: {
@@ -62,9 +67,15 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
         _refuse(path, "dimension", f"is {model.dimension}; only planar models, of dimension 2, can be used")
     if model.units not in UNIT_SYSTEMS:
         _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
+    texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash")}
+    for group in ("nominal_units", "writers"):
+        texts |= {f"{group}/{name}": value for name, value in getattr(model, group).items()}
+    for name, value in texts.items():
+        if not isinstance(value, str):
+            _refuse(path, name, f"is {value!r} instead of a text")
     for name, value in model.nominal.items():
-        if not isinstance(value, (int, float)) or not np.isfinite(value):
-            _refuse(path, f"nominal/{name}", f"is {value!r} instead of a finite number")
+        if not isinstance(value, (int, float)) or not (value == 0 or SMALLEST <= abs(value) <= LARGEST):
+            _refuse(path, f"nominal/{name}", f"is {value!r} instead of a number that is zero or from {SMALLEST:g} to {LARGEST:g}")
         if name not in model.nominal_units:
             _refuse(path, f"nominal_units/{name}", "is missing")
 
@@ -74,7 +85,9 @@ def _check_matrices(inv: Invariants, path: Path) -> None:
         matrix = getattr(inv, name)
         if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    if len(inv.stiffness) and np.linalg.eigvalsh(generalized_mass(inv)).min() <= RIGID:
+    try:
+        np.linalg.cholesky(generalized_mass(inv) - RIGID * np.eye(3 + len(inv.stiffness)))
+    except np.linalg.LinAlgError:
         _refuse(path, "invariants/inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
 
 
@@ -96,8 +109,8 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         place, free = f"affine/{name}", dict(sizes)
         _fit(path, f"{place}/coefficients", polynomial.coefficients, "k" + _of_invariant(path, "affine", name), free)
         _fit(path, f"{place}/exponents", polynomial.exponents, "kp", free)
-        if np.any(polynomial.exponents != np.round(polynomial.exponents)):
-            _refuse(path, f"{place}/exponents", "holds numbers that are not whole")
+        if np.any(polynomial.exponents != np.round(polynomial.exponents)) or np.any(np.abs(polynomial.exponents) > HIGHEST_POWER):
+            _refuse(path, f"{place}/exponents", f"holds numbers that are not whole or beyond {HIGHEST_POWER}")
         difference = np.sum(polynomial.coefficients, axis=0) - getattr(model.invariants, name)
         if np.abs(difference).max(initial=0) > ROUND_OFF * np.abs(polynomial.coefficients).max(initial=0):
             _refuse(path, f"{place}/coefficients", f"differs from invariants/{name} at the nominal design")
@@ -140,8 +153,8 @@ def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
 
 def _fit(path: Path, place: str, array: np.ndarray, letters: str, sizes: Sizes) -> None:
     """Refuse an array whose shape disagrees with its letters or whose values are no finite numbers; note the size of new letters."""
-    if array.dtype.kind not in "iuf" or not np.isfinite(array).all():
-        _refuse(path, place, "holds values that are not finite numbers")
+    if array.dtype.kind not in "iuf" or not (np.abs(array) <= MAGNITUDE).all():
+        _refuse(path, place, f"holds values that are not finite numbers, or are beyond {MAGNITUDE:g}")
     if array.ndim != len(letters) or any(
         sizes.setdefault(letter, n) != n for letter, n in zip(letters, array.shape, strict=True)
     ):

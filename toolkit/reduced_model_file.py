@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import fields
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import h5py
 import numpy as np
 
 from toolkit.errors import ModelFileError
+from toolkit.hdf5 import FORMAT, Content, reading, schema_of, write_array
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Polynomial, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.replaced_file import replaced
@@ -18,6 +20,7 @@ from toolkit.replaced_file import replaced
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 1
 SIGNATURE = b"\x89HDF\r\n\x1a\n"  # first bytes of every HDF5 file
+ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 
@@ -45,35 +48,29 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
     """
     path = Path(path)
     _check_signature(path)
-    try:
-        with h5py.File(path, "r") as file:
-            _check_schema(file, path)
-            content = {name: _read_part(file, name, path) for name in PARTS if name in parts or name == "invariants"}
-            attributes: dict[str, Any] = {
-                f.name: _plain(file.attrs[f.name]) for f in fields(ReducedModel) if f.name in file.attrs
-            }
-            missing = [f.name for f in fields(ReducedModel)[:8] if f.name not in (*attributes, *(set(MAPS) & set(file)))]
-            if missing:
-                raise ModelFileError(f"{str(path)!r} lacks {', '.join(missing)}. Build it again with ffrf-preprocess.")
-            maps: dict[str, Any] = {name: {k: _plain(v) for k, v in file[name].attrs.items()} for name in MAPS}
-        model = ReducedModel(**attributes, **maps, **content, path=path)
-        check(model, path)
-    except ModelFileError:
-        raise
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError) as error:
-        raise ModelFileError(
-            f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete. Build it again with ffrf-preprocess."
-        ) from error
+    with reading(path, partial(_damaged, path)) as content:
+        attributes: dict[str, Any] = content.attributes()
+        _check_schema(attributes, path)
+        found = {name: _read_part(content, name) for name in PARTS if name in parts or name == "invariants"}
+        own = {name: attributes[name] for name in ATTRIBUTES if name in attributes}
+        if len(own) < len(ATTRIBUTES):
+            raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
+        maps: dict[str, Any] = {name: content.attributes(name) for name in MAPS}
+    model = ReducedModel(**own, **maps, **found, path=path)
+    check(model, path)
     return model
 
 
 def is_reduced_model(path: str | Path) -> bool:
     """Whether a file calls itself a reduced model, of whatever schema version and even if parts of it are missing."""
-    try:
-        with h5py.File(path, "r") as file:
-            return bool(file.attrs.get("schema") == SCHEMA)
-    except (OSError, RuntimeError, ValueError):
-        return False
+    return schema_of(Path(path)) == SCHEMA
+
+
+def _damaged(path: Path, reason: str) -> ModelFileError:
+    return ModelFileError(
+        f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete ({reason}). Build it again with "
+        "ffrf-preprocess."
+    )
 
 
 def _check_signature(path: Path) -> None:
@@ -95,8 +92,8 @@ def _check_signature(path: Path) -> None:
         )
 
 
-def _check_schema(file: h5py.File, path: Path) -> None:
-    schema, version = file.attrs.get("schema"), file.attrs.get("schema_version")
+def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
+    schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ModelFileError(
             f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
@@ -109,18 +106,13 @@ def _check_schema(file: h5py.File, path: Path) -> None:
         )
 
 
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
-
-
 def _write(group: h5py.Group, name: str, value: Any) -> None:
     if value is None:
         return
     if isinstance(value, (str, int, float)):
-        group.attrs[name] = value
+        group.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
     elif isinstance(value, np.ndarray):
-        options = {"compression": "gzip", "shuffle": True} if value.size > 64 else {}
-        group.create_dataset(name, data=value, **options)
+        write_array(group, name, value)
     else:
         below = group.create_group(name, track_order=True)
         items = value.items() if isinstance(value, Mapping) else ((f.name, getattr(value, f.name)) for f in fields(value))
@@ -128,26 +120,18 @@ def _write(group: h5py.Group, name: str, value: Any) -> None:
             _write(below, key, item)
 
 
-def _read_part(file: h5py.File, name: str, path: Path) -> Any:
-    if name not in file:
-        if name == "invariants":
-            raise ModelFileError(f"{str(path)!r} has no group 'invariants'. Build it again with ffrf-preprocess.")
+def _read_part(content: Content, name: str) -> Any:
+    if name != "invariants" and not content.has(name):
         return None
-    kind, group = PARTS[name], file[name]
+    kind = PARTS[name]
     if name in _NAMED:
-        return {key: _read_object(kind, group[key], path) for key in group}
-    return _read_object(kind, group, path)
+        return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
+    return _read_object(kind, content, name)
 
 
-def _read_object(kind: Any, group: h5py.Group, path: Path) -> Any:
-    names = list(group) if kind == "arrays" else [f.name for f in fields(kind)]
-    arrays = {}
-    for name in names:
-        if name not in group:
-            raise ModelFileError(
-                f"{str(path)!r}: group {group.name!r} lacks the dataset {name!r}. Build it again with ffrf-preprocess."
-            )
-        arrays[name] = np.asarray(group[name][()])
+def _read_object(kind: Any, content: Content, group: str) -> Any:
+    names = content.group(group) if kind == "arrays" else [f.name for f in fields(kind)]
+    arrays = {name: content.array(f"{group}/{name}") for name in names}
     return arrays if kind == "arrays" else kind(**arrays)
 
 
@@ -155,8 +139,8 @@ def save(model: ReducedModel, path: str | Path) -> None:
     """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
     path = Path(path)
     check(model, path)
-    with replaced(path) as temporary, h5py.File(temporary, "w") as file:
-        file.attrs.update({"schema": SCHEMA, "schema_version": SCHEMA_VERSION})
+    with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
+        file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         for item in fields(model):
             if item.name != "path":
                 _write(file, item.name, getattr(model, item.name))

@@ -11,7 +11,11 @@ from pathlib import Path
 
 @contextmanager
 def replaced(path: Path) -> Iterator[Path]:
-    """A temporary file beside `path` to write to; it takes the name of `path` if nothing was raised."""
+    """A temporary file beside `path` to write to; it takes the name of `path` if nothing was raised.
+
+    A process that is killed leaves it behind (NAME....tmp.h5). Nothing reads such files and nothing deletes them, since another
+    process might be writing to them: that is left to the user.
+    """
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=path.stem, suffix=f".tmp{path.suffix}")
     os.close(handle)
     temporary = Path(name)

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from toolkit.description import Description, NotNegative, Number, Positive
 
-Count = Annotated[int, Field(strict=True, ge=1)]
+Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
 class Baumgarte(Description):

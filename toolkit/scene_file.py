@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -32,7 +31,8 @@ from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
-from toolkit.validation_messages import messages
+from toolkit.toml_file import parse_toml, read_toml
+from toolkit.validation_messages import SHORT, messages
 
 
 def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
@@ -44,14 +44,11 @@ def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Sc
         The file is missing, is no TOML, or a key or value is wrong; all wrong keys are reported at once.
     """
     path = Path(path)
-    try:
-        table = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of a scene in TOML.") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{str(path)!r} is not readable as TOML: {error}. Mend that line.") from error
+    table = read_toml(path, "a scene in TOML")
+    short = table.get("design", {})
     for key, text in (changes or {}).items():
-        _change(table, table.get("design", {}).get(key, key), text, path)
+        long = short.get(key) if isinstance(short, dict) else None
+        _change(table, long if isinstance(long, str) else key, text, path)
     return scene_from_table(table, path)
 
 
@@ -95,7 +92,7 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
 def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
     if isinstance(value, dict):
         return value
-    problems.append(f"{name} must be a table of names, not {value!r}.")
+    problems.append(f"{name} must be a table of names, not {SHORT.repr(value)}.")
     return {}
 
 
@@ -112,9 +109,10 @@ def _item(value: Any, kinds: Mapping[str, type], where: str, problems: list[str]
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
         return None
-    kind = kinds.get(value["type"])
+    wanted = value["type"]
+    kind = kinds.get(wanted) if isinstance(wanted, str) else None
     if kind is None:
-        problems.append(f"{where}.type = {value['type']!r} is unknown; available: {', '.join(kinds)}.")
+        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.")
         return None
     return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
 
@@ -130,14 +128,14 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
 def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
     """Set one value by its path; x and y name the entries of a pair."""
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
+        value = parse_toml(f"value = {text}")["value"]
+    except ValueError:
         value = text
     *owners, last = key.split(".")
     owner: Any = table
     for depth, name in enumerate(owners):
         index = _index(owner, name)
-        if index is None and owners[0] != "solver":
+        if index is None and (owners[0] != "solver" or isinstance(owner, list)):
             raise InputError(_leads_nowhere(key, name, owner, path))
         if index is None:
             owner[name] = {}
@@ -153,7 +151,7 @@ def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
 
 def _index(owner: Any, name: str) -> Any:
     if isinstance(owner, list):
-        index = {"x": 0, "y": 1}.get(name, int(name) if name.isdigit() else len(owner))
+        index = {"x": 0, "y": 1}.get(name, int(name) if name.isdecimal() and len(name) < 10 else len(owner))
         return index if index < len(owner) else None
     return name if name in owner else None
 

@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.component import Component
 from toolkit.errors import InputError
 from toolkit.point import BodyPoint
+from toolkit.validation_messages import SHORT
 
 PLURAL = {"body": "bodies", "point": "points", "joint": "joints"}
 
@@ -62,8 +63,10 @@ def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
 
 
 def _legal(group: str, name: str) -> None:
-    if "." in name or not name.strip():
-        raise InputError(f"{group}.{name!r} is no legal name: the dot separates the parts of a path. Use letters, digits and _.")
+    if set(name) & set("./\0") or not name.strip():
+        raise InputError(
+            f"{group}.{SHORT.repr(name)} is no legal name: dots and slashes separate the parts of a path. Use letters, digits and _."
+        )
     if group == "bodies" and name == "ground":
         raise InputError(
             "a body cannot be called 'ground': that is the inertial frame, which is always there. Choose another name."

@@ -14,6 +14,9 @@ _LABELS = {
 }  # fmt: skip
 UNIT_SYSTEMS = tuple(_LABELS)
 
+LARGEST, SMALLEST = 1e20, 1e-60
+"""Numbers of any unit system, but zero, lie between these, and products and quotients of several still are floating-point numbers."""
+
 
 def unit(system: str, quantity: str) -> str:
     """Label of a quantity, for example `unit("mm-t-s", "stress")` is "MPa".

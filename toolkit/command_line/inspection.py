@@ -28,8 +28,9 @@ def describe(path: Path) -> dict[str, Any]:
         from toolkit.scene_file import read_scene
 
         return describe_scene(read_scene(path))
+    from toolkit.hdf5 import schema_of
     from toolkit.reduced_model_file import is_reduced_model, load
-    from toolkit.results.layout import SCHEMA, schema_of
+    from toolkit.results.layout import SCHEMA
 
     if path.is_file() and schema_of(path) == SCHEMA:
         from toolkit.results.results_file import load_results

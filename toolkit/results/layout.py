@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 from toolkit.errors import ToolkitError
+from toolkit.hdf5 import Content
 
 SCHEMA = "ffrf-results"
 SCHEMA_VERSION = 1
@@ -46,70 +46,40 @@ TEXTS = ("about", "scene_text")
 UNDEFINED = ("dshape_error",)
 """Arrays that may hold nan: a derivative that does not exist."""
 
-_SQUEEZED = 1100
-"""Most that HDF5's compression makes of a byte, with a little to spare; an array that claims more was never written."""
-
 
 class ResultsFileError(ToolkitError, ValueError):
     """A results file is missing, damaged, foreign or of another schema version."""
 
 
-def array(file: h5py.File, name: str, path: Path, axes: str, sizes: dict[str, int]) -> np.ndarray:
-    """Read numbers whose axes must have the sizes found so far; sizes of new axes are noted."""
-    data = dataset(file, name, path)
-    if data.dtype.kind not in "fiu" or data.ndim != len(axes):
-        raise damaged(path, f"{name} is {data.dtype} with {data.ndim} axes instead of numbers with {len(axes)}")
-    for axis, size in zip(axes, data.shape, strict=True):
+def array(content: Content, name: str, axes: str, sizes: dict[str, int]) -> np.ndarray:
+    """Read numbers whose axes must have the sizes found so far; sizes of new axes are noted. Raises ValueError if they do not."""
+    values = content.array(name)
+    if values.dtype.kind == "S" or values.ndim != len(axes):
+        raise ValueError(f"{name} is {values.dtype} with {values.ndim} axes instead of numbers with {len(axes)}")
+    for axis, size in zip(axes, values.shape, strict=True):
         if sizes.setdefault(axis, size) != size:
-            raise damaged(path, f"{name} has the shape {data.shape}, which does not fit the other arrays")
-    values = data[()]
+            raise ValueError(f"{name} has the shape {values.shape}, which does not fit the other arrays")
     if not np.all(np.isfinite(values)) and name.rpartition("/")[2] not in UNDEFINED:
-        raise damaged(path, f"{name} holds values that are not finite")
+        raise ValueError(f"{name} holds values that are not finite")
     return values
 
 
-def names(file: h5py.File, name: str, path: Path, count: int) -> list[str]:
+def names(content: Content, name: str, count: int) -> list[str]:
     """Read a list of names of a known length."""
-    data = dataset(file, name, path)
-    if data.dtype.kind != "S" or data.shape != (count,):
-        raise damaged(path, f"{name} has {data.shape} entries of {data.dtype} instead of {count} names")
-    return [item.decode() for item in data[()].tolist()]
+    values = content.array(name)
+    if values.dtype.kind != "S" or values.shape != (count,):
+        raise ValueError(f"{name} has {values.shape} entries of {values.dtype} instead of {count} names")
+    return [item.decode() for item in values.tolist()]
 
 
-def text(file: h5py.File, name: str, path: Path) -> str:
+def text(content: Content, name: str) -> str:
     """Read a text."""
-    data = dataset(file, name, path)
-    if data.dtype.kind != "S" or data.ndim:
-        raise damaged(path, f"{name} is {data.dtype} with {data.ndim} axes instead of a text")
-    return bytes(data[()]).decode()
-
-
-def dataset(file: h5py.File, name: str, path: Path) -> h5py.Dataset:
-    """An array of the file that can be as large as it says."""
-    found = file.get(name)
-    if not isinstance(found, h5py.Dataset):
-        raise damaged(path, f"it lacks {name}")
-    elsewhere = found.is_virtual or found.external or found.file.filename != file.filename
-    if elsewhere or found.nbytes > _SQUEEZED * path.stat().st_size:
-        raise damaged(path, f"{name} claims {found.nbytes} bytes, which are not in the file")
-    return found
+    value = content.array(name)
+    if value.dtype.kind != "S" or value.ndim:
+        raise ValueError(f"{name} is {value.dtype} with {value.ndim} axes instead of a text")
+    return bytes(value[()]).decode()
 
 
 def damaged(path: Path, problem: str) -> ResultsFileError:
     """The error for a file that cannot be trusted."""
     return ResultsFileError(f"results file {str(path)!r} is damaged or incomplete: {problem}. Run the scene again with --output.")
-
-
-def schema(file: h5py.File) -> str:
-    """The attribute `schema` of a file, whether it is of fixed or of variable length."""
-    found = file.attrs.get("schema")
-    return found.decode("utf-8", "replace") if isinstance(found, bytes) else str(found)
-
-
-def schema_of(path: Path) -> str | None:
-    """Which of the program's HDF5 files it is, by its attribute `schema`; None if it cannot be read as one."""
-    try:
-        with h5py.File(path, "r") as file:
-            return schema(file)
-    except (OSError, RuntimeError, ValueError, TypeError):
-        return None

@@ -6,12 +6,14 @@ import json
 import os
 from collections.abc import Mapping
 from dataclasses import asdict, fields, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
+from toolkit.hdf5 import FORMAT, Content, reading, schema_of, write_array
 from toolkit.replaced_file import replaced
 from toolkit.results import layout
 from toolkit.results.about import About
@@ -20,9 +22,6 @@ from toolkit.results.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, 
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.analysis import Result
 from toolkit.solution import Solution
-
-FORMAT = ("v110", "v110")
-"""Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
 
 
 def save_results(
@@ -51,15 +50,15 @@ def save_results(
     with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         for name in STATES:
-            _write(file, name, getattr(results, name))
+            write_array(file, name, getattr(results, name))
         for body, found in results.bodies.items():
             for name in BODY:
-                _write(file, f"bodies/{body}/{name}", getattr(found, name))
+                write_array(file, f"bodies/{body}/{name}", getattr(found, name))
         for name in NAMES:
-            _write(file, f"names/{name}", np.char.encode(np.array(getattr(results, name), "U"), "utf-8"))
+            write_array(file, f"names/{name}", np.char.encode(np.array(getattr(results, name), "U"), "utf-8"))
         _write_gradients(file, results)
         for name, content in zip(TEXTS, (json.dumps(_about(results, path)), results.scene.text), strict=True):
-            file.create_dataset(name, data=np.bytes_(content.encode()))
+            write_array(file, name, np.bytes_(content.encode()))
     return replace(results, path=path)
 
 
@@ -69,23 +68,18 @@ def refuse_foreign(path: Path) -> None:
         raise ResultsFileError(f"there is no folder {str(path.parent)!r} for the results. Make it, or give another path.")
     if path.suffix != ".h5":
         raise ResultsFileError(f"{str(path)!r} does not end in .h5, as the name of a results file must. Add it.")
-    if path.exists() and layout.schema_of(path) != SCHEMA:
+    if path.exists() and schema_of(path) != SCHEMA:
         raise ResultsFileError(f"{str(path)!r} exists and is not a results file; it is left as it is. Give another path.")
-
-
-def _write(file: h5py.File, name: str, values: np.ndarray) -> None:
-    options = {"compression": "gzip", "shuffle": True, "fletcher32": True} if values.size else {}
-    file.create_dataset(name, data=values, **options)
 
 
 def _write_gradients(file: h5py.File, results: Results) -> None:
     """Responses and gradients as arrays too, for readers in other languages; the program itself reads `about`."""
-    _write(file, "responses/values", np.array(list(results.responses.values()), float))
+    write_array(file, "responses/values", np.array(list(results.responses.values()), float))
     gradients = [list(slopes.values()) for slopes in results.gradients.values()]
-    _write(file, "responses/gradients", np.array(gradients, float))
+    write_array(file, "responses/gradients", np.array(gradients, float))
     columns = {"names": results.responses, "units": results.response_units.values(), "variables": results.variables}
     for name, items in columns.items():
-        _write(file, f"responses/{name}", np.char.encode(np.array(list(items), "U"), "utf-8"))
+        write_array(file, f"responses/{name}", np.char.encode(np.array(list(items), "U"), "utf-8"))
 
 
 def _about(results: Results, path: Path) -> dict[str, Any]:
@@ -114,22 +108,17 @@ def load_results(path: str | Path) -> Results:
         The file is missing, no HDF5 file, foreign, of another schema version, incomplete, or its arrays do not fit together.
     """
     path = Path(path)
-    try:
-        with h5py.File(path, "r") as file:
-            _check_schema(file, path)
-            return _read(file, path)
-    except FileNotFoundError:
+    if not path.exists():
         raise ResultsFileError(
             f"there is no results file {str(path)!r}. Write one with: ffrf simulate SCENE.toml --output {path.name}."
-        ) from None
-    except ResultsFileError:
-        raise
-    except (OSError, KeyError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, RecursionError) as error:
-        raise damaged(path, f"it cannot be read ({error})") from error
+        )
+    with reading(path, partial(damaged, path)) as content:
+        _check_schema(content.attributes(), path)
+        return _read(content, path)
 
 
-def _check_schema(file: h5py.File, path: Path) -> None:
-    schema, version = layout.schema(file), file.attrs.get("schema_version")
+def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
+    schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ResultsFileError(
             f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
@@ -142,18 +131,18 @@ def _check_schema(file: h5py.File, path: Path) -> None:
         )
 
 
-def _read(file: h5py.File, path: Path) -> Results:
-    about: dict[str, Any] = About.model_validate(json.loads(layout.text(file, "about", path))).model_dump()
+def _read(content: Content, path: Path) -> Results:
+    about: dict[str, Any] = About.model_validate(json.loads(layout.text(content, "about"))).model_dump()
     sizes: dict[str, int] = {}
-    arrays: dict[str, Any] = {name: layout.array(file, name, path, axes, sizes) for name, axes in STATES.items()}
-    labels: dict[str, Any] = {name: layout.names(file, f"names/{name}", path, sizes[axis]) for name, axis in NAMES.items()}
+    arrays: dict[str, Any] = {name: layout.array(content, name, axes, sizes) for name, axes in STATES.items()}
+    labels: dict[str, Any] = {name: layout.names(content, f"names/{name}", sizes[axis]) for name, axis in NAMES.items()}
     if not sizes["t"] or not set(labels["design"]) <= set(about["variables"]):
-        raise damaged(path, "it holds no times, or derivatives by unknown variables")
+        raise ValueError("it holds no times, or derivatives by unknown variables")
     bodies = {}
     for body in about.pop("bodies"):
         own = {axis: size for axis, size in sizes.items() if axis not in "sk"}
-        bodies[body] = BodyResults(**{n: layout.array(file, f"bodies/{body}/{n}", path, axes, own) for n, axes in BODY.items()})
+        bodies[body] = BodyResults(**{n: layout.array(content, f"bodies/{body}/{n}", axes, own) for n, axes in BODY.items()})
     record = about.pop("scene")
-    scene = SceneRecord(**record | {"text": layout.text(file, "scene_text", path)})
+    scene = SceneRecord(**record | {"text": layout.text(content, "scene_text")})
     directory = str(path.parent / scene.directory)
     return Results(**about, **arrays, **labels, bodies=bodies, scene=replace(scene, directory=directory), path=path)

@@ -1,0 +1,87 @@
+"""Spoilt and hostile HDF5 files: a result, or one of the program's own errors; never another one, a crash, a hang or endless memory."""
+
+from __future__ import annotations
+
+import os
+import resource
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+import pytest
+
+from preprocessing.polygon_beam import polygon_beam
+from preprocessing.section import Section
+from toolkit.reduced_model import ReducedModel, Shape
+from toolkit.reduced_model_file import save
+from toolkit.results.results_file import save_results
+from toolkit.scene_file import read_scene
+from toolkit.sensitivity.analysis import direct
+
+ROOT = Path(__file__).parents[1]
+SCENE = """
+units = "m-kg-s"
+points = { root = { body = "beam", interface = "root" }, tip = { body = "beam", interface = "tip" } }
+bodies = { beam = { type = "flexible", model = "MODEL", frame = "moving" } }
+joints = { clamp = { type = "rigid", bodies = ["beam", "ground"], point = "root" } }
+loads = { pull = { type = "point-force", body = "beam", point = "tip", force = [0.0, 1.0] } }
+responses = { stress = { type = "max-stress", body = "beam" }, shape = { type = "shape-rms", body = "beam" } }
+solver = { end_time = 0.02, step = 0.01, load_steps = 2 }
+"""
+MOST_SECONDS, MOST_MEMORY = 150, 2000  # of processor, and MB; a batch takes some 10 s and 300 MB
+
+
+def beam() -> ReducedModel:
+    """A small model that has all parts."""
+    model = polygon_beam(np.array([[0, 0], [0.5, 0.1], [1.0, 0]]), Section(2e11, 7800.0, 0.02, 0.05), {"root": 0.0, "tip": 0.9})
+    positions = model.interfaces["tip"].position[:1]
+    return replace(model, shape=Shape(positions, positions[:, :, 0] + 0.01, np.array([0.9])))
+
+
+def good_model(folder: Path) -> None:
+    """The model in the form in which it is saved."""
+    save(beam(), folder / "good.h5")
+    (folder / "scene.toml").write_text(SCENE.replace("MODEL", "case.h5"))
+
+
+def good_old_model(folder: Path) -> None:
+    """The same in HDF5's first format, which has next to no checksums."""
+    with mock.patch("toolkit.reduced_model_file.FORMAT", "earliest"):
+        good_model(folder)
+
+
+def good_results(folder: Path) -> None:
+    """Results of a run of that model."""
+    save(beam(), folder / "model.h5")
+    (folder / "scene.toml").write_text(SCENE.replace("MODEL", "model.h5"))
+    save_results(direct(read_scene(folder / "scene.toml"), ["bodies.beam.thickness"], "transient"), folder / "good.h5", SCENE)
+
+
+def limited() -> None:
+    """A hang ends the process."""
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+@pytest.mark.parametrize(
+    ("kind", "prepare", "least"),
+    [("model", good_model, 950), ("old-model", good_old_model, 250), ("results", good_results, 750)],
+)
+def test_a_spoilt_file_is_refused_by_the_program_itself_or_does_no_harm(tmp_path, kind, prepare, least):
+    prepare(tmp_path)
+    os.mkfifo(tmp_path / "pipe")  # whoever opens it waits for ever
+    command = [sys.executable, "-m", "tests.fuzz.hdf5_batch", str(tmp_path), kind]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, preexec_fn=limited, check=False)
+    lines = done.stdout.splitlines()
+    assert done.returncode == 0, (lines[-1:], done.stderr[-2000:])
+    escaped = [line for line in lines if "-> ESCAPED" in line]
+    assert not escaped, "\n".join(escaped[:5])
+    counts = Counter(line.rpartition(" -> ")[2].split(" ")[0] for line in lines[:-1])
+    assert sum(counts.values()) >= least
+    assert 0 < counts["accepted"] < counts["refused"]
+    assert all("Build it again" in line or "Give a" in line or "Run the scene" in line for line in lines if "FileError" in line)
+    assert int(lines[-1].split()[1]) < MOST_MEMORY
