@@ -82,13 +82,37 @@ def hanging_rod(points: dict = HANGING, **joints) -> Scene:
     return scene(points, bodies, joints, {"gravity": Gravity(acceleration=(0.0, -9.81))})
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.1])
+@pytest.mark.parametrize("tilt", [0.0, 0.1, 1.0, 1.3, 1.5, np.pi / 2, -1.7, 2.5, 3.0])
 def test_a_pendulum_that_only_its_weight_holds_hangs_straight_and_swings_like_a_pendulum(tilt):
     """Without load nothing determines it; frequency of a rod about its end: omega^2 = 3 g / (2 L)."""
     points = {"O": (0.0, 0.0), "A": (np.sin(tilt), -np.cos(tilt))}
     run = solve_statics(compile_scene(hanging_rod(points)))
-    assert run.q[0, 2] == pytest.approx(-tilt, abs=1e-9)  # to the vertical, to Newton's tolerance
+    assert run.q[0, 2] == pytest.approx(-tilt, abs=1e-9)  # the short way to the vertical, to Newton's tolerance
     assert solve_modes(run).frequencies == pytest.approx([np.sqrt(1.5 * 9.81) / (2 * np.pi)], rel=NEWTON)
+
+
+def test_a_double_pendulum_finds_the_valley_that_it_starts_above():
+    """A spring between the rods, whose twist tells one valley from another; a damped motion from the same start ends in it."""
+    angles = (-1.8525, 0.5420)
+    ends = np.cumsum([[0.0, 0.0], *([np.sin(a), -np.cos(a)] for a in angles)], axis=0)
+    points = dict(zip("OAB", map(tuple, ends), strict=True))
+    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=2.0), "lower": Rod(between=("A", "B"), area=1.0, density=3.0)}
+    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
+    spring = RotationalSpringDamper(bodies=("upper", "lower"), point="A", stiffness=0.5721)
+    brakes = {
+        "spring": RotationalSpringDamper(bodies=("upper", "lower"), point="A", stiffness=0.5721, damping=20.0),
+        "brake": RotationalSpringDamper(bodies=("upper", "ground"), point="O", damping=20.0),
+    }
+    gravity = {"gravity": Gravity(acceleration=(0.0, -9.81))}
+    run = solve_statics(compile_scene(scene(points, bodies, joints, {**gravity, "spring": spring})))
+    settled = simulate(compile_scene(scene(points, bodies, joints, {**gravity, **brakes})), RunOptions(end_time=60.0, step=0.05))
+    np.testing.assert_allclose(run.q[0], settled.q[-1], atol=1e-5)  # what the motion has left after 60 s
+
+
+def test_a_repeated_joint_of_a_pendulum_is_named():
+    again = Revolute(bodies=("rod", "ground"), point="O")
+    with pytest.raises(SingularSystemError, match=r"constraints .*joint 'again'.* repeat or contradict each other"):
+        solve_statics(compile_scene(hanging_rod(again=again)))
 
 
 def test_the_upright_pendulum_is_refused():

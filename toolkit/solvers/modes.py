@@ -44,7 +44,9 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
     dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q")}
     mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
-    free = _null_space(dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q])
+    free = free_motions(dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q])
+    if not free.shape[1]:
+        raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
     squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free)
     squares = np.where(np.abs(squares) < ROUND_OFF * np.abs(squares).max(initial=0), 0.0, squares)
     order = np.argsort(squares, kind="stable")[:count]
@@ -52,15 +54,11 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     return Modes(frequencies, free @ vectors[:, order])
 
 
-def _null_space(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Motions that the joints allow, in coordinates scaled to comparable size."""
-    n_q = len(weights)
+def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Basis of the motions that the joints allow, (n_q, n_free), in coordinates scaled to comparable size."""
     if not len(phi_q):
         return np.diag(1 / weights)
-    free = null_space(phi_q / weights)
-    if free.shape[1] == 0:
-        raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
-    return free.reshape(n_q, -1) / weights[:, None]
+    return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,8 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
-from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium, inputs_at
+from toolkit.solvers.descent import descend
+from toolkit.solvers.equilibrium import Equilibrium, inputs_at
 from toolkit.solvers.initial_conditions import POSITION_TOLERANCE
 from toolkit.system import System
 
@@ -23,14 +24,11 @@ def start_of_path(system: System, options: RunOptions) -> tuple[Equilibrium, flo
     """
     q = system.start()[0]
     try:
-        state, count = find_equilibrium(system, options, 0.0, q, np.zeros_like(q))
+        state, count = descend(system, options, 0.0, q, np.zeros_like(q))
     except (ConvergenceError, SingularSystemError) as error:
         _refuse_open_joints(system, options, q, error)
         first = 1.0 / options.load_steps
-        try:
-            state, count = find_equilibrium(system, options, first, q, _balancing(system, options, first, q))
-        except (ConvergenceError, SingularSystemError):
-            raise error from None
+        state, count = descend(system, options, first, q, _balancing(system, options, first, q))
         return state, first, count
     return state, 0.0, count
 

@@ -1,0 +1,75 @@
+"""A first equilibrium from positions that may be far from it: downhill in energy, in steps that never jump."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eigvalsh
+
+from toolkit.errors import ConvergenceError
+from toolkit.run_options import RunOptions
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.modes import free_motions
+from toolkit.system import System
+
+LONGEST, NEAR, MOST = 0.2, 1e-3, 300
+"""Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
+ROUND_OFF = 1e-12
+"""Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
+STANDSTILL = 1e-12
+"""A step this short where the energy falls off to some side is the top of a hill, not the bottom of a valley."""
+
+
+def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> tuple[Equilibrium, int]:
+    """Newton with a shifted stiffness, [K + s M] dq + phi_q^T dlam = - residual, phi_q dq = - phi.
+
+    The shift s makes K + s M positive definite on the motions that the joints allow wherever K is not (twice the lowest eigenvalue, or
+    enough to keep the step short), so that every step goes downhill; long steps are shortened. Open joints are closed on the way.
+
+    Raises
+    ------
+    ConvergenceError
+        There is no equilibrium in reach, or only an unstable one.
+    SingularSystemError
+        Something is free to move, or joints are redundant.
+    """
+    rest, n_q, inputs = np.zeros_like(q), system.n_q, inputs_at(system, options, factor)
+    for step in range(MOST):
+        terms = system.evaluate(inputs, q, rest, acc)
+        shift = _shift(system, terms)
+        matrix = static_matrix(system, terms) + shift * np.where(_among_coordinates(system), terms.I_acc, 0)
+        correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
+        size = (system.weights[:n_q] * np.abs(np.real(correction[:n_q]))).max(initial=0)
+        if shift == 0 and size <= NEAR:
+            found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEAR)
+            return found, count + step
+        if not np.isfinite(size) or size <= STANDSTILL:
+            break
+        part = np.where(np.arange(system.n) < n_q, min(1.0, LONGEST / size), 0)
+        q, acc = q - part * correction, acc - np.where(np.arange(system.n) < n_q, 0, correction)
+    worst = system.numbering.names[int(np.argmax(system.weights[:n_q] * np.abs(np.real(correction[:n_q]))))]
+    raise ConvergenceError(
+        f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
+        "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+    )
+
+
+def _shift(system: System, terms) -> float:
+    """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
+    n_q = system.n_q
+    mass, stiffness = (np.real(system.matrix(values).toarray())[:n_q, :n_q] for values in (terms.I_acc, terms.I_q + terms.A_q))
+    free = free_motions(np.real(system.matrix(terms.I_acc).toarray())[:n_q, n_q:].T, system.weights[:n_q])
+    if not free.shape[1]:
+        return 0.0
+    stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
+    lowest = eigvalsh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2, subset_by_index=[0, 0])[0]
+    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_q]).max() / (LONGEST * np.diag(mass).max())
+    if lowest > ROUND_OFF * max(np.abs(stiffness).max() / np.diag(mass).min(), pull):
+        return 0.0
+    return max(-2.0 * lowest, pull)
+
+
+def _among_coordinates(system: System) -> np.ndarray:
+    """Which entries of the pattern are of the coordinates' block."""
+    rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
+    return (rows < system.n_q) & (system.plan.indices < system.n_q)
