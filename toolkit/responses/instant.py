@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import field_validator
 
-from toolkit.description import Number
+from toolkit.description import NotNegative
 from toolkit.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.solution import Solution
@@ -20,7 +20,7 @@ from toolkit.units import unit
 class Instant(Response):
     """A quantity of the state at one time: the end, unless `time` names another step."""
 
-    time: Number | None = Field(default=None, ge=0)
+    time: NotNegative | None = None
 
     @property
     def needs_motion(self) -> bool:
