@@ -1,14 +1,15 @@
-# make demo: everything from a fresh clone to pictures in output/. make test, make lint: what CI runs.
+# make demo: everything from a fresh clone to pictures in output/. make test, make lint: what CI runs. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
+DOCUMENTED := $(VENV)/.documented
 BIN := $(VENV)/bin
 MODEL := models/morphing_wing
 # gmsh and off-screen pictures live on these (Debian, Ubuntu); the simulation itself needs none of them.
 LIBRARIES := libegl1 libgl1-mesa-dri libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 CAN_DRAW := 'from toolkit.render.probe import drawing_environment; drawing_environment()'
 
-.PHONY: demo test lint libraries
+.PHONY: demo test lint docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -28,6 +29,14 @@ lint: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+
+docs: $(DOCUMENTED)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+	@echo site/index.html
+
+$(DOCUMENTED): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet -e '.[docs]'
+	@touch $@
 
 $(INSTALLED): pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \

@@ -73,9 +73,12 @@ def read_airfoil(path: str | Path, units: str | None = None, chord: float | None
 
     Parameters
     ----------
-    path : file of coordinates
-    units : "chord" (default) for fractions of the chord, "percent" of the chord, or "mm" or "m" together with `chord`
-    chord : chord length in the stated length unit, for "mm" and "m" only
+    path : str or Path
+        File of coordinates.
+    units : str
+        "chord" (default) for fractions of the chord, "percent" of the chord, or "mm" or "m" together with `chord`.
+    chord : float
+        Chord length in the stated length unit, for "mm" and "m" only.
 
     Raises
     ------

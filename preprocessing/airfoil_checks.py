@@ -18,7 +18,13 @@ _ROUNDING = 1e-5  # chord; the usual files hold five decimals
 
 
 def check(loop: Loop) -> tuple[str, ...]:
-    """Warnings of a loop in fractions of the chord; raises InputError for what cannot be a section."""
+    """Warnings of a loop in fractions of the chord.
+
+    Raises
+    ------
+    InputError
+        The loop cannot be a section.
+    """
     if len(loop.points) < MIN_ROWS:
         raise InputError(f"only {len(loop.points)} rows; at least {MIN_ROWS} are needed. Complete the file.")
     if len(loop.points) > MAX_ROWS:

@@ -26,7 +26,13 @@ class Table:
 
 
 def read_text(path: Path) -> str:
-    """Text of the file without a byte-order mark; titles in Latin-1 are accepted, a binary file is not."""
+    """Text of the file without a byte-order mark; titles in Latin-1 are accepted, a binary file is not.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, or is no text.
+    """
     try:
         content = read_start(path)
     except OSError as error:
@@ -50,7 +56,13 @@ def read_start(path: Path) -> bytes:
 
 
 def split_table(text: str) -> Table:
-    """Rows of the file: a line counts only if all its fields are numbers; the first text behind them ends the data."""
+    """Rows of the file: a line counts only if all its fields are numbers; the first text behind them ends the data.
+
+    Raises
+    ------
+    InputError
+        A row cannot be meant; names the line.
+    """
     header: list[str] = []
     rows: list[tuple[float, ...]] = []
     lines: list[int] = []

@@ -47,6 +47,7 @@ class ArcLengthSpline:
 
     @property
     def length(self) -> float:
+        """Length of the whole curve."""
         return float(self.point_s[-1])
 
     def position(self, s) -> np.ndarray:

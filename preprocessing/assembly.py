@@ -51,7 +51,9 @@ Parts = Mapping[Exponents, Matrices]
 def assemble(mesh: CurveMesh, rayleigh: Rayleigh) -> dict[Exponents, Matrices]:
     """Parts of the matrices; what depends on geometry only stands here, what depends on the section in the monomials.
 
-    M_ab = rho b t (...),   K = E b t K_1 + E b t^3 K_3,   D = a M + b K,   stress = E (...) + E t (...)
+    With the thickness t and the width b of the section:
+
+        M_ab = rho b t (...),   K = E b t K_1 + E b t^3 K_3,   D = a M + b K,   stress = E (...) + E t (...)
     """
     ends = mesh.ends
     mass = beam.component_mass(ends)

@@ -34,8 +34,10 @@ def build(path: str | Path, remark: Remark | None = None) -> ReducedModel:
 
     Parameters
     ----------
-    path : skin.toml; the paths of the airfoil files are relative to it
-    remark : called with every repair of an airfoil file and every warning about it or the thickness, in words
+    path : str or Path
+        skin.toml; the paths of the airfoil files are relative to it.
+    remark : callable
+        Called with every repair of an airfoil file and every warning about it or the thickness, in words.
 
     Raises
     ------

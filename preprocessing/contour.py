@@ -40,6 +40,7 @@ class Contour:
 
     @property
     def length(self) -> float:
+        """Length of the whole loop."""
         return self.curve.length
 
     def position(self, s) -> np.ndarray:
@@ -55,7 +56,13 @@ class Contour:
         return self.curve.curvature(s)
 
     def at_row(self, i: int) -> float:
-        """Arc length of row i of the points, counted from 0."""
+        """Arc length of row i of the points, counted from 0.
+
+        Raises
+        ------
+        InputError
+            There is no such row.
+        """
         n = len(self.curve.point_s)
         if not 0 <= i < n:
             raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")

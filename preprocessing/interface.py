@@ -23,8 +23,10 @@ def interface_point(mesh: CurveMesh, arc_lengths: np.ndarray, z: np.ndarray, arc
 
     Parameters
     ----------
-    arc_lengths : (n_nodes,) arc length of every node from F along the true curve
-    z : (n, 1 + n_f) the basis [xi, Psi]
+    arc_lengths : (n_nodes,)
+        Arc length of every node from F along the true curve.
+    z : (n, 1 + n_f)
+        The basis [xi, Psi].
 
     Raises
     ------

@@ -1,8 +1,10 @@
 """Invariants of a planar body, their analytical derivatives and their exact polynomials: contractions of theory section 1.
 
-m      = t_a^T M_aa t_a            N[a, :] = t_a^T M_aa Z          t_a: unit rigid translation along axis a
-G      = Z^T (M_11 + M_22) Z       H       = Z^T (M_12 - M_21) Z
-K      = Psi^T K_fe Psi            D       = Psi^T D_fe Psi        stress operator = B Psi
+With Z = [xi, Psi]:
+
+    m      = t_a^T M_aa t_a            N[a, :] = t_a^T M_aa Z          t_a: unit rigid translation along axis a
+    G      = Z^T (M_11 + M_22) Z       H       = Z^T (M_12 - M_21) Z
+    K      = Psi^T K_fe Psi            D       = Psi^T D_fe Psi        stress operator = B Psi
 """
 
 from __future__ import annotations
@@ -18,7 +20,7 @@ from toolkit.reduced_model import Invariants, Polynomial
 
 
 def translation(n: int, axis: int) -> np.ndarray:
-    """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1."""
+    """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1, (n,)."""
     column = np.zeros(n)
     column[axis::3] = 1
     return column
@@ -67,7 +69,7 @@ def nonzero(invariants: Invariants) -> dict[str, np.ndarray]:
 
 
 def polynomials(parts: Parts, section: Section, z: np.ndarray) -> dict[str, Polynomial]:
-    """Exact dependence of every invariant on the section's parameters, relative to `section`.
+    """Exact dependence of every invariant on the section's parameters, relative to `section`, for Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term; invariants that are zero at every
     design have no polynomial.

@@ -41,7 +41,8 @@ def mesh_curve(stations: np.ndarray) -> CurveMesh:
 
     Parameters
     ----------
-    stations : (n_nodes, 2) positions in the order from F to G, at least two
+    stations : (n_nodes, 2)
+        Positions in the order from F to G, at least two.
 
     Raises
     ------
@@ -62,7 +63,7 @@ def mesh_curve(stations: np.ndarray) -> CurveMesh:
 
 
 def walk(elements: np.ndarray, start: int) -> list[int]:
-    """Node numbers of an open chain of two-node elements in the order of a walk from `start`."""
+    """Node numbers of an open chain of two-node elements (n_elements, 2) in the order of a walk from `start`."""
     neighbours: dict[int, list[int]] = {}
     for one, other in elements.tolist():
         neighbours.setdefault(one, []).append(other)

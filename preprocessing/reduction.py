@@ -26,12 +26,12 @@ class Basis:
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
-    """xi: node positions on the translational coordinates; zero on the rotational ones, because the elements are straight."""
+    """xi (3 n_nodes,): node positions (n_nodes, 2) on the translations, and zero on the rotations, because the elements are straight."""
     return np.column_stack([nodes, np.zeros(len(nodes))]).ravel()
 
 
 def tangent_frame(nodes: np.ndarray, node: int, name: str) -> Basis:
-    """All nodal coordinates but the three of one node, to which the frame is tied; nothing is reduced.
+    """All nodal coordinates of nodes (n_nodes, 2) but the three of one, to which the frame is tied; nothing is reduced.
 
     The frame keeps the axes and the origin of the nodes' coordinates and moves with the clamped node as with a rigid wall.
     """

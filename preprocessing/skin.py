@@ -37,6 +37,7 @@ class Skin:
 
     @property
     def length(self) -> float:
+        """Length of the skin."""
         return self.end - self.start
 
     def position(self, s) -> np.ndarray:
@@ -56,6 +57,11 @@ class Skin:
 
         "equal" spaces them evenly, "curvature" with node density 1 + grading sqrt(|kappa| L), where kappa is the
         curvature and L the length of the skin; `grading` has no unit, 0 gives equal spacing.
+
+        Raises
+        ------
+        InputError
+            Number, spacing or grading cannot be meant.
         """
         if n_elements != int(n_elements) or n_elements < 1:
             raise InputError(f"number of elements {n_elements!r} must be a whole number of at least 1.")

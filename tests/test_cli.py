@@ -161,7 +161,7 @@ def test_an_empty_list_of_variables_lists_the_available_ones():
 
 
 def test_an_unknown_method_is_a_usage_error_that_lists_the_methods():
-    done = run("sensitivity", SCENE, "--method", "adjoint")
+    done = run("sensitivity", SCENE, "--method", "guessing")
     assert done.exit_code == 2
     assert "complex-step" in done.stderr
 
@@ -209,7 +209,7 @@ def test_inspect_refuses_what_is_neither(tmp_path):
     assert "not an HDF5 file" in refused("inspect", str(foreign))
     assert "there is no reduced model" in refused("inspect", str(tmp_path / "none.h5"))
     airfoil = refused("inspect", str(ROOT / "models" / "morphing_wing" / "high_speed.dat"))
-    assert "high_speed.dat' is neither a scene (.toml) nor a reduced model (.h5). Give the path" in airfoil
+    assert "high_speed.dat' is neither a scene (.toml) nor a reduced model or results (.h5). Give the path" in airfoil
     assert "none.dat' does not exist; it is neither" in refused("inspect", str(tmp_path / "none.dat"))
     assert f"'{tmp_path}' is a folder, neither" in refused("inspect", str(tmp_path))
 
@@ -275,3 +275,22 @@ def test_quiet_leaves_standard_error_to_errors(tmp_path):
     assert quiet.stderr == ""
     assert "max_stress" in quiet.stdout
     assert "cannot be read" in runner.invoke(app, ["statics", "nowhere.toml", "--quiet"]).stderr
+
+
+def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
+    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w,x_A", "--json"])
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    for method in ("adjoint", "complex-step"):
+        assert max(value for slopes in found["relative_differences"][method].values() for value in slopes.values()) < 1e-9
+    for response in ("max_stress", "shape_rmse", "drive_angle"):  # the others are maxima, with kinks
+        assert found["taylor_rates"][response] == pytest.approx(2.0, abs=0.2)
+    best = min(found["central_differences"], key=lambda point: point["largest_relative_difference"])
+    assert 1e-7 < best["relative_step"] < 1e-2  # truncation on one side, round-off on the other
+
+
+def test_certify_ends_with_an_error_where_exact_methods_disagree():
+    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w", "--tolerance", "0"])
+    assert done.exit_code == 1
+    assert "digits as complex step" in done.stdout
+    assert re.search(r"direct differentiation and (adjoint|complex-step) disagree on d \w+ / d t_w", done.stderr)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
+from toolkit.loads.spring_damper import RotationalSpringDamper
+from toolkit.loads.torque import Torque
 from toolkit.point import Point
+from toolkit.profile import Sine
 from toolkit.run_options import Baumgarte, RunOptions
 from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
+from toolkit.solvers.scheme import generalized_alpha
+from toolkit.solvers.transient import constraint_levels, simulate
 from toolkit.system import System, compile_scene
 
 DURATION, SAMPLES = 0.8, 20
@@ -88,17 +92,75 @@ def test_constant_baumgarte_parameters_keep_the_order(system, reference):
 )
 def test_sensitivities_are_exact_at_every_step_size(scheme, rho_inf):
     """They differentiate the discrete equations: a complex step of the whole run agrees however coarse the step is."""
-    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)}
-    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": Rod(between=("A", "B"), area=1.0, density=1.5)}
-    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
-    loads = {"gravity": Gravity(acceleration=(0.0, -9.81))}
-    scene = Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads=loads)
+    scene, design = driven_pendulum(), [*DESIGN, "bodies.lower.velocity.2", "loads.motor.curve.phase"]
     options = RunOptions(end_time=0.8, step=0.05, scheme=scheme, rho_inf=rho_inf, tolerance=1e-13, drift_tolerance=1e-2)
-    run = simulate(compile_scene(scene, DESIGN), options)
-    for x, path in enumerate(DESIGN):
+    run = simulate(compile_scene(scene, design), options)
+    for x, path in enumerate(design):
         stepped = simulate(compile_scene(scene.with_number(path, scene.number(path) + 1e-30j)), options)
         for name in ("q", "v", "a", "multipliers"):
             exact = getattr(stepped, name).imag / 1e-30
             ours = getattr(run, f"d{name}")[..., x]
             # round-off, multiplied by the condition of the multipliers' equations
             np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
+
+
+def driven_pendulum() -> Scene:
+    """A double pendulum that starts with a spin and is driven by a torque that acts from the start."""
+    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.8, y=0.3), "B": Point(x=1.7, y=0.0)}
+    lower = Rod(between=("A", "B"), area=1.0, density=1.5, velocity=(0.0, 0.0, 0.7))
+    bodies = {"upper": Rod(between=("O", "A"), area=1.0, density=1.0), "lower": lower}
+    joints = {"O": Revolute(bodies=("upper", "ground"), point="O"), "A": Revolute(bodies=("upper", "lower"), point="A")}
+    motor = Torque(body="upper", point="O", torque=1.3, curve=Sine(frequency=0.8, phase=0.5))
+    loads = {"gravity": Gravity(acceleration=(0.0, -9.81)), "motor": motor}
+    return Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads=loads)
+
+
+@pytest.mark.parametrize("scheme", ["paper", "arnold-bruels"])
+def test_one_variable_alone_has_the_sensitivity_that_it_has_among_others(scheme):
+    options = RunOptions(end_time=0.8, step=0.05, scheme=scheme, tolerance=1e-13, drift_tolerance=1e-2)
+    alone, all_of_them = (simulate(compile_scene(driven_pendulum(), names), options) for names in (DESIGN[:1], DESIGN))
+    # blocks of four columns are solved in another order of the sums
+    np.testing.assert_allclose(alone.dmultipliers[..., 0], all_of_them.dmultipliers[..., 0], rtol=1e-9, atol=1e-9)
+
+
+def test_a_linear_problem_takes_two_iterations_per_step_the_second_to_see_that_the_first_was_exact():
+    block = Rigid(mass=2.0, inertia=1.0, center="P")
+    spring = RotationalSpringDamper(bodies=("block", "ground"), point="P", stiffness=3.0, rest_angle=0.2)
+    scene = Scene(units="m-kg-s", points={"P": Point(x=1.0, y=0.0)}, bodies={"block": block}, loads={"spring": spring})
+    run = simulate(compile_scene(scene), RunOptions(end_time=1.0, step=0.1))
+    assert run.newton_iterations == 2 * run.steps
+    assert run.correction <= 1e-15  # round-off of the second correction
+
+
+def test_the_largest_accepted_correction_is_reported():
+    options = RunOptions(end_time=0.8, step=0.05, tolerance=1e-6, drift_tolerance=1e-2)
+    assert 1e-12 < simulate(compile_scene(driven_pendulum()), options).correction <= 1e-6
+
+
+@pytest.mark.parametrize("rho_inf", [0.0, 0.6, 1.0])
+@pytest.mark.parametrize("name", ["paper", "arnold-bruels"])
+def test_every_step_satisfies_the_scheme_as_it_is_written(name, rho_inf):
+    """The docstring of `Scheme`, line by line in numpy, for loads that act from the start."""
+    system = compile_scene(driven_pendulum())
+    options = RunOptions(end_time=0.4, step=0.02, scheme=name, rho_inf=rho_inf, tolerance=1e-13, drift_tolerance=1e-2)
+    run, scheme, n_q = simulate(system, options), generalized_alpha(name, rho_inf, 0.02), system.n_q
+    pad = np.zeros(system.n - n_q)
+
+    def groups(n: int) -> tuple[np.ndarray, np.ndarray]:
+        acc = np.concatenate([run.a[n], run.multipliers[n]])
+        inputs = system.inputs(run.times[n], constraint_levels(options))
+        terms = system.evaluate(inputs, np.append(run.q[n], pad), np.append(run.v[n], pad), acc)
+        return terms.inertial, terms.applied
+
+    h, w = scheme.h, run.a[0]
+    for n in range(run.steps):
+        w_new = scheme.new * run.a[n + 1] + scheme.old * run.a[n] - scheme.carry * w
+        v = run.v[n] + h * ((1 - scheme.gamma) * w + scheme.gamma * w_new)
+        q = run.q[n] + h * run.v[n] + h**2 * ((0.5 - scheme.beta) * w + scheme.beta * w_new)
+        (inertial, applied), (inertial_n, applied_n) = groups(n + 1), groups(n)
+        residual = scheme.weight_inertial * inertial + scheme.weight_applied * applied
+        residual += scheme.carried_inertial * inertial_n + scheme.carried_applied * applied_n
+        np.testing.assert_allclose(run.v[n + 1], v, atol=1e-12)  # round-off
+        np.testing.assert_allclose(run.q[n + 1], q, atol=1e-13)
+        np.testing.assert_allclose(residual, 0, atol=1e-8)  # Newton's tolerance 1e-13, over beta h^2 of the constraint rows
+        w = w_new

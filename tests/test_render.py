@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ from toolkit.errors import InputError, ToolkitError
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
+from toolkit.reduced_model_file import load, save
 from toolkit.render.configuration import Configuration, names_by_place
 from toolkit.render.curves import merged, shape_errors, stress_range
 from toolkit.render.labels import label_places
@@ -225,6 +227,7 @@ def test_a_scene_with_a_moving_frame_is_drawn(opengl, tmp_path):
 
 def test_a_flexible_body_without_a_mesh_is_a_line_through_its_interface_points(opengl, tmp_path):
     write_models(tmp_path)
+    save(replace(load(tmp_path / "beam.h5"), mesh=None), tmp_path / "beam.h5")
     solution = rest(CASES[0].scene(tmp_path), 0)
     (chain,) = Configuration(solution, 0).segments("skin")
     place = solution.system.scene.position

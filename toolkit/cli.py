@@ -9,7 +9,19 @@ import typer
 from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import AsJson, Changes, Method, Quiet, SceneFile, design_of, prepare_folder, read
+from toolkit.command_line.arguments import (
+    AsJson,
+    Changes,
+    Method,
+    Quiet,
+    SceneFile,
+    Static,
+    Variables,
+    design_of,
+    prepare_folder,
+    read,
+)
+from toolkit.command_line.certification import certify
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
@@ -82,28 +94,22 @@ def statics(
 def sensitivity(
     scene: SceneFile,
     method: Annotated[Method, typer.Option(help="How the gradients are computed.")] = Method.direct,
-    variables: Annotated[
-        str | None, typer.Option(metavar="t_w,x_A,...", help="Short names or paths; by default all that the scene declares.")
-    ] = None,
-    static: Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")] = False,
+    variables: Variables = None,
+    static: Static = False,
     changes: Changes = None,
     output: Output = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Print the responses with their gradients."""
-    from toolkit.sensitivity.analysis import direct
-    from toolkit.sensitivity.numerical import numerical
+    from toolkit.sensitivity.methods import gradients_by
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("steps" if method is Method.direct else "variables", described, kind, names, quiet) as progress:
-        if method is Method.direct:
-            found = direct(described, names, kind, progress)
-        else:
-            found = numerical(described, names, kind, method.value, progress)
+    with at_work("gradients", described, kind, names, quiet) as progress:
+        found = gradients_by(method.value, described, names, kind, progress)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -171,6 +177,7 @@ def render(
         typer.echo("\n".join(str(file) for file in files))
 
 
+app.command()(certify)
 app.command()(export)
 app.command()(report)
 

@@ -42,7 +42,13 @@ class Description(BaseModel):
             yield from _numbers(name, value)
 
     def with_number(self, path: str, value: Any) -> Self:
-        """A copy in which the number at the path has another value, real or complex."""
+        """A copy in which the number at the path has another value, real or complex.
+
+        Raises
+        ------
+        InputError
+            The path leads nowhere, or to what is not a number.
+        """
         return _replace(self, path.split("."), value, path)
 
 

@@ -77,7 +77,13 @@ def copy(source, target):
 
 
 def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
-    """The functions as the fixed-length tuple of one type that the compiled loop accepts."""
+    """The functions as the fixed-length tuple of one type that the compiled loop accepts.
+
+    Raises
+    ------
+    InputError
+        More functions than slots.
+    """
     if len(functions) > SLOTS:
         raise InputError(
             f"the scene uses {len(functions)} different kinds of joints or of loads, at most {SLOTS} are possible. "

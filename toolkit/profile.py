@@ -15,7 +15,13 @@ from toolkit.errors import InputError
 
 
 class Constant(Description):
-    """f(t) = value."""
+    """f(t) = value.
+
+    Attributes
+    ----------
+    value
+        Value at all times.
+    """
 
     type: Literal["constant"] = "constant"
     value: Number = 1.0
@@ -26,7 +32,17 @@ class Constant(Description):
 
 
 class SmoothStep(Description):
-    """f(t) = height s(u), u = (t - start) / duration, s = u^3 (10 - 15 u + 6 u^2) on [0, 1], 0 before and 1 after."""
+    """f(t) = height s(u), u = (t - start) / duration, s = u^3 (10 - 15 u + 6 u^2) on [0, 1], 0 before and 1 after.
+
+    Attributes
+    ----------
+    height
+        Value after the step.
+    start
+        Time at which it begins.
+    duration
+        Time that it takes.
+    """
 
     type: Literal["smooth-step"] = "smooth-step"
     height: Number = 1.0
@@ -43,7 +59,17 @@ class SmoothStep(Description):
 
 
 class Sine(Description):
-    """f(t) = amplitude sin(2 pi frequency t + phase); frequency in 1/time, phase in rad."""
+    """f(t) = amplitude sin(2 pi frequency t + phase); frequency in 1/time, phase in rad.
+
+    Attributes
+    ----------
+    amplitude
+        Largest value.
+    frequency
+        In 1/time.
+    phase
+        In rad.
+    """
 
     type: Literal["sine"] = "sine"
     amplitude: Number = 1.0
@@ -62,6 +88,15 @@ class Table(Description):
 
     Straight lines have no second derivative at their corners and are refused as the curve of a driver. The cubic's slope is zero at
     both ends, so that it joins the constants outside without a jump in f'. Values can be design variables, times cannot.
+
+    Attributes
+    ----------
+    times
+        Times of the points, increasing.
+    values
+        As many values.
+    interpolation
+        Between the points.
     """
 
     type: Literal["table"] = "table"
@@ -78,7 +113,13 @@ class Table(Description):
         return self
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """f, f', f'' at the times, shape (n_t, 3)."""
+        """f, f', f'' at the times, shape (n_t, 3).
+
+        Raises
+        ------
+        InputError
+            A time of the table is complex: a design variable.
+        """
         if np.iscomplexobj(np.array(self.times)):
             raise InputError("the times of a table cannot be design variables; make its values design variables instead.")
         values = np.array(self.values)
@@ -96,7 +137,13 @@ class Table(Description):
 
 
 class Sum(Description):
-    """f(t) = sum of other curves."""
+    """f(t) = sum of other curves.
+
+    Attributes
+    ----------
+    terms
+        The curves.
+    """
 
     type: Literal["sum"] = "sum"
     terms: tuple[Curve, ...] = Field(min_length=1)

@@ -36,7 +36,9 @@ class Invariants:
 class Polynomial:
     """Exact dependence of one invariant on the parameters p, relative to their nominal values p0.
 
-    value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+        value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
+
+    Terms are few: one for each monomial that the finite elements consist of.
     """
 
     exponents: np.ndarray  # e (n_terms, n_parameters), whole numbers
@@ -65,7 +67,13 @@ class InterfacePoint:
     rotation: np.ndarray  # (n_powers, 1 + n_f)
 
     def at(self, arc_length: float | complex) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range."""
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range.
+
+        Raises
+        ------
+        InputError
+            The arc length is outside the range, or complex at a node, where no derivative exists.
+        """
         low, high = self.arc_length_range
         if not low <= np.real(arc_length) <= high or (low == high and np.imag(arc_length) != 0):
             raise InputError(
@@ -113,6 +121,17 @@ class ReducedModel:
     in `derivatives` was differentiated by: an invariant that it does not name there does not depend on it. Where an invariant is
     a polynomial of the parameters, `affine` holds it exactly for every value; the runtime prefers it. Parts that `load` was
     not asked for are None.
+
+    Attributes
+    ----------
+    dimension
+        Of space; 2.
+    reference_condition
+        What the body's frame is tied to, in words.
+    nominal_units
+        Parameter -> unit.
+    input_hash
+        SHA-256 of all files that the model was built from.
     """
 
     dimension: int

@@ -12,7 +12,15 @@ Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
 class Baumgarte(Description):
-    """Constraint stabilization Phi'' + 2 damping Phi' + stiffness^2 Phi = 0; by default damping = 1/step, stiffness = sqrt(2)/step."""
+    """Constraint stabilization Phi'' + 2 damping Phi' + stiffness^2 Phi = 0; by default damping = 1/step, stiffness = sqrt(2)/step.
+
+    Attributes
+    ----------
+    damping
+        In 1/time; by default 1/step.
+    stiffness
+        In 1/time; by default sqrt(2)/step.
+    """
 
     damping: NotNegative | None = None
     stiffness: NotNegative | None = None
@@ -21,11 +29,26 @@ class Baumgarte(Description):
 class RunOptions(Description):
     """Options of transient and static analysis.
 
-    scheme : "arnold-bruels", second order for every rho_inf, or "paper", the weights of its eqs. 16-23, first order for rho_inf < 1
-    rho_inf : spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve
-    tolerance : Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad)
-    drift_tolerance : a run whose joints open by more than this part of the scene's size (or rad) is refused
-    load_steps : number of equal load steps of a static analysis to begin with; a step that fails is halved
+    Attributes
+    ----------
+    end_time
+        Time at which the run ends; it begins at 0.
+    step
+        Time step; at most this, so that the end is hit exactly.
+    scheme
+        "arnold-bruels" is of second order for every rho_inf, "paper" (weights of its eqs. 16-23) of first order for rho_inf < 1.
+    rho_inf
+        Spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve.
+    baumgarte
+        Stabilization of the joints.
+    tolerance
+        Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad).
+    max_iterations
+        Newton iterations after which a step has failed.
+    load_steps
+        Number of equal load steps of a static analysis to begin with; a step that fails is halved.
+    drift_tolerance
+        A run whose joints open by more than this part of the scene's size (or rad) is refused.
     """
 
     end_time: Positive = 1.0

@@ -29,10 +29,26 @@ from toolkit.scene_names import check_names, known
 class Scene(Description):
     """A multibody scene.
 
-    points : name -> Point or BodyPoint; rods run between them, joints sit at them
-    bodies, joints, loads, responses : name -> description; the body `ground` is always there
-    design : short name -> path of a number of points, bodies, joints or loads
-    directory : folder that paths of reduced models start from
+    Attributes
+    ----------
+    units
+        Unit system of all numbers.
+    points
+        Name -> [x, y] or interface point; rods run between points, joints sit at them.
+    bodies
+        Name -> body; the body `ground` is always there.
+    joints
+        Name -> joint.
+    loads
+        Name -> load.
+    design
+        Short name -> path of a number of points, bodies, joints or loads.
+    responses
+        Name -> response.
+    solver
+        Options of the analyses.
+    directory
+        Folder that paths of reduced models start from; for a scene file its own.
     """
 
     units: Literal["mm-t-s", "m-kg-s"]
@@ -55,17 +71,35 @@ class Scene(Description):
         return {"ground": Ground(), **self.bodies}
 
     def body(self, name: str) -> Body:
-        """One body, or an error that lists all."""
+        """One body.
+
+        Raises
+        ------
+        InputError
+            There is none of that name; lists all.
+        """
         known(name, (*self.bodies, "ground"), "the scene", "body")
         return self.all_bodies()[name]
 
     def interface(self, point: str) -> Point | BodyPoint:
-        """The point as it was written."""
+        """The point as it was written.
+
+        Raises
+        ------
+        InputError
+            There is no point of that name; lists all.
+        """
         known(point, self.points, "the scene", "point")
         return self.points[point]
 
     def position(self, point: str) -> np.ndarray:
-        """Undeformed global position of a point, shape (2,)."""
+        """Undeformed global position of a point, shape (2,).
+
+        Raises
+        ------
+        InputError
+            There is no such point, or it is an interface point of a body that has none.
+        """
         written = self.interface(point)
         if isinstance(written, Point):
             return np.array([written.x, written.y])
@@ -76,7 +110,15 @@ class Scene(Description):
         return np.array(body.position) + rotation(body.angle) @ local
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """Parts of a reduced model, relative to the scene's folder; by default what the equations of motion need."""
+        """Parts of a reduced model, relative to the scene's folder; by default what the equations of motion need.
+
+        Raises
+        ------
+        InputError
+            The model is in another unit system than the scene.
+        ModelFileError
+            The file cannot be used, see `toolkit.reduced_model_file.load`.
+        """
         full = self.directory / path
         changed = full.stat().st_mtime_ns if full.exists() else 0
         model = _load(full, parts or ("affine", "derivatives", "interfaces"), changed)
@@ -89,7 +131,7 @@ class Scene(Description):
 
     @property
     def gravity(self) -> np.ndarray:
-        """Sum of all gravity loads, shape (2,)."""
+        """Sum of all gravity loads, shape (2,), length/time^2."""
         found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, Gravity)]
         return sum(found, np.zeros(2))
 
@@ -101,7 +143,13 @@ class Scene(Description):
         return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
 
     def number(self, path: str) -> Any:
-        """The number at a path; a flexible body's parameter that the scene does not set has its nominal value."""
+        """The number at a path; a flexible body's parameter that the scene does not set has its nominal value.
+
+        Raises
+        ------
+        InputError
+            There is no number at the path; lists all paths.
+        """
         written = dict(self.numbers())
         if path in written:
             return written[path]
@@ -134,7 +182,13 @@ class Scene(Description):
         return list(dict.fromkeys([*written, *self.model_parameters()]))
 
     def with_number(self, path: str, value: Any) -> Self:
-        """A copy in which one number has another value, real or complex."""
+        """A copy in which one number has another value, real or complex.
+
+        Raises
+        ------
+        InputError
+            There is no number at the path.
+        """
         if path not in dict(self.numbers()):
             self.number(path)
             group, name, key = path.split(".")
@@ -144,7 +198,13 @@ class Scene(Description):
         return super().with_number(path, value)
 
     def design_variables(self, names: list[str] | None = None) -> Design:
-        """The design variables by short name or path; all that the scene declares by default."""
+        """The design variables by short name or path; all that the scene declares by default.
+
+        Raises
+        ------
+        InputError
+            A name or path is unknown, or leads to a number without derivative; lists those that are possible.
+        """
         variables = []
         for name in self.design if names is None else names:
             path = self.design.get(name, name)

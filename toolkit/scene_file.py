@@ -53,7 +53,13 @@ def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Sc
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
-    """A scene from nested tables; `path` is the file they came from."""
+    """A scene from nested tables; `path` is the file they came from.
+
+    Raises
+    ------
+    InputError
+        A key or value is wrong; all wrong ones are reported at once.
+    """
     problems: list[str] = []
     groups = {name: _group(table.get(name, {}), name, problems) for name in ("points", "bodies", "joints", "loads", "responses")}
     parsed: dict[str, Any] = {name: {} for name in groups}

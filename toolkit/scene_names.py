@@ -49,7 +49,13 @@ def check_names(
 
 
 def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
-    """Refuse a name that does not exist, and list those that do."""
+    """Refuse a name that does not exist, and list those that do.
+
+    Raises
+    ------
+    InputError
+        The name does not exist.
+    """
     if name not in existing:
         raise InputError(
             f"{user} names {kind} {name!r}, which does not exist; {PLURAL[kind]} of the scene: {', '.join(existing) or 'none'}."

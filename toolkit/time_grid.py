@@ -11,7 +11,13 @@ MOST_STEPS = 100_000_000
 
 
 def time_grid(options: RunOptions) -> np.ndarray:
-    """Equal steps from 0 to the end time; the end is hit exactly, so the step is at most the one that was asked for."""
+    """Equal steps from 0 to the end time, (n_t,); the end is hit exactly, so the step is at most the one that was asked for.
+
+    Raises
+    ------
+    InputError
+        The step is larger than the end time, or so small that the states cannot be kept.
+    """
     steps = np.ceil(options.end_time / options.step * (1 - 1e-9))
     if options.step > options.end_time * (1 + 1e-9):
         raise InputError(

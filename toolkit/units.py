@@ -19,7 +19,13 @@ LARGEST, SMALLEST = 1e20, 1e-60
 
 
 def unit(system: str, quantity: str) -> str:
-    """Label of a quantity, for example `unit("mm-t-s", "stress")` is "MPa"."""
+    """Label of a quantity, for example `unit("mm-t-s", "stress")` is "MPa".
+
+    Raises
+    ------
+    InputError
+        The unit system is unknown.
+    """
     if system not in _LABELS:
         raise InputError(f"unknown unit system {system!r}; available: {', '.join(UNIT_SYSTEMS)}.")
     return _LABELS[system][quantity]

@@ -1,6 +1,8 @@
 """What is constant in the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
 
-inertial: M a        applied: D v + K q - scale f,    scale = 1 but in a stepwise loaded static analysis
+With the constant force f, in the two groups of the residual:
+
+    inertial: M a        applied: D v + K q - scale f,    scale = 1 but in a stepwise loaded static analysis
 """
 
 from typing import NamedTuple

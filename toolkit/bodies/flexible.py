@@ -19,7 +19,19 @@ class Flexible(Body):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
 
     Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
-    `velocity` = (v_x, v_y, omega) of the moving frame's origin.
+
+    Attributes
+    ----------
+    model
+        Path of the reduced model, relative to the scene's folder.
+    frame
+        Whether the reference condition is fixed to the ground or moves.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    angle
+        Rotation of the reduced model's axes at the start, in rad.
+    velocity
+        v_x, v_y of the moving frame's origin and omega at the start, in length/time and rad/time.
     """
 
     kind = "flexible"
@@ -56,7 +68,13 @@ class Flexible(Body):
         return scene.model(self.model).evaluate(self.model_values())
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points."""
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points.
+
+        Raises
+        ------
+        InputError
+            The point is no interface point of this body; lists those that are. Or its arc length is outside of the element.
+        """
         written, model = scene.interface(point), scene.model(self.model)
         if getattr(written, "body", None) != name:
             raise InputError(
@@ -127,7 +145,13 @@ class Flexible(Body):
 
 
 def find_interface(model: ReducedModel, interface: str, body: str) -> InterfacePoint:
-    """The interface point of that name, or an error that lists those that exist."""
+    """The interface point of that name, or an error that lists those that exist.
+
+    Raises
+    ------
+    InputError
+        There is none of that name.
+    """
     found = (model.interfaces or {}).get(interface)
     if found is None:
         raise InputError(

@@ -15,7 +15,8 @@ def add_force(markers, state, m, force, factor, residual):
 def add_geometric_stiffness(markers, state, m, force, factor, positions, stride, offset, values):
     """values += factor * d(B^T F)/dq at constant F.
 
-    theta, theta: -F . A u        theta, c and c, theta: F . A J Z
+        theta, theta: -F . A u        theta, c and c, theta: F . A J Z
+
     `positions[i * stride + k]` holds where the local entry (i, k) is stored; `offset` numbers this marker's first column.
     """
     if markers.frame[m] < 0:

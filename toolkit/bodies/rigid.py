@@ -12,7 +12,13 @@ from toolkit.description import Number, Positive
 
 
 class RigidBody(Body):
-    """Base of rigid bodies: mass, centre of mass, moment of inertia about it; velocity = (v_x, v_y, omega) of that centre."""
+    """Base of rigid bodies: mass, centre of mass, moment of inertia about it.
+
+    Attributes
+    ----------
+    velocity
+        v_x, v_y of the centre of mass and omega at the start, in length/time and rad/time.
+    """
 
     velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
 
@@ -50,7 +56,17 @@ class RigidBody(Body):
 
 
 class Rigid(RigidBody):
-    """A rigid body with explicit mass properties; its centre of mass is a point of the scene."""
+    """A rigid body with explicit mass properties; its centre of mass is a point of the scene.
+
+    Attributes
+    ----------
+    mass
+        Mass of the body.
+    inertia
+        Moment of inertia about the centre of mass, in mass length^2.
+    center
+        Point of the scene where the centre of mass is.
+    """
 
     kind = "rigid"
 
@@ -68,7 +84,17 @@ class Rigid(RigidBody):
 
 
 class Rod(RigidBody):
-    """A uniform slender rod between two points: m = density area L, inertia m L^2 / 12; it follows when a point moves."""
+    """A uniform slender rod between two points: m = density area L, inertia m L^2 / 12; it follows when a point moves.
+
+    Attributes
+    ----------
+    between
+        Points of the scene at its ends.
+    area
+        Area of the section, in length^2.
+    density
+        Mass/length^3.
+    """
 
     kind = "rod"
 

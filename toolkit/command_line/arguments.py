@@ -18,6 +18,7 @@ class Method(StrEnum):
     """How gradients are computed."""
 
     direct = "direct"
+    adjoint = "adjoint"
     complex_step = "complex-step"
     forward_difference = "forward-difference"
     central_difference = "central-difference"
@@ -27,6 +28,10 @@ SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
 ]
+Variables = Annotated[
+    str | None, typer.Option(metavar="t_w,x_A,...", help="Short names or paths; by default all that the scene declares.")
+]
+Static = Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
@@ -48,7 +53,13 @@ def split(change: str) -> tuple[str, str]:
 
 
 def design_of(scene: Scene, names: str | None) -> list[str]:
-    """Names of the design variables that were asked for."""
+    """Names of the design variables that were asked for.
+
+    Raises
+    ------
+    InputError
+        No variable is named, and the scene declares none.
+    """
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
     if not chosen:
         raise InputError(

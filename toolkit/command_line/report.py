@@ -72,13 +72,13 @@ def undefined_numbers(result: Result) -> list[str]:
 def print_tables(result: Result) -> None:
     """Values and gradients as tables, then what has to be known about them."""
     console = Console(width=WIDE, highlight=False)
-    values = _table("response", "value", "unit")
+    values = table("response", "value", "unit")
     for name, value in result.values.items():
         values.add_row(name, f"{value:.6g}", result.units[name])
     console.print(values)
     variables = next(iter(result.gradients.values()), {})
     if variables:
-        gradients = _table("gradient by", *variables)
+        gradients = table("gradient by", *variables)
         for name, slopes in result.gradients.items():
             gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes.values()))
         console.print(gradients)
@@ -119,17 +119,18 @@ def remarks(result: Result) -> list[str]:
 
 def print_frequencies(frequencies: list[float]) -> None:
     """Table of eigenfrequencies."""
-    table = _table("mode", "frequency in Hz")
+    found = table("mode", "frequency in Hz")
     for number, frequency in enumerate(frequencies, 1):
-        table.add_row(str(number), f"{frequency:.6g}")
-    Console(width=WIDE, highlight=False).print(table)
+        found.add_row(str(number), f"{frequency:.6g}")
+    Console(width=WIDE, highlight=False).print(found)
     if frequencies and frequencies[0] < 0:
         typer.echo("A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t).")
 
 
-def _table(first: str, *others: str) -> Table:
-    table = Table(box=SIMPLE)
-    table.add_column(first)
+def table(first: str, *others: str) -> Table:
+    """An empty table: a column of words, columns of numbers."""
+    made = Table(box=SIMPLE)
+    made.add_column(first)
     for name in others:
-        table.add_column(name, justify="left" if name == "unit" else "right")
-    return table
+        made.add_column(name, justify="left" if name in ("unit", "by") else "right")
+    return made

@@ -17,10 +17,16 @@ from toolkit.scene import Scene
 class Numbering:
     """Places of bodies among the coordinates, of joints among the multipliers, and the list of markers.
 
-    first : body -> number of its first coordinate
-    row : joint -> number of its first multiplier among all unknowns
-    markers : (body, point) in the order of the marker arrays
-    names : what each unknown is, for messages
+    Attributes
+    ----------
+    first
+        Body -> number of its first coordinate.
+    row
+        Joint -> number of its first multiplier among all unknowns.
+    markers
+        (body, point) in the order of the marker arrays.
+    names
+        What each unknown is, for messages.
     """
 
     first: dict[str, int]
@@ -40,7 +46,13 @@ class Numbering:
 
 
 def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
-    """Number the unknowns: bodies in the order of the scene, then the rows of the joints; `extra_markers` carry no component."""
+    """Number the unknowns: bodies in the order of the scene, then the rows of the joints; `extra_markers` carry no component.
+
+    Raises
+    ------
+    InputError
+        A joint has more rows than a planar joint can have.
+    """
     names: list[str] = []
     first, row = {}, {}
     for name, body in scene.all_bodies().items():

@@ -38,6 +38,13 @@ class Distance(Joint):
     """phi = (d . d / L - L) / 2, d from point b to point a: the two points keep their distance L.
 
     Without `length` it is the distance in the undeformed configuration and follows when a point moves.
+
+    Attributes
+    ----------
+    points
+        Names of the point on body a and that on body b.
+    length
+        L, in units of length.
     """
 
     kind = "distance"

@@ -30,7 +30,13 @@ def smooth(curve: Curve) -> Curve:
 
 
 class AngleDriver(PointJoint):
-    """phi = angle_a - angle_b - f(t): the relative rotation since the undeformed configuration follows the curve."""
+    """phi = angle_a - angle_b - f(t): the relative rotation since the undeformed configuration follows the curve.
+
+    Attributes
+    ----------
+    curve
+        Relative rotation over time, in rad; smooth, and zero at the start.
+    """
 
     kind = "angle-driver"
     formula = relative_angle
@@ -55,7 +61,13 @@ class AngleDriver(PointJoint):
 
 
 class PositionDriver(AlongAxis):
-    """phi = e . (r_a - r_b) - f(t): the offset along the axis e fixed in body b follows the curve."""
+    """phi = e . (r_a - r_b) - f(t): the offset along the axis e fixed in body b follows the curve.
+
+    Attributes
+    ----------
+    curve
+        Offset along the axis over time, in units of length; smooth, and equal to the given offset at the start.
+    """
 
     kind = "position-driver"
     formula = offset_along

@@ -14,6 +14,11 @@ class Joint(Component):
 
     `formula(z, w, phi, phi_z, phi_zz, phi_zww)` (see `joint_kernel`) fills g, g_z, g_zz and d(w^T g_zz w)/dz; if g is linear in the
     poses, `curved` is False and the last two stay zero. A time curve is subtracted from the last row.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b; `ground` is always there.
     """
 
     curved: ClassVar[bool] = True
@@ -33,7 +38,13 @@ class Joint(Component):
 
 
 class PointJoint(Joint):
-    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
+
+    Attributes
+    ----------
+    point
+        Name of the point, or of the point on body a and that on body b.
+    """
 
     point: Place
 

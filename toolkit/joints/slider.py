@@ -52,7 +52,13 @@ def offset_along(z, w, phi, phi_z, phi_zz, phi_zww):
 
 
 class AlongAxis(PointJoint):
-    """Base of joints about an axis fixed in body b; the axis is given in the undeformed configuration."""
+    """Base of joints about an axis fixed in body b; the axis is given in the undeformed configuration.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
 
     axis: Pair = (1.0, 0.0)
 
@@ -68,6 +74,11 @@ class Slider(AlongAxis):
     """phi = n . (r_a - r_b) = 0, n the normal of the axis: the point of body a slides along the axis fixed in body b.
 
     With `lock_rotation` also angle_a - angle_b = 0.
+
+    Attributes
+    ----------
+    lock_rotation
+        Whether the relative rotation is locked too.
     """
 
     kind = "slider"

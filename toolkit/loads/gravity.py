@@ -6,7 +6,13 @@ from toolkit.description import Pair, Registered
 
 
 class Gravity(Registered):
-    """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none."""
+    """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none.
+
+    Attributes
+    ----------
+    acceleration
+        g_x, g_y, in length/time^2.
+    """
 
     kind = "gravity"
 

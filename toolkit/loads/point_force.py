@@ -29,7 +29,21 @@ def point_force(z, w, force, force_z, force_w):
 
 
 class PointForce(Load):
-    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point."""
+    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
+
+    Attributes
+    ----------
+    body
+        Body that the force acts on.
+    point
+        Name of the point on it.
+    force
+        F_x, F_y.
+    frame
+        Axes of F: those of space, or those that turn with the body.
+    curve
+        s(t).
+    """
 
     kind = "point-force"
     formula = point_force

@@ -59,7 +59,21 @@ def rotational_spring_damper(z, w, force, force_z, force_w):
 
 
 class SpringDamper(Load):
-    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
+    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b.
+    points
+        Names of the point on body a and that on body b.
+    stiffness
+        k, in force/length.
+    damping
+        c, in force time/length.
+    length
+        Relaxed length; by default the distance of the points in the undeformed configuration.
+    """
 
     kind = "spring-damper"
     formula = spring_damper
@@ -90,7 +104,21 @@ class SpringDamper(Load):
 
 
 class RotationalSpringDamper(Load):
-    """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration."""
+    """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b.
+    point
+        Name of the point, or of the point on body a and that on body b.
+    stiffness
+        k, in torque/rad.
+    damping
+        c, in torque time/rad.
+    rest_angle
+        Relative rotation without torque, in rad.
+    """
 
     kind = "rotational-spring-damper"
     formula = rotational_spring_damper

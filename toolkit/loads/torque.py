@@ -26,6 +26,19 @@ class Torque(Load):
     """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
 
     With two points the reaction acts at the second.
+
+    Attributes
+    ----------
+    body
+        Body that the torque acts on.
+    point
+        Name of the point, or of the point on `body` and that on `reaction`.
+    torque
+        M, in force length.
+    curve
+        s(t).
+    reaction
+        Body that the opposite torque acts on.
     """
 
     kind = "torque"

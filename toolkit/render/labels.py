@@ -36,9 +36,14 @@ def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
 def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, letter: float, size: np.ndarray) -> np.ndarray:
     """Centres of labels for points (n, 2), all in pixels, shape (n, 2).
 
-    obstacles : (m, 2) points that should stay visible, densely along lines
-    letter : height of a letter; a text is taken to be 0.6 times as wide per letter
-    size : (2,) of the panel; labels stay inside
+    Parameters
+    ----------
+    obstacles : (m, 2)
+        Points that should stay visible, densely along lines.
+    letter : float
+        Height of a letter; a text is taken to be 0.6 times as wide per letter.
+    size : (2,)
+        Of the panel; labels stay inside.
     """
     places: list[np.ndarray] = []
     boxes: list[np.ndarray] = []

@@ -20,10 +20,16 @@ _DETAIL = 0.16
 class Look:
     """Choices for a set of pictures.
 
-    thickness : flexible body that can be drawn -> its thickness, zero if unknown
-    stress_limit : the colours run from minus to plus this stress; zero if there is no stress to show
-    points : (n, 2) what the main window contains
-    detail : (2, 2) corners of the detail, or None
+    Attributes
+    ----------
+    thickness
+        Flexible body that can be drawn -> its thickness, zero if unknown.
+    stress_limit
+        The colours run from minus to plus this stress; zero if there is no stress to show.
+    points
+        What the main window contains, (n, 2).
+    detail
+        Corners of the detail, (2, 2), or None.
     """
 
     thickness: dict[str, float]

@@ -24,12 +24,15 @@ def render_solution(
 
     Parameters
     ----------
-    instants : times, in the scene's unit; each is drawn at the nearest step. By default four, evenly spread up to the end.
-    width : width of every picture in pixels
+    instants : sequence of float
+        Times, in the scene's unit; each is drawn at the nearest step. By default four, evenly spread up to the end.
+    width : int
+        Width of every picture in pixels.
 
     Returns
     -------
-    files : `step-<number>.png` per instant; `overview.png` with up to four of them; `curves.png` if there is more than one step
+    files : list of Path
+        `step-<number>.png` per instant; `overview.png` with up to four of them; `curves.png` if there is more than one step.
 
     Raises
     ------
@@ -61,7 +64,13 @@ def render_solution(
 
 
 def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[int]:
-    """Numbers of the steps to draw, in order, each once."""
+    """Numbers of the steps to draw, in order, each once.
+
+    Raises
+    ------
+    InputError
+        An instant lies outside the solution.
+    """
     if instants is None:
         return sorted({int(step) for step in np.linspace(0, solution.steps, _INSTANTS + 1).round()[1:]})
     first, last = solution.times[0], solution.times[-1]

@@ -19,6 +19,8 @@ from toolkit.solution import Solution
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")
 """Methods that the gradients are compared with, from the roughest to the finest."""
+AFFORDABLE = 200_000
+"""Steps x unknowns x variables up to which a report takes a complex step: about a minute of plain Python."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Material:
 
 
 def judge(material: Material, progress: Progress) -> Material:
-    """The same material with the gradients of all numerical methods; the complex step takes seconds per variable."""
+    """The same material with the gradients of all numerical methods, without the complex step where it would take minutes."""
     names = list(material.results.variables)
     kind: Kind = "transient" if material.moving else "static"
     if not names:
@@ -68,4 +70,6 @@ def judge(material: Material, progress: Progress) -> Material:
     def run(method: str) -> Result:
         return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
 
-    return Material(material.solution, material.results, {method: run(method) for method in JUDGES})
+    effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
+    affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]
+    return Material(material.solution, material.results, {method: run(method) for method in affordable})

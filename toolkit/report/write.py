@@ -105,6 +105,10 @@ def _missing(material: Material) -> Section:
         lines.append(
             "Gradients are not compared with other methods here, because nothing was computed again: report the scene itself."
         )
+    if material.judges and "complex-step" not in material.judges:
+        lines.append(
+            "Gradients are not compared with a complex step, which would take minutes: ffrf sensitivity --method complex-step does it."
+        )
     if not material.results.design:
         lines.append(
             "There are no derivatives of stress and shape: report the scene itself, or a file written by ffrf sensitivity with the "

@@ -15,7 +15,8 @@ def kreisselmeier_steinhauser(values: np.ndarray, aggregation: float) -> tuple[c
     Returns
     -------
     value : float or complex
-    weights : array of the values' shape; they sum to one
+    weights : array
+        Of the values' shape; they sum to one.
     """
     largest = values.flat[np.argmax(values.real)].real
     parts = np.exp(aggregation * (values - largest))

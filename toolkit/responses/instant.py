@@ -18,7 +18,13 @@ from toolkit.units import unit
 
 
 class Instant(Response):
-    """A quantity of the state at one time: the end, unless `time` names another step."""
+    """A quantity of the state at one time: the end, unless `time` names another step.
+
+    Attributes
+    ----------
+    time
+        When; one of the time steps, by default the end.
+    """
 
     time: NotNegative | None = None
 
@@ -28,7 +34,13 @@ class Instant(Response):
         return self.time is not None
 
     def check(self, scene: Any) -> None:
-        """The time is one of the steps."""
+        """The time is one of the steps.
+
+        Raises
+        ------
+        InputError
+            There is no step at that time; names the nearest.
+        """
         self._nearest(time_grid(scene.solver))
 
     @abstractmethod
@@ -36,7 +48,13 @@ class Instant(Response):
         """Value and partial derivatives at one step; q, v (n_q,), multipliers (n_lam,), design (n_x,)."""
 
     def step(self, solution: Solution) -> int:
-        """Number of the step at `time`."""
+        """Number of the step at `time`.
+
+        Raises
+        ------
+        InputError
+            There is no step at that time; names the nearest.
+        """
         return self._nearest(solution.times)
 
     def _nearest(self, times: np.ndarray) -> int:
@@ -58,7 +76,7 @@ class Instant(Response):
 
 
 def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Partials:
-    """Sum over time of weights times the quantity."""
+    """Sum over time of weights (n_t,) times the quantity."""
     parts = [(n, instant.at(solution, n)) for n in map(int, np.flatnonzero(weights))]
     value: Any = sum(weights[n] * part.value for n, part in parts)
     widths = {"q": solution.q.shape, "v": solution.v.shape, "multipliers": solution.multipliers.shape}
@@ -87,7 +105,13 @@ def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any
 
 
 class TimeIntegral(Response):
-    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table."""
+    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table.
+
+    Attributes
+    ----------
+    of
+        Table of a response at one time, with its `type` and keys.
+    """
 
     kind = "time-integral"
     of: Any
@@ -119,7 +143,13 @@ class TimeIntegral(Response):
         return f"{self.of.unit(system_of_units)} {unit(system_of_units, 'time')}"
 
     def partials(self, solution: Solution) -> Partials:
-        """Trapezoidal weights."""
+        """The quantity's, with trapezoidal weights.
+
+        Raises
+        ------
+        InputError
+            The solution is static.
+        """
         if len(solution.times) < 2:
             raise InputError("an integral over time needs a transient solution. Use `simulate`, or another response.")
         h = np.diff(solution.times)

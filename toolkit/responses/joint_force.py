@@ -16,7 +16,15 @@ from toolkit.solution import Solution
 
 
 class JointForce(Instant):
-    """Force F = - g_y^T lam of a joint on its body a, in global axes: one component, its magnitude, or the torque."""
+    """Force F = - g_y^T lam of a joint on its body a, in global axes: one component, its magnitude, or the torque.
+
+    Attributes
+    ----------
+    joint
+        Name of the joint.
+    component
+        What of the force: one component, its magnitude, or the torque.
+    """
 
     kind = "joint-force"
     quantity = "force"

@@ -16,7 +16,15 @@ from toolkit.system import System
 
 
 class MarkerResponse(Instant):
-    """Base of responses that look at a point of a body."""
+    """Base of responses that look at a point of a body.
+
+    Attributes
+    ----------
+    body
+        Name of the body.
+    point
+        Name of the point on it.
+    """
 
     body: str
     point: str
@@ -60,7 +68,13 @@ class Rotation(MarkerResponse):
 
 
 class Displacement(MarkerResponse):
-    """Displacement of a point of a body since the undeformed configuration: one component, or its magnitude."""
+    """Displacement of a point of a body since the undeformed configuration: one component, or its magnitude.
+
+    Attributes
+    ----------
+    component
+        One component, or the magnitude.
+    """
 
     kind = "displacement"
     quantity = "length"

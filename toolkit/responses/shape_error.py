@@ -13,7 +13,13 @@ from toolkit.solution import Solution
 
 
 def target_shape(scene: Scene, body: str) -> Shape:
-    """The body's points and their targets, or an error that says how to get them."""
+    """The body's points and their targets.
+
+    Raises
+    ------
+    InputError
+        The body is not flexible, or its reduced model has no target shape.
+    """
     model = scene.model(flexible_body(scene, body).model, "shape")
     if model.shape is None:
         raise InputError(
@@ -59,7 +65,13 @@ def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.n
 
 
 class ShapeResponse(Response):
-    """Base of responses that weight the squared distances of the nodes."""
+    """Base of responses that weight the squared distances of the nodes.
+
+    Attributes
+    ----------
+    body
+        Name of a flexible body whose reduced model has a target shape.
+    """
 
     body: str
 

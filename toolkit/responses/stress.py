@@ -17,7 +17,13 @@ from toolkit.solution import Solution
 
 
 def flexible_body(scene: Scene, body: str) -> Flexible:
-    """The flexible body of that name, or an error that lists those that exist."""
+    """The flexible body of that name.
+
+    Raises
+    ------
+    InputError
+        There is no such body, or it is not flexible; lists those that are.
+    """
     found = scene.body(body)
     if not isinstance(found, Flexible):
         flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
@@ -38,7 +44,7 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
 
 
 def stress_operator_derivatives(solution: Solution, body: str) -> dict[int, np.ndarray]:
-    """Derivatives of the stress operator by the design variables that it depends on."""
+    """Derivatives of the stress operator by the design variables that it depends on, number of the variable -> (n_s, n_f)."""
     scene, found = solution.system.scene, {}
     for x, variable in enumerate(solution.system.design):
         if variable.path.startswith(f"bodies.{body}."):
@@ -60,8 +66,14 @@ def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]
 class StressResponse(Response):
     """Base of responses that weight the stress of all points and times.
 
-    measure : "signed": tension counts; "absolute": tension and compression count alike
-    when : "all" times, or the "end"
+    Attributes
+    ----------
+    body
+        Name of a flexible body.
+    measure
+        Signed: tension counts. Absolute: tension and compression count alike.
+    when
+        All times, or the end.
     """
 
     quantity = "stress"
@@ -100,8 +112,14 @@ class StressResponse(Response):
 class KSStress(StressResponse):
     """Smooth maximum of the stress (paper, eq. 47) over all points and times.
 
-    aggregation : parameter rho, in 1/unit of stress; a value that is right for MPa is wrong for Pa. With `reference_stress` it is a
-    pure number: stresses are divided by the reference first, and the result is a stress again.
+    A value of `aggregation` that is right for MPa is wrong for Pa, unless it is a pure number because of a `reference_stress`.
+
+    Attributes
+    ----------
+    aggregation
+        Parameter rho, in 1/unit of stress, or a pure number with `reference_stress`.
+    reference_stress
+        Stress that all stresses are divided by first; the result is a stress again.
     """
 
     kind = "ks-stress"

@@ -3,12 +3,97 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from toolkit.errors import ConvergenceError, InputError, ToolkitError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, direct, values_of
+from toolkit.sensitivity.adjoint import adjoint
+from toolkit.sensitivity.analysis import Kind, Progress, Result, direct, values_of
 from toolkit.sensitivity.numerical import numerical, typical_size
+
+Gradients = dict[str, dict[str, float]]
+NEGLIGIBLE = 1e-6
+"""Part of a response's largest change (by a variable's own size) below which a derivative is compared with that change instead:
+what is far smaller than its neighbours is made of their round-off."""
+
+
+class DisagreementError(ToolkitError, ArithmeticError):
+    """Two methods that are exact give different gradients: one of them is wrong."""
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """What independent methods say about the gradients of a scene.
+
+    Attributes
+    ----------
+    exact : Result
+        By direct differentiation.
+    differences : dict
+        "adjoint" and "complex-step" -> response -> variable -> relative difference to `exact`.
+    rates : dict
+        Response -> rate at which Taylor's remainder vanishes; 2 if the gradient is right and the response smooth.
+    curve : list of pairs
+        Relative step of central differences, and their largest relative difference to `exact`.
+    """
+
+    exact: Result
+    differences: dict[str, Gradients]
+    rates: dict[str, float]
+    curve: list[tuple[float, float]]
+
+    def check(self, tolerance: float) -> None:
+        """Refuse gradients on which the exact methods disagree.
+
+        Raises
+        ------
+        DisagreementError
+            Names method, response and variable.
+        """
+        for method, found in self.differences.items():
+            for response, slopes in found.items():
+                for variable, difference in slopes.items():
+                    if not difference <= tolerance:
+                        raise DisagreementError(
+                            f"direct differentiation and {method} disagree on d {response} / d {variable}: relative difference "
+                            f"{difference:.1e}, more than {tolerance:.1e}. Tighten solver.tolerance; if that does not help, one of them "
+                            "is wrong: check components of your own with toolkit.conformance, and report what remains."
+                        )
+
+
+def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None) -> Certificate:
+    """Compare direct differentiation with the adjoint, a complex step, Taylor's remainder and central differences.
+
+    Raises
+    ------
+    InputError
+        As `direct`.
+    """
+    exact = direct(scene, design, kind)
+    progress(1, 5)
+    backwards = _differences(scene, exact, adjoint(scene, design, kind))
+    progress(2, 5)
+    stepped = _differences(scene, exact, numerical(scene, design, kind, "complex-step"))
+    progress(3, 5)
+    rates = taylor_rates(scene, design, kind)
+    progress(4, 5)
+    curve = step_study(scene, design, kind)
+    progress(5, 5)
+    return Certificate(exact, {"adjoint": backwards, "complex-step": stepped}, rates, curve)
+
+
+def _differences(scene: Scene, exact: Result, other: Result) -> Gradients:
+    """Relative differences, response by response and variable by variable."""
+    names = list(next(iter(exact.gradients.values()), {}))
+    sizes = {variable.name: typical_size(scene, variable) for variable in scene.design_variables(names)}
+    found: Gradients = {}
+    for response, slopes in exact.gradients.items():
+        largest = max(abs(slope) * sizes[x] for x, slope in slopes.items())
+        scales = {x: max(abs(slope), NEGLIGIBLE * largest / sizes[x], np.finfo(float).tiny) for x, slope in slopes.items()}
+        found[response] = {x: abs(slope - other.gradients[response][x]) / scales[x] for x, slope in slopes.items()}
+    return found
 
 
 def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4)) -> dict[str, float]:
@@ -16,7 +101,8 @@ def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[fl
 
     Returns
     -------
-    response -> fitted rate
+    rates : dict
+        Response -> fitted rate.
     """
     variables = scene.design_variables(design)
     base = direct(scene, design, kind)
@@ -39,16 +125,20 @@ def largest_difference(reference: dict[str, dict[str, float]], other: dict[str, 
 
 
 def step_study(
-    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = tuple(10.0 ** np.arange(-1, -11, -1.0))
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = tuple(10.0 ** np.arange(-2, -11, -1.0))
 ) -> list[tuple[float, float]]:
     """Central differences against direct differentiation over relative steps: the V of truncation and round-off.
 
     Returns
     -------
-    (relative step, largest relative difference) for every step
+    study : list of pairs
+        Relative step and largest relative difference; a step so large that its runs fail is left out.
     """
-    exact = direct(scene, design, kind).gradients
-    return [
-        (step, largest_difference(exact, numerical(scene, design, kind, "central-difference", None, step).gradients))
-        for step in steps
-    ]
+    exact, study = direct(scene, design, kind).gradients, []
+    for step in steps:
+        try:
+            found = numerical(scene, design, kind, "central-difference", None, step).gradients
+        except (ConvergenceError, InputError):
+            continue
+        study.append((step, largest_difference(exact, found)))
+    return study

@@ -1,8 +1,10 @@
 """Gradients by repeated runs: the methods that judge the analytical ones, or serve where those do not exist.
 
-complex step         df/dx = Im f(x + i h) / h,  h = 1e-30: exact to round-off; the run is plain Python, some 1000 times slower
-forward difference   [f(x + h) - f(x)] / h,       h = 1e-6 |x| as in the paper
-central difference   [f(x + h) - f(x - h)] / 2h,  h = 1e-5 |x|
+With the step h:
+
+    complex step         df/dx = Im f(x + i h) / h,  h = 1e-30: exact to round-off; the run is plain Python, some 1000 times slower
+    forward difference   [f(x + h) - f(x)] / h,       h = 1e-6 |x| as in the paper
+    central difference   [f(x + h) - f(x - h)] / 2h,  h = 1e-5 |x|
 """
 
 from __future__ import annotations

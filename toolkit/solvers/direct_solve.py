@@ -43,7 +43,7 @@ def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) ->
 
 
 def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
-    """Which unknowns a singular matrix leaves undetermined: the largest entries of its null vector."""
+    """Which unknowns a singular matrix, by its values (n_entries,), leaves undetermined: the largest entries of its null vector."""
     matrix = np.real(system.matrix(values).toarray())
     if not np.all(np.isfinite(matrix)):
         return f"the equations hold values that are not finite, first met at {system.numbering.names[failed]}."

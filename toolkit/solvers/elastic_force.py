@@ -10,7 +10,7 @@ from toolkit.system import System
 
 
 def without_stiffness(system: System) -> tuple[System, np.ndarray]:
-    """The same system without its constant stiffness, and that stiffness on the common pattern."""
+    """The same system without its constant stiffness, and that stiffness on the common pattern (n_entries,)."""
     part = system.plan.constant
     stiffness: np.ndarray = np.zeros(len(system.plan.indices), system.dtype)
     np.add.at(stiffness, part.position, part.stiffness)
@@ -19,7 +19,7 @@ def without_stiffness(system: System) -> tuple[System, np.ndarray]:
 
 
 def elastic_force(system: System, q: np.ndarray) -> np.ndarray:
-    """K q with its sums in extended precision.
+    """K q, (n,), with its sums in extended precision.
 
     A thin body is a million times stiffer in stretching than in bending, so that its elastic forces are small differences of large
     products. Their round-off in double precision would move the equilibrium by 1e-11 of the scene's size, and gradients feel that.

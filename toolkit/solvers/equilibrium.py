@@ -39,7 +39,7 @@ def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
 
 
 def static_matrix(system: System, terms) -> np.ndarray:
-    """d residual / d [q; lam] on the pattern."""
+    """d residual / d [q; lam] on the pattern, (n_entries,)."""
     of_multiplier = system.plan.indices >= system.n_q
     return np.where(of_multiplier, terms.I_acc, terms.I_q + terms.A_q)
 
@@ -47,7 +47,18 @@ def static_matrix(system: System, terms) -> np.ndarray:
 def find_equilibrium(
     system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray, allowed: float = np.inf
 ) -> tuple[Equilibrium, int]:
-    """Newton at one load factor, down to round-off; refuses to move any coordinate by more than `allowed`."""
+    """Newton at one load factor, down to round-off, from coordinates q (n,) and [0; lam] (n,).
+
+    Refuses to move any coordinate by more than `allowed`, a part of the scene's size (or rad). Returns the state and the number of
+    iterations.
+
+    Raises
+    ------
+    ConvergenceError
+        Newton strays, or does not converge; names the coordinate that moves most.
+    SingularSystemError
+        The equations have no unique solution.
+    """
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
     soft, stiffness = without_stiffness(system)
     moved, size = np.zeros_like(q), np.inf

@@ -59,7 +59,13 @@ def _padded(system: System, given: np.ndarray) -> np.ndarray:
 
 
 def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) -> None:
-    """Refuse a start that violates a joint, or whose design derivative does."""
+    """Refuse a start q (n,) that violates a joint, or whose design derivative dq (n, n_x) does.
+
+    Raises
+    ------
+    InputError
+        Names the joint, and the design variable.
+    """
     zero, n_q = np.zeros_like(q), system.n_q
     terms = system.evaluate(system.inputs(time, np.array([0, 0, 1.0])), q, zero, zero, design=True)
     names = system.numbering.names
@@ -81,7 +87,13 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
 def project_velocities(
     system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities that satisfy the joints, nearest to the given ones, and their design derivatives."""
+    """Velocities that satisfy the joints, nearest to the given ones, (n,), and their design derivatives, (n, n_x).
+
+    Raises
+    ------
+    SingularSystemError
+        Joints are redundant.
+    """
     if not (np.any(v) or np.any(dv) or np.any(system.plan.joints.curve >= 0)):
         return v, dv
     inputs, zero, n_q = system.inputs(time, np.array([0, 1.0, 0])), np.zeros_like(q), system.n_q
@@ -107,7 +119,13 @@ def project_velocities(
 def initial_accelerations(
     system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, levels: np.ndarray, time: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """[a; lam] of the equations at the start, which are linear in them, and their design derivatives."""
+    """[a; lam] of the equations at the start, which are linear in them, (n,), and their design derivatives, (n, n_x).
+
+    Raises
+    ------
+    SingularSystemError
+        Joints are redundant, or something has no mass.
+    """
     inputs = system.inputs(time, levels)
     terms = system.evaluate(inputs, q, v, np.zeros_like(q))
     acc = solve_linear(system, terms.I_acc, -(terms.inertial + terms.applied), "initial accelerations")
@@ -119,6 +137,6 @@ def initial_accelerations(
 
 
 def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
-    """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly."""
+    """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly, (n, n_x)."""
     stiffness = system.matrix(terms.I_q + terms.A_q)
     return stiffness @ dq + system.matrix(terms.A_v) @ dv + terms.I_x + terms.A_x

@@ -30,6 +30,11 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
         Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
 
     K is unsymmetric under following forces; then the general eigenvalue problem is solved.
+
+    Raises
+    ------
+    SingularSystemError
+        The joints leave no motion, the mass matrix is not positive definite, or following forces make the motion flutter.
     """
     system = solution.system
     n_q = system.n_q

@@ -72,7 +72,13 @@ def _end_of_path(factor: float, error: Exception) -> ConvergenceError:
 
 
 def refuse_unstable(solution: Solution) -> None:
-    """An equilibrium that the smallest disturbance ends is none that anybody will see: some frequency's square is negative."""
+    """Refuse an equilibrium that the smallest disturbance ends: the square of some frequency is negative.
+
+    Raises
+    ------
+    ConvergenceError
+        The equilibrium is unstable; names the coordinate that would run away.
+    """
     try:
         modes = solve_modes(solution, 1)
     except SingularSystemError:

@@ -88,7 +88,7 @@ def simulate(
 
 
 def constraint_levels(options: RunOptions) -> np.ndarray:
-    """Weights (1, 2 damping, stiffness^2) of acceleration, velocity and position in the constraint rows."""
+    """Weights (1, 2 damping, stiffness^2) of acceleration, velocity and position in the constraint rows, (3,)."""
     step = time_grid(options)[1]
     damping, stiffness = options.baumgarte.damping, options.baumgarte.stiffness
     damping = 1 / step if damping is None else damping
@@ -97,7 +97,13 @@ def constraint_levels(options: RunOptions) -> np.ndarray:
 
 
 def allocate_history(system: System, n_t: int, start: tuple) -> History:
-    """Memory for all states, the first filled in."""
+    """Memory for all states, the first filled in.
+
+    Raises
+    ------
+    InputError
+        The states need more memory than a machine has.
+    """
     needed = 8 * n_t * sum(item.size for item in start)
     if needed > MOST_MEMORY:
         raise InputError(
@@ -111,7 +117,13 @@ def allocate_history(system: System, n_t: int, start: tuple) -> History:
 
 
 def check_drift(system: System, options: RunOptions, times: np.ndarray, curves: np.ndarray, history: History) -> float:
-    """Largest violation of any joint; refuse a run whose joints came apart."""
+    """Largest violation of any joint, relative to the scene's size or in rad; refuse a run whose joints came apart.
+
+    Raises
+    ------
+    ConvergenceError
+        Names joint, time and remedy.
+    """
     found = np.zeros(3)
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, history.q, np.zeros(system.n, system.dtype), found,

@@ -1,0 +1,86 @@
+"""Tables of the file formats, made from the classes that read the files: a key that exists is documented, and no other."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+
+from pydantic import BaseModel
+
+import toolkit.scene_file  # noqa: F401  (importing all kinds is what makes them known)
+from docs.generators.comments import words
+from docs.generators.file_layout import layout
+from docs.generators.key_tables import key_table
+from preprocessing.skin_file import Airfoil, ContourPoint, Damping, Material, Place, SectionTable, SkinCut, SkinFile
+from toolkit.bodies.body import Body
+from toolkit.joints.joint import Joint
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.load import Load
+from toolkit.point import BodyPoint
+from toolkit.profile import CURVES
+from toolkit.responses.response import Response
+from toolkit.run_options import Baumgarte, RunOptions
+from toolkit.scene import Scene
+
+PLACE = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
+"""Where a page wants a table."""
+
+
+def fill(markdown: str) -> str:
+    """The page with its tables."""
+    return PLACE.sub(lambda found: TABLES[found[1]](), markdown)
+
+
+def kinds() -> dict[str, dict[str, type[BaseModel]]]:
+    """All kinds that the toolkit knows by a `type` in a scene file, by group and in the order of their names."""
+    groups: dict[str, Mapping[str, type]] = {
+        "bodies": Body.kinds,
+        "joints": Joint.kinds,
+        "loads": {**Load.kinds, Gravity.kind: Gravity},
+        "responses": Response.kinds,
+        "curves": CURVES,
+    }
+    return {
+        group: {name: found[name] for name in sorted(found) if found[name].__module__.startswith("toolkit.")}
+        for group, found in groups.items()
+    }
+
+
+def kind_sections(group: str) -> str:
+    """One section per kind: what its class says, and its keys."""
+    return "\n\n".join(
+        f"### {name} {{ #{group}-{name} }}\n\n{words(kind)}\n\n{_reference(kind)}\n\n{key_table(kind)}"
+        for name, kind in kinds()[group].items()
+    )
+
+
+def table(model: type[BaseModel], without: Iterable[str] = ()) -> Callable[[], str]:
+    """What a class says, and its keys."""
+    return lambda: f"{words(model)}\n\n{_reference(model)}\n\n{key_table(model, without)}"
+
+
+def _reference(kind: type) -> str:
+    return f"In the reference: [`{kind.__name__}`][{kind.__module__}.{kind.__name__}]."
+
+
+def _sections(group: str) -> Callable[[], str]:
+    return lambda: kind_sections(group)
+
+
+TABLES: dict[str, Callable[[], str]] = {
+    "scene": table(Scene, without=("directory",)),
+    "points": table(BodyPoint),
+    "solver": table(RunOptions),
+    "baumgarte": table(Baumgarte),
+    **{group: _sections(group) for group in ("bodies", "joints", "loads", "responses", "curves")},
+    "skin-file": table(SkinFile),
+    "airfoil": table(Airfoil),
+    "skin": table(SkinCut),
+    "start-and-end": table(ContourPoint),
+    "section": table(SectionTable),
+    "material": table(Material),
+    "damping": table(Damping),
+    "places": table(Place),
+    "reduced-model": layout,
+}
+"""What a page can ask for."""

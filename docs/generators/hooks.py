@@ -1,0 +1,45 @@
+"""What MkDocs calls while it builds: generated pages, generated tables, formulas."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File
+
+from docs.generators.formats import fill
+from docs.generators.formulas import hide_formulas, show_formulas
+from docs.generators.rooms import overview, page, rooms
+
+
+def on_config(config: Any) -> Any:
+    """Put the pages of the reference into the navigation."""
+    for entry in config.nav:
+        if "Reference" in entry:
+            entry["Reference"] = [{"Rooms": "reference.md"}, *({room.title: room.page} for room in rooms())]
+    return config
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages of the reference, and the font of the formulas, which comes with a package."""
+    for room in rooms():
+        files.append(File.generated(config, room.page, content=page(room)))
+    fonts = Path(str(find_spec("ziamath").origin)).parent / "fonts"  # type: ignore[union-attr]
+    files.append(File.generated(config, "STIXTwoMath-Regular.ttf", abs_src_path=str(fonts / "STIXTwoMath-Regular.ttf")))
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """Put generated tables in their places, and formulas out of Markdown's reach."""
+    written = {
+        "formats.md": fill,
+        "theory.md": hide_formulas,
+        "reference.md": lambda text: text.replace("<!-- rooms -->", overview()),
+    }
+    return written.get(page.file.src_uri, str)(markdown)
+
+
+def on_page_content(html: str, **_: Any) -> str:
+    """Draw the formulas."""
+    return show_formulas(html)

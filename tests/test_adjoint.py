@@ -1,0 +1,55 @@
+"""The discrete adjoint: the same gradients as direct differentiation, by a formulation that shares no line of the recursion."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.scenes import HANGING_DESIGN, WING, hanging_skin
+from toolkit.errors import InputError
+from toolkit.responses.catalogue import Displacement, JointForce, Rotation, TimeIntegral
+from toolkit.scene_file import read_scene
+from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.methods import gradients_by
+
+ROUND_OFF = 1e-9
+"""Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""
+
+
+def agree(scene, design, kind, small=1e-12):
+    ours, exact = gradients_by("adjoint", scene, design, kind), direct(scene, design, kind)
+    assert ours.values == pytest.approx(exact.values, rel=1e-12)
+    for name, slopes in exact.gradients.items():
+        largest = max(abs(slope) for slope in slopes.values())
+        # a derivative far below a response's others is made of their round-off
+        assert ours.gradients[name] == pytest.approx(slopes, rel=ROUND_OFF, abs=small * largest), name
+
+
+@pytest.mark.parametrize("kind", ["static", "transient"])
+def test_gradients_of_the_wing(kind):
+    scene = read_scene(WING)
+    agree(scene, list(scene.design), kind)
+
+
+@pytest.mark.parametrize(("scheme", "rho_inf"), [("arnold-bruels", 0.3), ("paper", 0.0), ("paper", 0.8), ("arnold-bruels", 1.0)])
+def test_gradients_of_every_kind_of_response_and_variable(scheme, rho_inf):
+    """Moving frame, all joints, loads, curves and start values; `paper` carries terms from step to step."""
+    scene = hanging_skin()
+    solver = scene.solver.model_copy(update={"scheme": scheme, "rho_inf": rho_inf})
+    agree(scene.model_copy(update={"solver": solver}), HANGING_DESIGN, "transient", 1e-10)
+
+
+def test_gradients_by_start_velocities():
+    """They enter through the projection of the velocities alone."""
+    responses = {"turn": Rotation(body="arm", point="O"), "force": JointForce(joint="C", component="x", time=0.0)}
+    agree(hanging_skin(responses=responses), ["bodies.arm.velocity.2", "bodies.block.velocity.0"], "transient")
+
+
+def test_a_length_that_starts_at_zero_is_referred_to_the_direct_method():
+    scene = hanging_skin(responses={"way": TimeIntegral(of=Displacement(body="arm", point="C", component="magnitude"))})
+    with pytest.raises(InputError, match=r"no derivatives of q.*Use the direct method"):
+        gradients_by("adjoint", scene, ["points.O.x"], "transient")
+
+
+def test_an_unknown_method_lists_the_known_ones():
+    with pytest.raises(InputError, match=r"unknown method 'magic'; available: direct, adjoint, complex-step"):
+        gradients_by("magic", read_scene(WING), ["t_w"], "static")

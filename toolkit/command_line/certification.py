@@ -1,0 +1,81 @@
+"""The command `ffrf certify`: how far independent methods agree on the gradients of a scene."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+from rich.console import Console
+
+from toolkit.command_line.announcements import Kind, at_work
+from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
+from toolkit.command_line.report import WIDE, finite_or_none, print_json, table
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.certificate import Certificate
+
+MOST_DIGITS = 16.0
+
+
+def certify(
+    scene: SceneFile,
+    variables: Variables = None,
+    static: Static = False,
+    tolerance: Annotated[float, typer.Option(min=0, help="Relative difference of exact methods that is an error.")] = 1e-8,
+    changes: Changes = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Compare the gradients of independent methods; exit with an error if exact ones disagree."""
+    from toolkit.sensitivity.certificate import certify as compare
+
+    described = read(scene, changes)
+    names = design_of(described, variables)
+    kind: Kind = "static" if static else "transient"
+    with at_work("comparing", described, kind, names, quiet) as progress:
+        found = compare(described, names, kind, progress)
+    if as_json:
+        print_json(record_of(found))
+    else:
+        print_certificate(found)
+    found.check(tolerance)
+
+
+def record_of(found: Certificate) -> dict:
+    """The JSON object of a certificate."""
+    return {
+        "gradients": {
+            response: {x: finite_or_none(slope) for x, slope in slopes.items()}
+            for response, slopes in found.exact.gradients.items()
+        },
+        "relative_differences": {
+            method: {response: {x: finite_or_none(value) for x, value in slopes.items()} for response, slopes in each.items()}
+            for method, each in found.differences.items()
+        },
+        "taylor_rates": {response: finite_or_none(rate) for response, rate in found.rates.items()},
+        "central_differences": [{"relative_step": step, "largest_relative_difference": value} for step, value in found.curve],
+    }
+
+
+def print_certificate(found: Certificate) -> None:
+    """Gradients with the digits on which adjoint and complex step agree with them, Taylor rates, and the V of the differences."""
+    console = Console(width=WIDE, highlight=False)
+    gradients = table("gradient", "by", "direct", "digits as adjoint", "digits as complex step")
+    for response, slopes in found.exact.gradients.items():
+        for x, slope in slopes.items():
+            gradients.add_row(response, x, f"{slope:.10g}", *(digits(each[response][x]) for each in found.differences.values()))
+    console.print(gradients)
+    rates = table("response", "Taylor rate (2 if smooth)")
+    for response, rate in found.rates.items():
+        rates.add_row(response, f"{rate:.2f}")
+    console.print(rates)
+    curve = table("central difference, relative step", "largest relative difference")
+    for step, value in found.curve:
+        curve.add_row(f"{step:.0e}", f"{value:.1e}")
+    console.print(curve)
+
+
+def digits(difference: float) -> str:
+    """How many decimal digits agree."""
+    return f"{min(MOST_DIGITS, -math.log10(difference)) if difference > 0 else MOST_DIGITS:.1f}"
