@@ -284,8 +284,8 @@ def test_numbers_that_contradict_other_parts_are_refused(path, name):
 
 @pytest.mark.parametrize(("group", "name", "value", "message"), [
     ("/", "dimension", 3, "dimension is 3; only planar models"), ("/", "units", "inch", "units is 'inch' instead of one of mm-t-s"),
-    ("nominal", "thickness", np.nan, "nominal/thickness is nan instead of a finite number"),
-    ("nominal", "thickness", "thin", "nominal/thickness is 'thin' instead of a finite number"),
+    ("nominal", "thickness", np.nan, "nominal/thickness is nan instead of a number that is zero or from"),
+    ("nominal", "thickness", "thin", "nominal/thickness is 'thin' instead of a number that is zero or from"),
     ("nominal", "thickness", 0.0, "nominal holds a zero, but the polynomials of affine are relative"),
     ("nominal", "depth", 1.0, "nominal_units/depth is missing"),
 ])  # fmt: skip

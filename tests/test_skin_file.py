@@ -109,5 +109,5 @@ def test_file_that_is_missing_or_no_toml_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none\.toml' cannot be read \(No such file or directory\)"):
         read_skin_file(tmp_path / "none.toml")
     (tmp_path / "bad.toml").write_text("units = \n")
-    with pytest.raises(InputError, match=r"bad\.toml' is not a TOML file: Invalid value \(at line 1"):
+    with pytest.raises(InputError, match=r"bad\.toml' is not readable as TOML: Invalid value \(at line 1"):
         read_skin_file(tmp_path / "bad.toml")

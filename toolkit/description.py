@@ -19,10 +19,11 @@ def _ordinary(value: float) -> float:
     return value
 
 
-Number = Annotated[float, Field(strict=True, allow_inf_nan=False), AfterValidator(_ordinary)]
+_NUMBER: dict[str, Any] = {"strict": True, "allow_inf_nan": False}
+Number = Annotated[float, Field(**_NUMBER), AfterValidator(_ordinary)]
 """A finite number of a size that a unit system can bring about; no text and no truth value passes for one."""
-Positive = Annotated[Number, Field(gt=0)]
-NotNegative = Annotated[Number, Field(ge=0)]
+Positive = Annotated[float, Field(gt=0, **_NUMBER), AfterValidator(_ordinary)]
+NotNegative = Annotated[float, Field(ge=0, **_NUMBER), AfterValidator(_ordinary)]
 Pair = tuple[Number, Number]
 
 

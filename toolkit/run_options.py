@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from toolkit.description import Description, NotNegative, Number, Positive
+from toolkit.description import Description, NotNegative, Positive
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
@@ -54,9 +54,9 @@ class RunOptions(Description):
     end_time: Positive = 1.0
     step: Positive = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
-    rho_inf: Annotated[Number, Field(ge=0, le=1)] = 0.5
+    rho_inf: Annotated[float, Field(strict=True, ge=0, le=1)] = 0.5
     baumgarte: Baumgarte = Baumgarte()
-    tolerance: Annotated[Number, Field(gt=1e-14, lt=1e-2)] = 1e-10
+    tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2)] = 1e-10
     max_iterations: Count = 20
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3

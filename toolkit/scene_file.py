@@ -158,4 +158,4 @@ def _index(owner: Any, name: str) -> Any:
 
 def _leads_nowhere(key: str, name: str, owner: Any, path: Path) -> str:
     possible = ", ".join(owner) if isinstance(owner, dict) else "x, y" if len(owner) == 2 else f"0 to {len(owner) - 1}"
-    return f"{path.name}: {key!r} leads nowhere: there is no {name!r}; possible here: {possible}."
+    return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}; possible here: {possible}."

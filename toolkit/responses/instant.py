@@ -7,9 +7,9 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import field_validator
 
-from toolkit.description import Number
+from toolkit.description import NotNegative
 from toolkit.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.solution import Solution
@@ -26,7 +26,7 @@ class Instant(Response):
         When; one of the time steps, by default the end.
     """
 
-    time: Number | None = Field(default=None, ge=0)
+    time: NotNegative | None = None
 
     @property
     def needs_motion(self) -> bool:
