@@ -7,9 +7,12 @@ import pytest
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
 from toolkit.errors import InputError
 from toolkit.responses.catalogue import Displacement, JointForce, Rotation, TimeIntegral
+from toolkit.run_options import RunOptions
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.analysis import direct, prepare
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.solvers.transient import simulate
 
 ROUND_OFF = 1e-9
 """Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""
@@ -53,3 +56,25 @@ def test_a_length_that_starts_at_zero_is_referred_to_the_direct_method():
 def test_an_unknown_method_lists_the_known_ones():
     with pytest.raises(InputError, match=r"unknown method 'magic'; available: direct, adjoint, complex-step"):
         gradients_by("magic", read_scene(WING), ["t_w"], "static")
+
+
+def test_a_run_with_options_of_its_own_is_differentiated_as_it_was_run():
+    scene, names = hanging_skin(), ["points.O.x", "loads.drive.torque"]
+    options = RunOptions(end_time=0.01, step=0.0005, scheme="paper", rho_inf=0.3)
+    system = prepare(scene, names)
+    exact = simulate(system, options)
+    found, gradient = adjoint_gradients(system, simulate(prepare(scene), options))
+    for r, name in enumerate(found):
+        # round-off, as above
+        assert gradient[:, r] == pytest.approx(scene.responses[name].gradient(exact), rel=ROUND_OFF), name
+
+
+def test_a_run_with_a_start_of_its_own_is_referred_to_the_direct_method():
+    system = prepare(hanging_skin(), ["points.O.x"])
+    with pytest.raises(InputError, match=r"start of its own.*Use the direct method"):
+        adjoint_gradients(system, simulate(system, v=0 * system.start()[1][: system.n_q]))
+
+
+def test_without_responses_there_is_nothing_to_do():
+    scene = read_scene(WING).model_copy(update={"responses": {}})
+    assert gradients_by("adjoint", scene, ["t_w"], "static").gradients == {}

@@ -292,5 +292,32 @@ def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
 def test_certify_ends_with_an_error_where_exact_methods_disagree():
     done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w", "--tolerance", "0"])
     assert done.exit_code == 1
-    assert "digits as complex step" in done.stdout
+    assert "agreeing digits: adjoint" in done.stdout
     assert re.search(r"direct differentiation and (adjoint|complex-step) disagree on d \w+ / d t_w", done.stderr)
+
+
+MODELS = ROOT / "models"
+SHORT = ["--set", "solver.end_time=0.05"]
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["slider_crank", "--static"],  # every gradient is zero by symmetry, but for round-off
+        ["pendulum", *SHORT],  # one gradient is zero, another linear
+        ["four_bar_chain", *SHORT],
+    ],
+    ids=["all zero", "one zero", "linkage"],
+)
+def test_certify_does_not_take_round_off_for_a_disagreement(arguments):
+    done = CliRunner().invoke(app, ["certify", str(MODELS / arguments[0] / "scene.toml"), *arguments[1:]])
+    assert done.exit_code == 0, done.output
+    assert "gradients agree to" in done.stdout
+    assert not re.search(r"e\+0[3-9]|e\+[1-9]", done.stdout.partition("central difference")[2])  # zeros are not divided by zeros
+
+
+def test_certify_without_responses_says_what_is_missing(tmp_path):
+    text = (MODELS / "pendulum" / "scene.toml").read_text()
+    path = tmp_path / "scene.toml"
+    path.write_text(re.sub(r"(?ms)^\[responses\].*?(?=^\[)", "", text))
+    assert "the scene needs a table [responses]" in refused("certify", str(path))

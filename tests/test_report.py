@@ -2,9 +2,11 @@
 
 import csv
 import json
+import os
 import re
 import shutil
 import subprocess
+import sys
 from html.parser import HTMLParser
 from xml.etree import ElementTree
 
@@ -16,25 +18,29 @@ from typer.testing import CliRunner
 from tests.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.bodies.rigid import Rod
 from toolkit.cli import app
+from toolkit.errors import InputError
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
+from toolkit.replaced_file import replaced
 from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
 from toolkit.report.variable_unit import per, variable_unit
 from toolkit.report.viewer import viewer_data
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect
-from toolkit.results.restore import restore_solution
+from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct, prepare, solve
+from toolkit.solvers.transient import simulate
 
 FIGURES = {"load_curves", "mechanism", "stress_motion", "skin_error_skin", "error_sensitivity_skin", "monitors"} | {
     f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t", "x_A", "y_A", "E")
 }
+ROOT = MODELS.parents[1]
 VOID = {"meta", "link", "img", "input"}
 
 
@@ -283,3 +289,35 @@ def test_the_browser_test_would_notice_an_error(tmp_path):
     title, console = browse(tmp_path / "bad.html", tmp_path)
     assert title == "bad"
     assert len(console) == 1
+
+
+def test_a_results_file_is_reported_by_a_process_that_has_computed_nothing(wing, tmp_path):
+    """Monitors and figures need formulas that no run before them has compiled or loaded."""
+    command = [sys.executable, "-m", "toolkit.cli", "report", str(wing / "results.h5"), "-o", str(tmp_path / "again")]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "again" / "tables" / "monitors.csv").read_text() == (wing / "tables" / "monitors.csv").read_text()
+
+
+def test_the_settings_kept_are_those_of_the_run():
+    options = RunOptions(end_time=0.05, step=0.005, scheme="paper", rho_inf=0.9)
+    results = collect(simulate(prepare(pendulum(0.02)), options))
+    assert results.settings == options.model_dump()
+    assert restore_scene(results).solver == options
+
+
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="nothing is read-only to the administrator")
+def test_a_folder_that_cannot_be_written_is_refused(wing, tmp_path):
+    (tmp_path / "locked").mkdir(mode=0o555)
+    done = CliRunner().invoke(app, ["report", str(wing / "results.h5"), "-o", str(tmp_path / "locked")])
+    assert done.exit_code == 1
+    assert "cannot hold a report" in done.stderr
+
+
+def test_a_file_that_cannot_be_written_is_an_error_of_the_program(tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    with (
+        pytest.raises(InputError, match=r"cannot be written \(.*\)\. Give a writable place"),
+        replaced(tmp_path / "file" / "x.h5"),
+    ):
+        pass

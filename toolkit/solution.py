@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from toolkit.errors import InputError
+from toolkit.run_options import RunOptions
 from toolkit.system import System
 
 
@@ -16,7 +17,8 @@ class Solution:
 
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, both relative
-    to the scene's size (or rad); `load_steps` of a static solution.
+    to the scene's size (or rad); `load_steps` of a static solution. `options` are those of the run; `own_start` says that it did not
+    begin at the scene's start.
     """
 
     system: System
@@ -32,6 +34,8 @@ class Solution:
     drift: float = 0.0
     correction: float = 0.0
     load_steps: int = 0
+    options: RunOptions | None = None
+    own_start: bool = False
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
 

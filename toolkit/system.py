@@ -77,6 +77,9 @@ class System:
 
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
+        if self.compiled and not getattr(evaluate_all, "nopython_signatures", True):
+            q, v, *_ = self.start()
+            self.evaluate(self.inputs(0.0, np.zeros(3)), q, v, np.zeros(self.n))
         return first_class(evaluate_all) if self.compiled else plain(evaluate_all)
 
     def matrix(self, values: np.ndarray) -> csr_array:

@@ -40,6 +40,8 @@ def certify(
     else:
         print_certificate(found)
     found.check(tolerance)
+    if not as_json:
+        typer.echo(f"All {len(names) * len(found.exact.gradients)} gradients agree to {digits(worst(found))} digits or more.")
 
 
 def record_of(found: Certificate) -> dict:
@@ -61,14 +63,14 @@ def record_of(found: Certificate) -> dict:
 def print_certificate(found: Certificate) -> None:
     """Gradients with the digits on which adjoint and complex step agree with them, Taylor rates, and the V of the differences."""
     console = Console(width=WIDE, highlight=False)
-    gradients = table("gradient", "by", "direct", "digits as adjoint", "digits as complex step")
+    gradients = table("gradient", "by", "direct", "agreeing digits: adjoint", "complex step")
     for response, slopes in found.exact.gradients.items():
         for x, slope in slopes.items():
             gradients.add_row(response, x, f"{slope:.10g}", *(digits(each[response][x]) for each in found.differences.values()))
     console.print(gradients)
     rates = table("response", "Taylor rate (2 if smooth)")
     for response, rate in found.rates.items():
-        rates.add_row(response, f"{rate:.2f}")
+        rates.add_row(response, f"{rate:.2f}" if math.isfinite(rate) else "linear")
     console.print(rates)
     curve = table("central difference, relative step", "largest relative difference")
     for step, value in found.curve:
@@ -76,6 +78,14 @@ def print_certificate(found: Certificate) -> None:
     console.print(curve)
 
 
+def worst(found: Certificate) -> float:
+    """Largest relative difference of exact methods."""
+    every = [value for each in found.differences.values() for slopes in each.values() for value in slopes.values()]
+    return max(value for value in every if not math.isnan(value))
+
+
 def digits(difference: float) -> str:
-    """How many decimal digits agree."""
+    """How many decimal digits agree; a dash where a method does not apply."""
+    if math.isnan(difference):
+        return "-"
     return f"{min(MOST_DIGITS, -math.log10(difference)) if difference > 0 else MOST_DIGITS:.1f}"

@@ -37,7 +37,9 @@ def wing(
 ) -> None:
     """Start a morphing wing from any airfoil file: skin, linkage, target and the next commands."""
     if find_spec(PROGRAM.partition(".")[0]) is None:
-        raise InputError("a new wing needs the preprocessing. Install it: pip install 'ffrf-toolkit[preprocessing]'")
+        raise InputError(
+            "a new wing needs the preprocessing. Install it: pip install '.[preprocessing]' in the project's folder."
+        )
     given = [str(folder), "--airfoil", str(airfoil), "--chord", str(chord), *(["--target", str(target)] if target else [])]
     here = str(Path(toolkit.__file__ or "").parents[1])  # both programs shall be of one version
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [here, os.environ.get("PYTHONPATH")]))}

@@ -32,9 +32,10 @@ def report(
 ) -> None:
     """Write a page with figures, tables and numbers about a scene or its results."""
     from toolkit.render.probe import require
-    from toolkit.report.write import write_report
 
     require("matplotlib")
+    from toolkit.report.write import write_report
+
     check_options(file, changes, models)
     material = _from_results(file, models) if is_results(file) else _from_scene(file, changes, quiet)
     folder = prepare_folder(output)

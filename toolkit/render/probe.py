@@ -58,7 +58,9 @@ def require(*modules: str) -> None:
     """Refuse to go on without a package that pictures need."""
     for module in modules:
         if find_spec(module) is None:
-            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
+            raise RenderError(
+                f"pictures need {module}, which is not installed. Install: pip install '.[render]' in the project's folder."
+            )
 
 
 def _candidates() -> list[dict[str, str]]:

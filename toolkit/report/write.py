@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+from toolkit.errors import InputError
 from toolkit.replaced_file import replaced
 from toolkit.report import page
 from toolkit.report.animation import animate
@@ -25,8 +26,11 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     path of `report.html`; beside it `figures/` (PNG, SVG), `tables/` (CSV), `numbers.json`, `animation.gif`, `results.h5`
     """
     folder = Path(folder)
-    for name in ("figures", "tables"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
+    try:
+        for name in ("figures", "tables"):
+            (folder / name).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{str(folder)!r} cannot hold a report ({error.strerror}). Give a writable folder.") from error
     tables = all_tables(material)
     for table in tables:
         table.save(folder / "tables")
@@ -93,7 +97,7 @@ def _motion(material: Material, folder: Path, progress: Progress) -> list[Sectio
     gif = animate(material, folder / "animation.gif", lambda done, total: progress("animation", done, total))
     data, stress = viewer_data(material), material.results.unit("stress")
     colors = f"from {-data['limit']:.3g} to {data['limit']:.3g} {stress}"
-    hint = f"From blue to red: stress of the outer fibre {colors}. Grey: undeformed; dashes: target."
+    hint = f"From blue to red: stress of the outer fibre {colors}. Grey: undeformed; dashes: target." if material.skins else ""
     shown = f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>"
     return [Section("motion", "Motion", page.pictures([shown, page.picture(gif, "The same as an animation (animation.gif).")]))]
 
@@ -102,9 +106,7 @@ def _missing(material: Material) -> Section:
     """What this report does not say, and how to get it."""
     lines = []
     if material.results.variables and not material.judges:
-        lines.append(
-            "Gradients are not compared with other methods here, because nothing was computed again: report the scene itself."
-        )
+        lines.append("Gradients are not compared with other methods here: report the scene itself, without --no-judges.")
     if material.judges and "complex-step" not in material.judges:
         lines.append(
             "Gradients are not compared with a complex step, which would take minutes: ffrf sensitivity --method complex-step does it."

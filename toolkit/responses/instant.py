@@ -125,10 +125,16 @@ class TimeIntegral(Response):
     @classmethod
     def _instant(cls, value: Any) -> Instant:
         if isinstance(value, Instant):
-            return value
+            return cls._over_all_times(value)
         if not isinstance(value, dict) or value.get("type") not in Instant.kinds:
             raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
-        return Instant.kinds[value["type"]](**{key: item for key, item in value.items() if key != "type"})
+        return cls._over_all_times(Instant.kinds[value["type"]](**{key: item for key, item in value.items() if key != "type"}))
+
+    @staticmethod
+    def _over_all_times(quantity: Instant) -> Instant:
+        if quantity.time is not None:
+            raise ValueError("an integral runs over all times; leave `time` out of `of`")
+        return quantity
 
     def check(self, scene: Any) -> None:
         """The quantity's own."""

@@ -27,7 +27,9 @@ def flexible_body(scene: Scene, body: str) -> Flexible:
     found = scene.body(body)
     if not isinstance(found, Flexible):
         flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
-        raise InputError(f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible)}.")
+        raise InputError(
+            f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
+        )
     return found
 
 

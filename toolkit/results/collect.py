@@ -63,8 +63,8 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
             "wall_primal": found.wall_primal,
             "wall_sensitivity": found.wall_sensitivity,
         },
-        settings=scene.solver.model_dump(),
-        scene=_record(scene, text, changes or {}),
+        settings=(solution.options or scene.solver).model_dump(),
+        scene=_record(scene.model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
         writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
     )
 

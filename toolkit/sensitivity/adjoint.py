@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.errors import SingularSystemError
+from toolkit.errors import InputError, SingularSystemError
 from toolkit.responses.response import Partials
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Progress, Result, moving, prepare, responses_of, result, timed
@@ -56,13 +56,17 @@ def adjoint_gradients(system: System, solution: Solution) -> tuple[dict[str, Par
     SingularSystemError
         A step's transposed equations have no unique solution.
     InputError
-        A response needs the states' own derivatives (a length that is zero).
+        A response needs the states' own derivatives (a length that is zero), or the run had a start of its own.
     """
+    if solution.own_start:
+        raise InputError("the run has a start of its own, whose derivatives are unknown to the adjoint. Use the direct method.")
     seen = replace(solution, system=system)
     found = {name: response.partials(seen) for name, response in responses_of(system.scene, moving(solution)).items()}
     gradient = np.zeros((system.n_x, len(found)))
     for r, partials in enumerate(found.values()):
         gradient[:, r] = 0 if partials.design is None else partials.design
+    if not found:
+        return found, gradient
     by_q, by_v, by_acc = (_stacked(system, solution, list(found.values()), name) for name in ("q", "v", "multipliers"))
     if moving(solution):
         _through_time(system, solution, by_q, by_v, by_acc, gradient)
@@ -83,7 +87,7 @@ def _stacked(system: System, solution: Solution, found: list[Partials], name: st
 
 def _through_equilibrium(system: System, solution: Solution, load: np.ndarray, gradient: np.ndarray) -> None:
     """A^T mu = - f_[q; lam], gradient += (I_x + A_x)^T mu."""
-    n_q, options = system.n_q, system.scene.solver
+    n_q, options = system.n_q, solution.options or system.scene.solver
     q, rest = np.append(solution.q[0], np.zeros(system.n - n_q)), np.zeros(system.n)
     acc = np.append(np.zeros(n_q), solution.multipliers[0])
     terms = system.evaluate(inputs_at(system, options, 1.0), q, rest, acc, design=True)
@@ -95,7 +99,7 @@ def _through_time(
     system: System, solution: Solution, by_q: np.ndarray, by_v: np.ndarray, by_acc: np.ndarray, gradient: np.ndarray
 ) -> None:
     """Backwards through all steps, then through the consistent start."""
-    options, n_t, n_q = system.scene.solver, len(solution.times), system.n_q
+    options, n_t, n_q = solution.options or system.scene.solver, len(solution.times), system.n_q
     levels = constraint_levels(options)
     start = consistent_start(system, levels)
     scheme = generalized_alpha(options.scheme, options.rho_inf, solution.times[1] - solution.times[0])

@@ -17,6 +17,8 @@ Gradients = dict[str, dict[str, float]]
 NEGLIGIBLE = 1e-6
 """Part of a response's largest change (by a variable's own size) below which a derivative is compared with that change instead:
 what is far smaller than its neighbours is made of their round-off."""
+UNSEEN = 1e-11
+"""Part of a value below which a remainder is round-off of the run that computed it."""
 
 
 class DisagreementError(ToolkitError, ArithmeticError):
@@ -34,7 +36,8 @@ class Certificate:
     differences : dict
         "adjoint" and "complex-step" -> response -> variable -> relative difference to `exact`.
     rates : dict
-        Response -> rate at which Taylor's remainder vanishes; 2 if the gradient is right and the response smooth.
+        Response -> rate at which Taylor's remainder vanishes; 2 if the gradient is right and the response smooth, infinite if the
+        response is linear.
     curve : list of pairs
         Relative step of central differences, and their largest relative difference to `exact`.
     """
@@ -55,7 +58,7 @@ class Certificate:
         for method, found in self.differences.items():
             for response, slopes in found.items():
                 for variable, difference in slopes.items():
-                    if not difference <= tolerance:
+                    if difference > tolerance:
                         raise DisagreementError(
                             f"direct differentiation and {method} disagree on d {response} / d {variable}: relative difference "
                             f"{difference:.1e}, more than {tolerance:.1e}. Tighten solver.tolerance; if that does not help, one of them "
@@ -72,10 +75,12 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
         As `direct`.
     """
     exact = direct(scene, design, kind)
+    if not exact.gradients or not design:
+        raise InputError("there is nothing to compare: the scene needs a table [responses] and a design variable.")
     progress(1, 5)
-    backwards = _differences(scene, exact, adjoint(scene, design, kind))
+    backwards = _differences(scene, exact, _adjoint_where_possible(scene, design, kind, exact))
     progress(2, 5)
-    stepped = _differences(scene, exact, numerical(scene, design, kind, "complex-step"))
+    stepped = _differences(scene, exact, numerical(scene, design, kind, "complex-step").gradients)
     progress(3, 5)
     rates = taylor_rates(scene, design, kind)
     progress(4, 5)
@@ -84,15 +89,32 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
     return Certificate(exact, {"adjoint": backwards, "complex-step": stepped}, rates, curve)
 
 
-def _differences(scene: Scene, exact: Result, other: Result) -> Gradients:
-    """Relative differences, response by response and variable by variable."""
+def _adjoint_where_possible(scene: Scene, design: list[str], kind: Kind, exact: Result) -> Gradients:
+    """Gradients by the adjoint; nan, which compares as unknown, where a response needs derivatives that it does not have."""
+    found: Gradients = {}
+    for response, slopes in exact.gradients.items():
+        alone = scene.model_copy(update={"responses": {response: scene.responses[response]}})
+        try:
+            found |= adjoint(alone, design, kind).gradients
+        except InputError:
+            found[response] = dict.fromkeys(slopes, np.nan)
+    return found
+
+
+def _differences(scene: Scene, exact: Result, other: Gradients) -> Gradients:
+    """Relative differences, response by response and variable by variable.
+
+    A derivative is compared with itself, or with what is far larger and only round-off away: a part `NEGLIGIBLE` of the response's
+    largest change, and of its value, each per the variable's own size.
+    """
     names = list(next(iter(exact.gradients.values()), {}))
     sizes = {variable.name: typical_size(scene, variable) for variable in scene.design_variables(names)}
     found: Gradients = {}
     for response, slopes in exact.gradients.items():
-        largest = max(abs(slope) * sizes[x] for x, slope in slopes.items())
-        scales = {x: max(abs(slope), NEGLIGIBLE * largest / sizes[x], np.finfo(float).tiny) for x, slope in slopes.items()}
-        found[response] = {x: abs(slope - other.gradients[response][x]) / scales[x] for x, slope in slopes.items()}
+        changes = [abs(slope) * sizes[x] for x, slope in slopes.items()]
+        largest = max([*changes, abs(exact.values[response]), np.finfo(float).tiny])
+        scales = {x: max(abs(slope), NEGLIGIBLE * largest / sizes[x]) for x, slope in slopes.items()}
+        found[response] = {x: abs(slope - other[response][x]) / scales[x] for x, slope in slopes.items()}
     return found
 
 
@@ -102,7 +124,7 @@ def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[fl
     Returns
     -------
     rates : dict
-        Response -> fitted rate.
+        Response -> fitted rate; infinite where every remainder is round-off, so that nothing is left to vanish.
     """
     variables = scene.design_variables(design)
     base = direct(scene, design, kind)
@@ -115,13 +137,13 @@ def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[fl
         for name, value in values_of(moved, kind).items():
             slope = sum(base.gradients[name][variable.name] * sizes[variable.name] for variable in variables)
             remainders[name].append(abs(value - base.values[name] - h * slope))
-    return {name: float(np.polyfit(np.log(steps), np.log(values), 1)[0]) for name, values in remainders.items()}
+    return {name: _rate(steps, values, abs(base.values[name])) for name, values in remainders.items()}
 
 
-def largest_difference(reference: dict[str, dict[str, float]], other: dict[str, dict[str, float]]) -> float:
-    """Largest relative difference of two sets of gradients, entry by entry."""
-    pairs = [(reference[name][x], other[name][x]) for name in reference for x in reference[name]]
-    return max(abs(a - b) / max(abs(a), np.finfo(float).tiny) for a, b in pairs)
+def _rate(steps: Sequence[float], remainders: list[float], value: float) -> float:
+    if max(remainders) <= UNSEEN * value or min(remainders) == 0:
+        return np.inf
+    return float(np.polyfit(np.log(steps), np.log(remainders), 1)[0])
 
 
 def step_study(
@@ -134,11 +156,12 @@ def step_study(
     study : list of pairs
         Relative step and largest relative difference; a step so large that its runs fail is left out.
     """
-    exact, study = direct(scene, design, kind).gradients, []
+    exact, study = direct(scene, design, kind), []
     for step in steps:
         try:
             found = numerical(scene, design, kind, "central-difference", None, step).gradients
         except (ConvergenceError, InputError):
             continue
-        study.append((step, largest_difference(exact, found)))
+        differences = _differences(scene, exact, found)
+        study.append((step, max((value for slopes in differences.values() for value in slopes.values()), default=0.0)))
     return study

@@ -115,4 +115,4 @@ def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium,
         dq[:n_q], dacc[n_q:] = change[:n_q], change[n_q:]
     states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
     wall = {"run": clock.perf_counter() - begun, "sensitivity": clock.perf_counter() - solved}
-    return Solution.from_padded(system, np.array([options.end_time]), states, wall=wall, **report)
+    return Solution.from_padded(system, np.array([options.end_time]), states, wall=wall, options=options, **report)

@@ -82,6 +82,8 @@ def simulate(
         history[:6],
         drift=drift,
         correction=float(outcome.correction[1]),
+        options=options,
+        own_start=q is not None or v is not None,
         newton_iterations=int(outcome.counts[4]),
         wall={"run": clock.perf_counter() - begun},
     )
