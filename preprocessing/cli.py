@@ -31,10 +31,7 @@ def preprocess(
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
     model = build(skin, remark=_remark)
-    try:
-        save(model, output)
-    except OSError as error:
-        raise InputError(f"{str(output)!r} cannot be written ({error.strerror}). Give a writable place with --output.") from error
+    save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
 

@@ -144,7 +144,7 @@ def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "pip install 'ffrf-toolkit[preprocessing]'" in done.stderr
+    assert "pip install '.[preprocessing]'" in done.stderr
 
 
 def test_a_droop_that_no_skin_can_make_is_refused():

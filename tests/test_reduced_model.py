@@ -94,7 +94,7 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_rest(model, tmp_path, m
         raise OSError("no space left on device")
 
     monkeypatch.setattr(h5py.Group, "create_dataset", full_disk)
-    with pytest.raises(OSError, match="no space left"):
+    with pytest.raises(InputError, match="no space left"):
         save(model, target)
     assert target.read_bytes() == before
     assert [item.name for item in tmp_path.iterdir()] == ["skin.h5"]

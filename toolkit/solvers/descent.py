@@ -21,10 +21,11 @@ STANDSTILL = 1e-12
 
 
 def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> tuple[Equilibrium, int]:
-    """Newton with a shifted stiffness, [K + s M] dq + phi_q^T dlam = - residual, phi_q dq = - phi.
+    """Newton with a shifted stiffness, [K + s W] dq + phi_q^T dlam = - residual, phi_q dq = - phi.
 
-    The shift s makes K + s M positive definite on the motions that the joints allow wherever K is not (twice the lowest eigenvalue, or
-    enough to keep the step short), so that every step goes downhill; long steps are shortened. Open joints are closed on the way.
+    W compares coordinates by their weights, whatever the masses are. The shift s makes K + s W positive definite on the motions that the
+    joints allow wherever K is not (twice the lowest eigenvalue, or enough to keep the step short), so that every step goes downhill; long
+    steps are shortened. Open joints are closed on the way.
 
     Raises
     ------
@@ -37,7 +38,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     for step in range(MOST):
         terms = system.evaluate(inputs, q, rest, acc)
         shift = _shift(system, terms)
-        matrix = static_matrix(system, terms) + shift * np.where(_among_coordinates(system), terms.I_acc, 0)
+        matrix = static_matrix(system, terms) + shift * _metric(system)
         correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
         size = (system.weights[:n_q] * np.abs(np.real(correction[:n_q]))).max(initial=0)
         if shift == 0 and size <= NEAR:
@@ -57,19 +58,24 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
 def _shift(system: System, terms) -> float:
     """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
     n_q = system.n_q
-    mass, stiffness = (np.real(system.matrix(values).toarray())[:n_q, :n_q] for values in (terms.I_acc, terms.I_q + terms.A_q))
+    stiffness = np.real(system.matrix(terms.I_q + terms.A_q).toarray())[:n_q, :n_q]
     free = free_motions(np.real(system.matrix(terms.I_acc).toarray())[:n_q, n_q:].T, system.weights[:n_q])
     if not free.shape[1]:
         return 0.0
-    stiffness, mass = free.T @ stiffness @ free, free.T @ mass @ free
-    lowest = eigvalsh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2, subset_by_index=[0, 0])[0]
-    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_q]).max() / (LONGEST * np.diag(mass).max())
-    if lowest > ROUND_OFF * max(np.abs(stiffness).max() / np.diag(mass).min(), pull):
+    stiffness = free.T @ stiffness @ free
+    if not np.all(np.isfinite(stiffness)):
+        raise ConvergenceError(
+            "the stiffness of the given positions is not finite. Look for a number that is orders of magnitude off."
+        )
+    lowest = eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
+    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_q]).max() / LONGEST
+    if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0
     return max(-2.0 * lowest, pull)
 
 
-def _among_coordinates(system: System) -> np.ndarray:
-    """Which entries of the pattern are of the coordinates' block."""
+def _metric(system: System) -> np.ndarray:
+    """W on the pattern: weights squared on the diagonal of the coordinates."""
     rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
-    return (rows < system.n_q) & (system.plan.indices < system.n_q)
+    diagonal = (rows == system.plan.indices) & (rows < system.n_q)
+    return np.where(diagonal, system.weights[rows] ** 2, 0.0)
