@@ -9,7 +9,6 @@ import sys
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
-from unittest import mock
 
 import numpy as np
 import pytest
@@ -48,12 +47,6 @@ def good_model(folder: Path) -> None:
     (folder / "scene.toml").write_text(SCENE.replace("MODEL", "case.h5"))
 
 
-def good_old_model(folder: Path) -> None:
-    """The same in HDF5's first format, which has next to no checksums."""
-    with mock.patch("toolkit.reduced_model_file.FORMAT", "earliest"):
-        good_model(folder)
-
-
 def good_results(folder: Path) -> None:
     """Results of a run of that model."""
     save(beam(), folder / "model.h5")
@@ -69,7 +62,7 @@ def limited() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "prepare", "least"),
-    [("model", good_model, 950), ("old-model", good_old_model, 250), ("results", good_results, 750)],
+    [("model", good_model, 950), ("results", good_results, 750)],
 )
 def test_a_spoilt_file_is_refused_by_the_program_itself_or_does_no_harm(tmp_path, kind, prepare, least):
     prepare(tmp_path)

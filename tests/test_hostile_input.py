@@ -16,6 +16,8 @@ from preprocessing.skin_file import read_skin_file
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
 from toolkit.errors import InputError, ModelFileError
 from toolkit.reduced_model_file import load
+from toolkit.results.layout import ResultsFileError
+from toolkit.results.results_file import load_results
 from toolkit.scene_file import read_scene
 
 ROOT = Path(__file__).parents[1]
@@ -166,7 +168,8 @@ ATTRIBUTES: dict[str, tuple[str, str, Any, str]] = {
     "a parameter whose inverse overflows": ("nominal", "thickness", 5e-324, "nominal/thickness is 5e-324 instead of"),
     "a number for a text": ("/", "basis", np.nan, "basis is nan instead of a text"),
     "a text that is none": ("/", "basis", np.bytes_(b"\xff"), "damaged or incomplete"),
-    "many texts for one": ("/", "units", np.array(["m-kg-s"] * 3, object), "neither a number nor a text"),
+    "many texts for one": ("/", "units", np.array(["m-kg-s"] * 3, object), "neither a number nor a text of fixed length"),
+    "a text of variable length": ("/", "units", "m-kg-s", "neither a number nor a text of fixed length"),
     "a number for a unit": ("nominal_units", "thickness", 1.0, "nominal_units/thickness is 1.0 instead of a text"),
 }
 
@@ -179,6 +182,23 @@ def test_an_attribute_of_another_kind_is_refused(model, kind):
         file[group].attrs[key] = value
     with pytest.raises(ModelFileError, match=message):
         load(model)
+
+
+@pytest.mark.parametrize("read", [load, load_results])
+def test_a_file_in_a_format_without_checksums_is_not_even_opened(model, read, monkeypatch):
+    """A flipped bit there sent HDF5 round in a circle for ever."""
+    with h5py.File(model, "w", libver="earliest") as file:
+        file.attrs["schema"] = "any"
+    monkeypatch.setattr(h5py, "File", None)
+    with pytest.raises(
+        (ModelFileError, ResultsFileError), match=r"case\.h5.*format without checksums.*(Build it|Run the scene) again"
+    ):
+        read(model)
+
+
+def test_an_integral_of_a_type_that_is_a_table_is_refused():
+    with pytest.raises(InputError, match=r"responses\.energy.*`of` needs a table with a `type`, one of: "):
+        read_scene(PENDULUM, {"responses.energy": '{ type = "time-integral", of = { type = {} } }'})
 
 
 @pytest.mark.parametrize("power", [1e300, 21.0, 0.5])

@@ -140,7 +140,7 @@ def test_a_file_with_flipped_bytes_raises_no_foreign_error(path):
 
 
 def test_a_foreign_hdf5_file_is_recognised(tmp_path):
-    with h5py.File(tmp_path / "other.h5", "w") as file:
+    with h5py.File(tmp_path / "other.h5", "w", libver="v110") as file:
         file["data"] = np.arange(3)
     with pytest.raises(
         ModelFileError, match=r"other\.h5' is an HDF5 file but not a reduced model: its attribute 'schema' is None"
@@ -283,9 +283,10 @@ def test_numbers_that_contradict_other_parts_are_refused(path, name):
 
 
 @pytest.mark.parametrize(("group", "name", "value", "message"), [
-    ("/", "dimension", 3, "dimension is 3; only planar models"), ("/", "units", "inch", "units is 'inch' instead of one of mm-t-s"),
+    ("/", "dimension", 3, "dimension is 3; only planar models"),
+    ("/", "units", np.bytes_(b"inch"), "units is 'inch' instead of one of mm-t-s"),
     ("nominal", "thickness", np.nan, "nominal/thickness is nan instead of a number that is zero or from"),
-    ("nominal", "thickness", "thin", "nominal/thickness is 'thin' instead of a number that is zero or from"),
+    ("nominal", "thickness", np.bytes_(b"thin"), "nominal/thickness is 'thin' instead of a number that is zero or from"),
     ("nominal", "thickness", 0.0, "nominal holds a zero, but the polynomials of affine are relative"),
     ("nominal", "depth", 1.0, "nominal_units/depth is missing"),
 ])  # fmt: skip

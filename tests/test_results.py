@@ -224,7 +224,7 @@ def elsewhere(file):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda file: file.attrs.__setitem__("schema", "another"), "holds no results"),
+        (lambda file: file.attrs.__setitem__("schema", np.bytes_(b"another")), "holds no results"),
         (lambda file: file.attrs.__setitem__("schema_version", 99), "has schema version 99"),
         (delete("q"), "lacks q"),
         (delete("about"), "lacks about"),

@@ -15,6 +15,9 @@ from toolkit.errors import ToolkitError
 FORMAT = ("v110", "v110")
 """Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
 
+SIGNATURE, OLDEST = b"\x89HDF\r\n\x1a\n", 3
+"""First bytes of every HDF5 file, and behind them the number of its format, of which this is the first that has checksums."""
+
 SMALL, SMALL_SCALAR = 1024, 60_000
 """Bytes of an array, and of a single text, up to which it is kept within those structures and needs no checksum of its own."""
 
@@ -99,7 +102,7 @@ class Content:
 def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Content]:
     """The content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason."""
     try:
-        with h5py.File(path, "r") as file:
+        with _opened(path) as file:
             yield Content(file, path.stat().st_size)
     except ToolkitError:
         raise
@@ -110,21 +113,30 @@ def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Cont
 def schema_of(path: Path) -> str | None:
     """Which of the program's HDF5 files it is, by its attribute `schema`; None if it cannot be read as one."""
     try:
-        with h5py.File(path, "r") as file:
+        with _opened(path) as file:
             return str(_scalar(file, "schema"))
     except _UNREADABLE:
         return None
 
 
+def _opened(path: Path) -> h5py.File:
+    """The file, unless it is of HDF5's older formats: damage there is not noticed but followed, for ever if it leads in a circle."""
+    with path.open("rb") as file:
+        start = file.read(len(SIGNATURE) + 1)
+    if start[:-1] != SIGNATURE:
+        raise ValueError("it is no HDF5 file")
+    if start[-1] < OLDEST:
+        raise ValueError("it was written by another program or an old version of this one, in a format without checksums")
+    return h5py.File(path, "r")
+
+
 def _scalar(owner: h5py.Group, key: str) -> str | int | float:
+    """A number, or a text of fixed length: the place where HDF5 keeps those of variable length has no checksum."""
     stored = owner.attrs.get_id(key)
-    text = h5py.check_string_dtype(stored.dtype) is not None
-    if stored.shape != () or not (text or (stored.dtype.kind in "fiu" and stored.dtype.itemsize <= 8)):
-        raise ValueError(f"the attribute {key} is neither a number nor a text")
+    if stored.shape != () or stored.dtype.kind not in "fiuS" or (stored.dtype.kind != "S" and stored.dtype.itemsize > 8):
+        raise ValueError(f"the attribute {key} is neither a number nor a text of fixed length")
     value = owner.attrs[key]
-    if not text:
-        return value.item()
-    return _readable(value.decode() if isinstance(value, bytes) else str(value))
+    return value.decode() if isinstance(value, bytes) else value.item()
 
 
 def _readable(text: str) -> str:

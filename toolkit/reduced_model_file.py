@@ -12,14 +12,13 @@ import h5py
 import numpy as np
 
 from toolkit.errors import ModelFileError
-from toolkit.hdf5 import FORMAT, Content, reading, schema_of, write_array
+from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_array
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Polynomial, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.replaced_file import replaced
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 1
-SIGNATURE = b"\x89HDF\r\n\x1a\n"  # first bytes of every HDF5 file
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""

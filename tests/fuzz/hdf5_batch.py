@@ -55,9 +55,7 @@ def use_results(path: Path) -> None:
 def cases(folder: Path, kind: str) -> Iterator[str]:
     """The whole batch."""
     good, path = folder / "good.h5", folder / "case.h5"
-    objects, attributes = (MODEL_OBJECTS, MODEL_ATTRIBUTES) if kind != "results" else (RESULTS_OBJECTS, RESULTS_ATTRIBUTES)
-    if kind == "old-model":  # structures without checksums
-        return spoilt_bytes(good, path, 20, 240, seed=2)
+    objects, attributes = (MODEL_OBJECTS, MODEL_ATTRIBUTES) if kind == "model" else (RESULTS_OBJECTS, RESULTS_ATTRIBUTES)
     parts = (
         spoilt_objects(good, path, objects),
         spoilt_attributes(good, path, attributes),

@@ -134,7 +134,8 @@ ATTRIBUTES: dict[str, Any] = {
     "empty": h5py.Empty("f8"), "array": np.arange(3), "texts": np.array(["a", "b"], object), "bytes": np.bytes_(b"\xff"),
     "long": "x" * 60_000, "record": np.zeros((), RECORD), "truth": True, "complex": 1j, "nan": np.nan, "infinite": np.inf,
     "zero": 0.0, "smallest": 5e-324, "largest": 1.7e308, "negative": -1.5, "whole": 2**63 - 1, "unsigned": np.uint64(2**64 - 1),
-    "long double": np.longdouble(1), "word": "word", "words": "two\nlines \x1b[31m",
+    "long double": np.longdouble(1), "word": np.bytes_(b"word"), "words": np.bytes_(b"two\nlines \x1b[31m"),
+    "variable": "word",
 }  # fmt: skip
 
 SHAPES: dict[str, tuple[int, ...]] = {}
