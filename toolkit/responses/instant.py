@@ -126,9 +126,10 @@ class TimeIntegral(Response):
     def _instant(cls, value: Any) -> Instant:
         if isinstance(value, Instant):
             return cls._over_all_times(value)
-        if not isinstance(value, dict) or value.get("type") not in Instant.kinds:
+        kind = value.get("type") if isinstance(value, dict) else None
+        if not isinstance(kind, str) or kind not in Instant.kinds:
             raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
-        return cls._over_all_times(Instant.kinds[value["type"]](**{key: item for key, item in value.items() if key != "type"}))
+        return cls._over_all_times(Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"}))
 
     @staticmethod
     def _over_all_times(quantity: Instant) -> Instant:
