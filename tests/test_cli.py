@@ -251,7 +251,10 @@ def test_code_that_is_not_compiled_yet_is_recognised(tmp_path):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
 def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
-    code = "import os, signal, toolkit.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT); c.main()"
+    code = (
+        "import os, signal, toolkit.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT);"
+        "signal.signal(signal.SIGINT, signal.default_int_handler); c.main()"  # a process in the background is born deaf to it
+    )
     command = [sys.executable, "-c", code, "statics", SCENE]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 128 + signal.SIGINT
