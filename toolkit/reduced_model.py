@@ -178,7 +178,7 @@ class ReducedModel:
         for parameter in set(values) - set(self.nominal):
             raise InputError(
                 f"reduced model {self._label} has no parameter {parameter!r}; available: {', '.join(self.parameters) or 'none'}. "
-                f"Rerun preprocessing with {parameter!r} in its design list."
+                "Use one of these names."
             )
         if self.affine is not None and name in self.affine:
             return self.affine[name](np.array([values[p] / self.nominal[p] for p in self.parameters]))
@@ -195,8 +195,8 @@ class ReducedModel:
         if parameter not in known:
             raise InputError(
                 f"{parameter!r} has no derivatives in reduced model {self._label}: nothing there tells how {name} depends on it; "
-                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or rerun preprocessing with "
-                f"{parameter!r} in its design list."
+                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or build the model "
+                "with a preprocessing that differentiates by it."
             )
         if name not in known[parameter]:
             return 0.0
