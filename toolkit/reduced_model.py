@@ -195,8 +195,8 @@ class ReducedModel:
         if parameter not in known:
             raise InputError(
                 f"{parameter!r} has no derivatives in reduced model {self._label}: nothing there tells how {name} depends on it; "
-                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or build the model "
-                "with a preprocessing that differentiates by it."
+                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or rerun preprocessing "
+                "with a version that differentiates by it."
             )
         if name not in known[parameter]:
             return 0.0
