@@ -78,3 +78,11 @@ def test_a_run_with_a_start_of_its_own_is_referred_to_the_direct_method():
 def test_without_responses_there_is_nothing_to_do():
     scene = read_scene(WING).model_copy(update={"responses": {}})
     assert gradients_by("adjoint", scene, ["t_w"], "static").gradients == {}
+
+
+def test_with_the_direct_solution_at_hand_a_length_that_starts_at_zero_is_no_obstacle():
+    """As `certify` does it: the direct derivatives tell that the length is zero whatever the design."""
+    scene = hanging_skin(responses={"way": TimeIntegral(of=Displacement(body="arm", point="C", component="magnitude"))})
+    solution = simulate(prepare(scene, ["loads.drive.torque"]))
+    _, gradient = adjoint_gradients(solution.system, solution)
+    assert gradient[:, 0] == pytest.approx(scene.responses["way"].gradient(solution), rel=ROUND_OFF)

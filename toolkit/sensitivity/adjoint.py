@@ -34,11 +34,13 @@ def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | No
     found, gradient = adjoint_gradients(system, solution)
     extra = clock.perf_counter() - begun
     values = {name: partials.value for name, partials in found.items()}
-    gradients = {
-        name: dict(zip(system.design.names, map(float, column), strict=True))
-        for name, column in zip(found, gradient.T, strict=True)
-    }
-    return result(scene, solution, values, gradients, "adjoint", primal, extra)
+    return result(scene, solution, values, by_name(system, found, gradient), "adjoint", primal, extra)
+
+
+def by_name(system: System, found: dict[str, Partials], gradient: np.ndarray) -> dict[str, dict[str, float]]:
+    """What `adjoint_gradients` returns, as response -> variable -> derivative."""
+    columns = zip(found, gradient.T, strict=True)
+    return {name: dict(zip(system.design.names, map(float, column), strict=True)) for name, column in columns}
 
 
 def adjoint_gradients(system: System, solution: Solution) -> tuple[dict[str, Partials], np.ndarray]:
@@ -49,7 +51,7 @@ def adjoint_gradients(system: System, solution: Solution) -> tuple[dict[str, Par
     system : System
         The scene compiled with the design variables.
     solution : Solution
-        Of the same scene; derivatives in it are not used.
+        Of the same scene; derivatives in it only tell whether a length that is zero would grow.
 
     Raises
     ------

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, ToolkitError
 from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint
+from toolkit.sensitivity.adjoint import adjoint_gradients, by_name
 from toolkit.sensitivity.analysis import Kind, Progress, Result, direct, values_of
 from toolkit.sensitivity.numerical import numerical, typical_size
 
@@ -78,7 +78,8 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
     if not exact.gradients or not design:
         raise InputError("there is nothing to compare: the scene needs a table [responses] and a design variable.")
     progress(1, 5)
-    backwards = _differences(scene, exact, _adjoint_where_possible(scene, design, kind, exact))
+    system = exact.solution.system
+    backwards = _differences(scene, exact, by_name(system, *adjoint_gradients(system, exact.solution)))
     progress(2, 5)
     stepped = _differences(scene, exact, numerical(scene, design, kind, "complex-step").gradients)
     progress(3, 5)
@@ -87,18 +88,6 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
     curve = step_study(scene, design, kind)
     progress(5, 5)
     return Certificate(exact, {"adjoint": backwards, "complex-step": stepped}, rates, curve)
-
-
-def _adjoint_where_possible(scene: Scene, design: list[str], kind: Kind, exact: Result) -> Gradients:
-    """Gradients by the adjoint; nan, which compares as unknown, where a response needs derivatives that it does not have."""
-    found: Gradients = {}
-    for response, slopes in exact.gradients.items():
-        alone = scene.model_copy(update={"responses": {response: scene.responses[response]}})
-        try:
-            found |= adjoint(alone, design, kind).gradients
-        except InputError:
-            found[response] = dict.fromkeys(slopes, np.nan)
-    return found
 
 
 def _differences(scene: Scene, exact: Result, other: Gradients) -> Gradients:
