@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
 
 from preprocessing import beam, stress
 from preprocessing.mesh import CurveMesh
-from preprocessing.section import (
-    BENDING,
-    CURVATURE_STRESS,
-    MASS,
-    STRAIN_STRESS,
-    STRETCHING,
-    Exponents,
-    Section,
-    monomial,
-    monomial_derivative,
-)
+from preprocessing.section import Monomial, Patch, monomial, monomial_derivative
 
 
 @dataclass(frozen=True)
@@ -35,70 +25,96 @@ class Matrices:
     damping: Any  # sparse (n, n)
     stress: Any  # sparse (n_stress, n)
 
+    @property
+    def mass(self) -> Any:
+        """M = M_11 + M_22."""
+        return self.m_11 + self.m_22
+
+
+class Part(NamedTuple):
+    """One summand of one of the matrices, for unit parameters."""
+
+    factors: Monomial
+    name: str  # of the matrix
+    matrix: Any  # sparse
+
 
 @dataclass(frozen=True)
-class Rayleigh:
-    """Factors of the damping matrix D = mass M + stiffness K, in 1/s and s."""
+class Parts:
+    """The matrices as polynomials of the parameters: each is the sum of its parts times their monomials."""
 
-    mass: float = 0.0
-    stiffness: float = 0.0
+    parts: tuple[Part, ...]
+    n: int  # nodal coordinates
+    n_stress: int
+
+    def at(self, values: Mapping[str, Any]) -> Matrices:
+        """Matrices at one design."""
+        return self._sum([(part, monomial(values, part.factors)) for part in self.parts])
+
+    def derivative(self, values: Mapping[str, Any], parameter: str) -> Matrices:
+        """Analytical derivative of the matrices by one parameter."""
+        concerned = [part for part in self.parts if parameter in dict(part.factors)]
+        return self._sum([(part, monomial_derivative(values, part.factors, parameter)) for part in concerned])
+
+    def _sum(self, weighted: list[tuple[Part, Any]]) -> Matrices:
+        def one(name: str) -> Any:
+            terms = [weight * part.matrix for part, weight in weighted if part.name == name]
+            return _added(terms, self.n_stress if name == "stress" else self.n, self.n)
+
+        return Matrices(**{f.name: one(f.name) for f in fields(Matrices)})
 
 
-Parts = Mapping[Exponents, Matrices]
-"""The matrices as a polynomial of the section: the sum of every part times its monomial."""
-
-
-def assemble(mesh: CurveMesh, rayleigh: Rayleigh) -> dict[Exponents, Matrices]:
+def assemble(mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: Any = 1.0) -> Parts:
     """Parts of the matrices; what depends on geometry only stands here, what depends on the section in the monomials.
 
-    With the thickness t and the width b of the section:
+    With thickness t, width b, and the modulus E times `modulus_factor` (1, or 1 / (1 - nu^2) in plane strain):
 
-        M_ab = rho b t (...),   K = E b t K_1 + E b t^3 K_3,   D = a M + b K,   stress = E (...) + E t (...)
+        M_ab = rho b t (...),   K = E b t K_1 + E b t^3 K_3,   D = a M + c K,   stress = E (...) + E t (...)
+
+    Parameters
+    ----------
+    mesh : nodes real, or complex for a complex step in the geometry
     """
-    ends = mesh.ends
+    parts = tuple(part for patch in patches for part in _parts_of(mesh, patch, modulus_factor))
+    return Parts(parts, 3 * len(mesh.nodes), 4 * len(mesh.connectivity))
+
+
+def _parts_of(mesh: CurveMesh, patch: Patch, modulus_factor: Any) -> Iterator[Part]:
+    ends, elements = mesh.ends[patch.elements], patch.elements
     mass = beam.component_mass(ends)
-    m_11, m_12, m_22 = (_square(mesh, mass[:, a, b]) for a, b in ((0, 0), (0, 1), (1, 1)))
-    stretching = _square(mesh, beam.stretching_stiffness(ends))
-    bending = _square(mesh, beam.bending_stiffness(ends) / 12)  # I = b t^3 / 12
-    return {
-        MASS: _part(mesh, m_11=m_11, m_12=m_12, m_22=m_22, damping=rayleigh.mass * (m_11 + m_22)),
-        STRETCHING: _part(mesh, stiffness=stretching, damping=rayleigh.stiffness * stretching),
-        BENDING: _part(mesh, stiffness=bending, damping=rayleigh.stiffness * bending),
-        STRAIN_STRESS: _part(mesh, stress=_rows(mesh, stress.strain_rows(ends))),
-        CURVATURE_STRESS: _part(mesh, stress=_rows(mesh, stress.curvature_rows(ends))),
-    }
+    m_11, m_12, m_22 = (_square(mesh, elements, mass[:, a, b]) for a, b in ((0, 0), (0, 1), (1, 1)))
+    inertial = {"density": 1, "thickness": 1, "width": 1}
+    for name, matrix in (("m_11", m_11), ("m_12", m_12), ("m_22", m_22)):
+        yield Part(patch.monomial(**inertial), name, matrix)
+    yield Part(patch.monomial(damping_mass=1, **inertial), "damping", m_11 + m_22)
+    stiff = {1: beam.stretching_stiffness(ends), 3: beam.bending_stiffness(ends) / 12}  # A = b t, I = b t^3 / 12
+    for power, blocks in stiff.items():
+        elastic, matrix = {"youngs_modulus": 1, "thickness": power, "width": 1}, _square(mesh, elements, modulus_factor * blocks)
+        yield Part(patch.monomial(**elastic), "stiffness", matrix)
+        yield Part(patch.monomial(damping_stiffness=1, **elastic), "damping", matrix)
+    yield Part(patch.monomial(youngs_modulus=1), "stress", _rows(mesh, elements, modulus_factor * stress.strain_rows(ends)))
+    curved = _rows(mesh, elements, modulus_factor * stress.curvature_rows(ends))
+    yield Part(patch.monomial(youngs_modulus=1, thickness=1), "stress", curved)
 
 
-def matrices_at(parts: Parts, section: Section) -> Matrices:
-    """Matrices at one design."""
-    return _weighted_sum(parts, {exponents: monomial(section, exponents) for exponents in parts})
+def _added(terms: list[Any], n_rows: int, n: int) -> Any:
+    """Sum of sparse matrices, by one conversion instead of one per term."""
+    if not terms:
+        return sparse.csr_array((n_rows, n))
+    every = [term.tocoo() for term in terms]
+    row, column, value = (np.concatenate([getattr(term, name) for term in every]) for name in ("row", "col", "data"))
+    return sparse.coo_array((value, (row, column)), shape=(n_rows, n)).tocsr()
 
 
-def derivative(parts: Parts, section: Section, parameter: str) -> Matrices:
-    """Analytical derivative of the matrices by one parameter of the section."""
-    return _weighted_sum(parts, {exponents: monomial_derivative(section, exponents, parameter) for exponents in parts})
-
-
-def _weighted_sum(parts: Parts, weights: Mapping[Exponents, float | complex]) -> Matrices:
-    names = [f.name for f in fields(Matrices)]
-    return Matrices(**{name: sum(weights[e] * getattr(part, name) for e, part in parts.items()) for name in names})
-
-
-def _part(mesh: CurveMesh, **matrices: Any) -> Matrices:
-    n, n_stress = 3 * len(mesh.nodes), 4 * len(mesh.connectivity)
-    zero = {f.name: sparse.csr_array((n_stress if f.name == "stress" else n, n)) for f in fields(Matrices)}
-    return Matrices(**{**zero, **matrices})
-
-
-def _square(mesh: CurveMesh, blocks: np.ndarray) -> Any:
+def _square(mesh: CurveMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
     """Sum element blocks (n_e, 6, 6) into one sparse matrix."""
-    rows, columns = np.broadcast_arrays(mesh.dofs[:, :, None], mesh.dofs[:, None, :])
-    n = 3 * len(mesh.nodes)
+    dofs, n = mesh.dofs[elements], 3 * len(mesh.nodes)
+    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
     return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
 
 
-def _rows(mesh: CurveMesh, blocks: np.ndarray) -> Any:
-    """Stack element rows (n_e, 4, 6) into one sparse matrix."""
-    n_rows = 4 * len(mesh.connectivity)
-    rows, columns = np.broadcast_arrays(np.arange(n_rows).reshape(-1, 4, 1), mesh.dofs[:, None, :])
+def _rows(mesh: CurveMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
+    """Place element rows (n_e, 4, 6) in one sparse matrix, element by element."""
+    n_rows, numbers = 4 * len(mesh.connectivity), 4 * elements[:, None] + np.arange(4)
+    rows, columns = np.broadcast_arrays(numbers[:, :, None], mesh.dofs[elements][:, None, :])
     return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_rows, 3 * len(mesh.nodes))).tocsr()

@@ -3,29 +3,28 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from preprocessing.airfoil_table import read_start
-from preprocessing.assembly import Rayleigh, assemble, derivative, matrices_at
+from preprocessing.assembly import assemble
+from preprocessing.discretisation import DesignSpace, Discretisation, positions
 from preprocessing.geometry import Geometry, Remark, at_key, read_geometry
 from preprocessing.gmsh_session import load_gmsh
-from preprocessing.interface import interface_point
-from preprocessing.invariants import contract, contract_derivative, nonzero, polynomials
-from preprocessing.reduction import Basis, tangent_frame
-from preprocessing.section import PARAMETERS, Section
-from preprocessing.skin_file import SkinFile, read_skin_file
-from preprocessing.stress import stress_points
+from preprocessing.patches import distribute
+from preprocessing.reduced import reduce
+from preprocessing.reduction import BasisChoice
+from preprocessing.skin_file import Place, SkinFile, read_skin_file
 from toolkit.errors import InputError
-from toolkit.reduced_model import InterfacePoint, Mesh, ReducedModel, Shape
+from toolkit.reduced_model import Mesh, ReducedModel, Shape
 from toolkit.reduced_model_file import SCHEMA_VERSION
-from toolkit.units import unit
 
 WRITER_VERSION = "0.1.0"
 """Version of this distribution; part of the input hash, so that a new version builds its files again."""
 
-QUANTITIES = {"youngs_modulus": "stress", "density": "density", "thickness": "length", "width": "length"}
 _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
@@ -81,35 +80,32 @@ def _airfoil_bytes(path: Path) -> bytes:
 
 
 def _reduced_model(path: Path, file: SkinFile, hash_of_inputs: str, geometry: Geometry) -> ReducedModel:
-    mesh = geometry.mesh
-    section = Section(file.material.youngs_modulus, file.material.density, file.section.thickness, file.section.width)
-    parts = assemble(mesh, Rayleigh(file.damping.mass, file.damping.stiffness))
-    basis = tangent_frame(mesh.nodes, _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
-    matrices = matrices_at(parts, section)
-    rates = {name: contract_derivative(matrices, derivative(parts, section, name), basis.z) for name in PARAMETERS}
+    space = design_space(path, file, geometry)
+    found = reduce(space, BasisChoice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
+    mesh, z = geometry.mesh, found.basis.z
     return ReducedModel(
-        dimension=2,
-        units=file.units,
-        reference_condition=basis.reference_condition,
-        basis=basis.description,
-        nominal={name: float(getattr(section, name)) for name in PARAMETERS},
-        nominal_units={name: unit(file.units, quantity) for name, quantity in QUANTITIES.items()},
+        **found.fields(space, file.units),
         input_hash=hash_of_inputs,
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
-        invariants=contract(matrices, basis.z),
-        derivatives={name: nonzero(rate) for name, rate in rates.items()},
-        affine=polynomials(parts, section, basis.z),
-        interfaces=_interfaces(path, file, geometry, basis),
-        stress=stress_points(len(mesh.connectivity)),
-        shape=Shape(basis.translations, geometry.target, geometry.arc_lengths),
-        mesh=Mesh(mesh.nodes, mesh.connectivity, basis.z, geometry.outline, geometry.target_outline),
+        shape=Shape(positions(z), geometry.target, geometry.arc_lengths),
+        mesh=Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline),
     )
 
 
-def _interfaces(path: Path, file: SkinFile, geometry: Geometry, basis: Basis) -> dict[str, InterfacePoint]:
-    points = {}
-    for name, place in file.interface_points.items():
-        with at_key(path, f"interface_points.{name}"):
-            arc_length = geometry.skin.locate(**place.where, stations=geometry.arc_lengths)
-            points[name] = interface_point(geometry.mesh, geometry.arc_lengths, basis.z, arc_length)
-    return points
+def design_space(path: Path, file: SkinFile, geometry: Geometry) -> DesignSpace:
+    """All designs of the skin."""
+    section = {**file.section.model_dump(), **file.material.model_dump(), "damping_mass": file.damping.mass}
+    section["damping_stiffness"] = file.damping.stiffness
+    parameters = distribute(section, {}, (), file.skin.elements)
+
+    def discretise(_values: Mapping[str, Any]) -> Discretisation:
+        parts = assemble(geometry.mesh, parameters.patches)
+        places = {name: _arc_length(path, name, place, geometry) for name, place in file.interface_points.items()}
+        return Discretisation(geometry.mesh, geometry.arc_lengths, parts, places, geometry.target)
+
+    return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), discretise)
+
+
+def _arc_length(path: Path, name: str, place: Place, geometry: Geometry) -> Any:
+    with at_key(path, f"interface_points.{name}"):
+        return geometry.skin.locate(**place.where, stations=geometry.arc_lengths)

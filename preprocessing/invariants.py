@@ -9,14 +9,17 @@ With Z = [xi, Psi]:
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array
 
-from preprocessing.assembly import Matrices, Parts
-from preprocessing.section import Exponents, Section, monomial
-from toolkit.reduced_model import Invariants, Polynomial
+from preprocessing.assembly import Matrices, Part, Parts
+from preprocessing.section import Monomial
+from toolkit.dependence import Derivatives, Polynomial
+from toolkit.reduced_model import Invariants
 
 
 def translation(n: int, axis: int) -> np.ndarray:
@@ -63,25 +66,72 @@ def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray,
     return Invariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-def nonzero(invariants: Invariants) -> dict[str, np.ndarray]:
-    """The invariants that are not zero, by name."""
-    return {name: value for name, value in asdict(invariants).items() if np.any(value)}
+def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray) -> dict[str, Polynomial]:
+    """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f).
 
-
-def polynomials(parts: Parts, section: Section, z: np.ndarray) -> dict[str, Polynomial]:
-    """Exact dependence of every invariant on the section's parameters, relative to `section`, for Z (n, 1 + n_f).
-
-    The contractions are linear in the matrices, so every part of the matrices gives one term; invariants that are zero at every
-    design have no polynomial.
+    The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
+    invariants that are zero at every design have no polynomial.
     """
-    terms: dict[str, list[tuple[Exponents, np.ndarray]]] = {f.name: [] for f in fields(Invariants)}
-    for exponents, part in parts.items():
-        for name, value in nonzero(contract(part, z)).items():
-            terms[name].append((exponents, monomial(section, exponents) * value))
+    sparse_z = csr_array(z)
+    terms: dict[str, list[Term]] = {f.name: [] for f in fields(Invariants)}
+    for part in parts.parts:
+        for name, contraction in _contractions(part, sparse_z):
+            found = coo_array(contraction)
+            if np.any(found.data):
+                terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
+    return {name: _polynomial(found, list(parameters)) for name, found in terms.items() if found}
+
+
+Term = tuple[Monomial, np.ndarray, np.ndarray]
+"""A monomial, places in the flattened invariant, and the coefficients there."""
+
+
+def _polynomial(terms: list[Term], parameters: list[str]) -> Polynomial:
+    width = max(len(factors) for factors, _, _ in terms)
+    factor, power = np.full((len(terms), width), -1), np.zeros((len(terms), width), np.int64)
+    for k, (factors, _, _) in enumerate(terms):
+        for j, (name, exponent) in enumerate(factors):
+            factor[k, j], power[k, j] = parameters.index(name), exponent
+    numbers = np.repeat(np.arange(len(terms)), [len(entry) for _, entry, _ in terms])
+    return Polynomial(
+        factor, power, numbers, np.concatenate([entry for _, entry, _ in terms]), np.concatenate([value for _, _, value in terms])
+    )
+
+
+def _contractions(part: Part, z: Any) -> Iterator[tuple[str, Any]]:
+    """What one part of one matrix adds to the invariants, for unit parameters and sparse Z."""
+    psi, t, matrix = z[:, 1:], [translation(z.shape[0], axis) for axis in (0, 1)], part.matrix
+    if part.name in ("stiffness", "damping"):
+        yield part.name, psi.T @ (matrix @ psi)
+    elif part.name == "stress":
+        yield "stress_operator", matrix @ psi
+    elif part.name == "m_12":
+        yield "gyroscopic", z.T @ ((matrix - matrix.T) @ z)
+    else:
+        axis = 0 if part.name == "m_11" else 1
+        row = np.zeros((2, z.shape[1]))
+        row[axis] = z.T @ (matrix.T @ t[axis])
+        yield "first_moment", row
+        yield "inertia", z.T @ (matrix @ z)
+        if axis == 0:
+            yield "mass", np.atleast_2d(t[0] @ (matrix @ t[0]))
+
+
+def listed(rates: Mapping[str, Mapping[str, np.ndarray]], parameters: Sequence[str]) -> dict[str, Derivatives]:
+    """Derivatives (parameter -> item -> array) as one list of non-zero entries for every item that has any."""
+    found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
+    for parameter, items in rates.items():
+        for item, rate in items.items():
+            entry = np.flatnonzero(rate)
+            if len(entry):
+                found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
     return {
-        name: Polynomial(np.array([exponents for exponents, _ in found]), np.stack([value for _, value in found]))
-        for name, found in terms.items()
-        if found
+        item: Derivatives(
+            np.concatenate([np.full(len(entry), k) for k, entry, _ in rows]),
+            np.concatenate([entry for _, entry, _ in rows]),
+            np.concatenate([value for _, _, value in rows]),
+        )
+        for item, rows in found.items()
     }
 
 

@@ -3,63 +3,61 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import asdict
 
 import numpy as np
 
-from preprocessing.assembly import Rayleigh, assemble, derivative, matrices_at
-from preprocessing.build import QUANTITIES, WRITER_VERSION
-from preprocessing.interface import interface_point
-from preprocessing.invariants import contract, contract_derivative, nonzero, polynomials
+from preprocessing.assembly import assemble
+from preprocessing.build import WRITER_VERSION
+from preprocessing.discretisation import DesignSpace, Discretisation
 from preprocessing.mesh import CurveMesh
-from preprocessing.reduction import tangent_frame
-from preprocessing.section import PARAMETERS, Section
-from preprocessing.stress import stress_points
+from preprocessing.patches import distribute
+from preprocessing.reduced import reduce
+from preprocessing.reduction import BasisChoice
+from preprocessing.section import Section
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel
-from toolkit.units import unit
+
+FULL = BasisChoice()
 
 
 def polygon_beam(
-    nodes: np.ndarray, section: Section, interfaces: Mapping[str, float], damping: Rayleigh | None = None, units: str = "m-kg-s"
+    nodes: np.ndarray,
+    section: Section,
+    interfaces: Mapping[str, float],
+    units: str = "m-kg-s",
+    separate: Collection[str] = (),
+    basis: BasisChoice = FULL,
 ) -> ReducedModel:
     """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node.
 
     Parameters
     ----------
     nodes : (n_nodes, 2) corners of the polygon in the body's frame
-    section : modulus, density, thickness in the plane and width across it, in the named system of units
+    section : modulus, density, thickness in the plane, width across it and Rayleigh damping, in the named system of units
     interfaces : name -> arc length along the polygon where joints and loads may grip
-    damping : Rayleigh factors; none by default
     units : "m-kg-s" or "mm-t-s"
+    separate : quantities of the section that every element has of its own, for example ("thickness",)
+    basis : what the elastic coordinates are; all nodal coordinates by default
 
     Raises
     ------
     InputError
-        Fewer than two nodes, two neighbours at one place, an interface point off the beam, or unknown units.
+        Fewer than two nodes, two neighbours at one place, an interface point off the beam, unknown units, or an impossible basis.
     """
-    nodes, damping = np.asarray(nodes, float), damping or Rayleigh()
+    nodes = np.asarray(nodes, float)
     mesh, arc_lengths = _mesh(nodes)
-    parts = assemble(mesh, damping)
-    basis, matrices = tangent_frame(nodes, 0, "the first node"), matrices_at(parts, section)
-    rates = {name: contract_derivative(matrices, derivative(parts, section, name), basis.z) for name in PARAMETERS}
-    inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), asdict(damping), units, WRITER_VERSION))
+    parameters = distribute(asdict(section), {}, separate, len(mesh.connectivity))
+    discrete = Discretisation(mesh, arc_lengths, assemble(mesh, parameters.patches), interfaces, None)
+    space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
+    found = reduce(space, basis, 0, "the first node")
+    inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), asdict(basis), WRITER_VERSION))
     return ReducedModel(
-        dimension=2,
-        units=units,
-        reference_condition=basis.reference_condition,
-        basis=basis.description,
-        nominal={name: float(np.real(getattr(section, name))) for name in PARAMETERS},
-        nominal_units={name: unit(units, quantity) for name, quantity in QUANTITIES.items()},
+        **found.fields(space, units),
         input_hash=hashlib.sha256(inputs.encode()).hexdigest(),
         writers={"ffrf-toolkit": WRITER_VERSION, "numpy": np.__version__},
-        invariants=contract(matrices, basis.z),
-        derivatives={name: nonzero(rate) for name, rate in rates.items()},
-        affine=polynomials(parts, section, basis.z),
-        interfaces={name: interface_point(mesh, arc_lengths, basis.z, s) for name, s in interfaces.items()},
-        stress=stress_points(len(mesh.connectivity)),
-        mesh=Mesh(nodes, mesh.connectivity, basis.z, nodes, np.zeros((0, 2))),
+        mesh=Mesh(nodes, mesh.connectivity, found.basis.z, nodes, np.zeros((0, 2))),
     )
 
 

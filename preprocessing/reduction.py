@@ -19,10 +19,11 @@ class Basis:
     reference_condition: str
     description: str
 
-    @property
-    def translations(self) -> np.ndarray:
-        """The rows of Z that give the nodes' positions, (n_nodes, 2, 1 + n_f)."""
-        return self.z.reshape(-1, 3, self.z.shape[1])[:, :2]
+    constant = True
+
+    def rate(self, d_stiffness, d_mass, d_xi, d_rows):
+        """[dxi, 0]."""
+        return np.column_stack([d_xi, np.zeros_like(self.z[:, 1:])])
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
@@ -43,3 +44,15 @@ def tangent_frame(nodes: np.ndarray, node: int, name: str) -> Basis:
         f"tangent frame: the nodal coordinates of {name} are clamped in the frame of the undeformed shape",
         "frozen: identity on the free coordinates",
     )
+
+
+@dataclass(frozen=True)
+class BasisChoice:
+    """Which basis."""
+
+    kind: str = "full"
+
+
+def choose_basis(choice, mass, stiffness, nodes, clamped_node, clamp, interface_rows):
+    """The basis that was chosen."""
+    return tangent_frame(nodes, clamped_node, clamp)

@@ -1,42 +1,62 @@
-"""Rectangular section of one material, and the monomials of its parameters that the beam matrices consist of."""
+"""What the elements are made of: quantities of a section, the parameters that hold them, and monomials of these."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
 
-Exponents = tuple[int, int, int, int]
-"""Powers of (youngs_modulus, density, thickness, width) in one monomial."""
-
-MASS: Exponents = (0, 1, 1, 1)  # rho b t
-STRETCHING: Exponents = (1, 0, 1, 1)  # E b t
-BENDING: Exponents = (1, 0, 3, 1)  # E b t^3
-STRAIN_STRESS: Exponents = (1, 0, 0, 0)  # E
-CURVATURE_STRESS: Exponents = (1, 0, 1, 0)  # E t
+import numpy as np
 
 
 @dataclass(frozen=True)
 class Section:
-    """Homogeneous rectangular section, thickness in the plane of the body and width across it."""
+    """Homogeneous rectangular section, thickness in the plane of the body and width across it, with Rayleigh damping.
 
-    youngs_modulus: float | complex
-    density: float | complex
-    thickness: float | complex
-    width: float | complex
+    D = damping_mass M + damping_stiffness K.
+    """
 
-
-PARAMETERS: tuple[str, ...] = tuple(f.name for f in fields(Section))
-"""The design parameters of the reduced model, in the order of `Exponents`."""
-
-
-def monomial(section: Section, exponents: Exponents) -> float | complex:
-    """Value of prod_j p_j ** e_j."""
-    product: float | complex = 1.0
-    for name, exponent in zip(PARAMETERS, exponents, strict=True):
-        product = product * getattr(section, name) ** exponent
-    return product
+    youngs_modulus: float
+    density: float
+    thickness: float
+    width: float
+    damping_mass: float = 0.0  # 1 / time
+    damping_stiffness: float = 0.0  # time
 
 
-def monomial_derivative(section: Section, exponents: Exponents, parameter: str) -> float | complex:
-    """Derivative e_i / p_i prod_j p_j ** e_j by the parameter p_i; the parameters of a section are never zero."""
-    exponent = exponents[PARAMETERS.index(parameter)]
-    return exponent * monomial(section, exponents) / getattr(section, parameter)
+QUANTITIES: dict[str, str] = {
+    "youngs_modulus": "stress",
+    "density": "density",
+    "thickness": "length",
+    "width": "length",
+    "damping_mass": "rate",
+    "damping_stiffness": "time",
+}
+"""Quantities of a section, and what they are, for their units."""
+
+
+Monomial = tuple[tuple[str, int], ...]
+"""Product of powers of parameters: (name, power) of each."""
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Elements that take every quantity from the same parameter: `thickness` of the whole body, or `thickness_nose` of a group."""
+
+    elements: np.ndarray  # numbers of the elements
+    parameters: Mapping[str, str]  # quantity -> name of the parameter that holds it
+
+    def monomial(self, **powers: int) -> Monomial:
+        """Product of powers of this patch's parameters, named by their quantities."""
+        return tuple((self.parameters[quantity], power) for quantity, power in powers.items())
+
+
+def monomial(values: Mapping[str, Any], factors: Monomial) -> Any:
+    """Value of prod_j p_j ** e_j; real or complex, as the values are."""
+    return np.prod([values[name] ** power for name, power in factors])
+
+
+def monomial_derivative(values: Mapping[str, Any], factors: Monomial, parameter: str) -> Any:
+    """Derivative e_i p_i ** (e_i - 1) prod_j p_j ** e_j, j != i, by the parameter p_i."""
+    lowered = tuple((name, power - (name == parameter)) for name, power in factors)
+    return dict(factors).get(parameter, 0) * monomial(values, lowered)

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly import Rayleigh
 from preprocessing.section import Section
 from tests.beam_models import save_beam
 from toolkit.bodies.flexible import Flexible
@@ -122,8 +121,8 @@ def write_models(directory: Path) -> None:
     """The flexible body of all cases: a damped, bent beam with numbers of order one, gripped inside an element and at its end."""
     nodes = np.array([[0.0, 0.0], [0.6, 0.1], [1.0, 0.5], [1.1, 1.2]])
     length = float(np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum())
-    section = Section(youngs_modulus=1.2, density=0.9, thickness=0.3, width=0.8)
-    save_beam(directory / "beam.h5", nodes, section, {"middle": 0.9, "end": length}, Rayleigh(mass=0.2, stiffness=0.3))
+    section = Section(youngs_modulus=1.2, density=0.9, thickness=0.3, width=0.8, damping_mass=0.2, damping_stiffness=0.3)
+    save_beam(directory / "beam.h5", nodes, section, {"middle": 0.9, "end": length})
 
 
 def _cases() -> list[Case]:

@@ -189,7 +189,7 @@ def test_inspect_shows_a_reduced_model_with_units_parameters_interfaces_and_deri
     assert found["sizes"]["elastic coordinates"] == 90
     assert found["sizes"]["stress points"] == 120
     assert found["interfaces"]["G"]["arc_length"] == pytest.approx(291.551, abs=5e-4)  # stated with the scene, to its digits
-    assert "stiffness" in found["derivatives"]["youngs_modulus"]
+    assert "stiffness" in found["exact_for_every_value"]["youngs_modulus"]
     assert len(found["input_hash"]) == 64
     text = run("inspect", MODEL).stdout
     for part in ("ffrf-reduced-model, version", "thickness: value 1.5, unit mm", "gmsh", "no derivative by the arc length"):

@@ -15,6 +15,7 @@ import pytest
 
 from preprocessing.polygon_beam import polygon_beam
 from preprocessing.section import Section
+from toolkit.dependence import Derivatives
 from toolkit.reduced_model import ReducedModel, Shape
 from toolkit.reduced_model_file import save
 from toolkit.results.results_file import save_results
@@ -38,7 +39,9 @@ def beam() -> ReducedModel:
     """A small model that has all parts."""
     model = polygon_beam(np.array([[0, 0], [0.5, 0.1], [1.0, 0]]), Section(2e11, 7800.0, 0.02, 0.05), {"root": 0.0, "tip": 0.9})
     positions = model.interfaces["tip"].position[:1]
-    return replace(model, shape=Shape(positions, positions[:, :, 0] + 0.01, np.array([0.9])))
+    moving_target = {"shape.target": Derivatives(np.array([2, 2]), np.array([0, 1]), np.array([0.1, -0.2]))}
+    shape = Shape(positions, positions[:, :, 0] + 0.01, np.array([0.9]))
+    return replace(model, shape=shape, derivatives=moving_target)
 
 
 def good_model(folder: Path) -> None:

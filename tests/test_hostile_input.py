@@ -157,9 +157,11 @@ def test_what_stands_in_place_of_an_array_is_refused_before_it_is_followed_or_un
 def test_one_packed_array_under_many_names_is_not_unpacked_many_times(model):
     """Each alone could be in the file, all together cannot."""
     with h5py.File(model, "a") as file:
-        file["derivatives/thickness"].create_dataset("packed", data=np.zeros((2000, 2000)), compression="gzip")
-        for k in range(100):
-            file[f"derivatives/thickness/packed {k}"] = file["derivatives/thickness/packed"]
+        file["affine/inertia"].create_dataset("packed", data=np.zeros((2000, 2000)), compression="gzip")
+        for item in ("inertia", "stiffness", "damping", "gyroscopic"):
+            for name in ("term", "entry", "value"):
+                del file[f"affine/{item}/{name}"]
+                file[f"affine/{item}/{name}"] = file["affine/inertia/packed"]
     with pytest.raises(ModelFileError, match="which are not in the file"):
         load(model)
 
@@ -204,11 +206,11 @@ def test_an_integral_of_a_type_that_is_a_table_is_refused():
 @pytest.mark.parametrize("power", [1e300, 21.0, 0.5])
 def test_a_power_that_no_stiffness_has_is_refused(model, power):
     with h5py.File(model, "a") as file:
-        exponents = file["affine/stiffness/exponents"][()].astype(float)
+        exponents = file["affine/stiffness/power"][()].astype(float)
         exponents[0, 0] = power
-        del file["affine/stiffness/exponents"]
-        file["affine/stiffness/exponents"] = exponents
-    with pytest.raises(ModelFileError, match="affine/stiffness/exponents holds"):
+        del file["affine/stiffness/power"]
+        file["affine/stiffness/power"] = exponents
+    with pytest.raises(ModelFileError, match="affine/stiffness/power holds"):
         load(model)
 
 

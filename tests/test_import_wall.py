@@ -16,6 +16,7 @@ PICTURES = ("pyvista", "vtk", "vtkmodules", "matplotlib")
 SHARED = tuple(
     f"toolkit.{name}"
     for name in (
+        "dependence",
         "reduced_model",
         "reduced_model_check",
         "reduced_model_file",
@@ -30,7 +31,7 @@ SHARED = tuple(
 LAYERS = [
     ("errors", "kernel", "planar", "units", "design", "replaced_file", "hdf5", "toml_file"),
     ("description", "validation_messages", "run_options", "time_grid", "profile"),
-    ("reduced_model", "reduced_model_check", "reduced_model_file", "linear"),
+    ("dependence", "reduced_model", "reduced_model_check", "reduced_model_file", "design_point", "linear"),
     ("point", "component", "bodies"),
     ("loads", "joints"),
     ("scene", "scene_names", "equations"),

@@ -1,22 +1,27 @@
 """Invariants against closed forms of the polygon, rigid motions, complex steps and fresh builds at other designs."""
 
-from dataclasses import fields, replace
+from dataclasses import asdict, fields
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from preprocessing.assembly import Rayleigh, assemble, derivative, matrices_at
+from preprocessing.assembly import assemble
 from preprocessing.build import build
-from preprocessing.invariants import contract, contract_derivative, nonzero, polynomials, translation
+from preprocessing.discretisation import positions
+from preprocessing.invariants import contract, contract_derivative, polynomials, translation
 from preprocessing.mesh import mesh_curve
+from preprocessing.patches import distribute
 from preprocessing.reduction import tangent_frame, undeformed
-from preprocessing.section import PARAMETERS, Section
+from preprocessing.section import Section
+from toolkit.dependence import scattered
+from toolkit.design_point import DesignPoint
 from toolkit.reduced_model import Invariants, generalized_mass
 
 MODELS = Path(__file__).parents[1] / "models" / "morphing_wing"
-SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0)
+SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0, damping_mass=3.0, damping_stiffness=2e-5)
 NAMES = [f.name for f in fields(Invariants)]
+VALUES = asdict(SECTION)
 ANGLE = np.linspace(0.4, 3.6, 9)
 NODES = np.column_stack([60 + 80 * np.cos(ANGLE), 10 + 30 * np.sin(ANGLE)])
 """Half an ellipse, not symmetric to the axes."""
@@ -24,7 +29,7 @@ NODES = np.column_stack([60 + 80 * np.cos(ANGLE), 10 + 30 * np.sin(ANGLE)])
 
 @pytest.fixture(scope="module")
 def parts():
-    return assemble(mesh_curve(NODES), Rayleigh(mass=3.0, stiffness=2e-5))
+    return assemble(mesh_curve(NODES), distribute(VALUES, {}, (), len(NODES) - 1).patches)
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +40,7 @@ def complete():
 
 @pytest.fixture(scope="module")
 def invariants(parts, complete):
-    return contract(matrices_at(parts, SECTION), complete)
+    return contract(parts.at(VALUES), complete)
 
 
 @pytest.fixture(scope="module")
@@ -110,18 +115,17 @@ def test_gyroscopic_invariant_from_the_mass_matrix_alone_would_be_wrong(invarian
 @pytest.mark.parametrize("clamp", [0, -1])
 def test_clamping_one_node_leaves_no_rigid_motion(parts, clamp):
     basis = tangent_frame(NODES, clamp, "F")
-    invariants = contract(matrices_at(parts, SECTION), basis.z)
+    invariants = contract(parts.at(VALUES), basis.z)
     assert np.linalg.eigvalsh(generalized_mass(invariants)).min() > 0
     assert np.linalg.eigvalsh(invariants.stiffness).min() > 0
-    assert not np.any(basis.translations[clamp, :, 1:])
+    assert not np.any(positions(basis.z)[clamp, :, 1:])
 
 
 def test_product_rule_matches_complex_step_through_matrices_and_basis(parts, complete, rng):
     d_z = rng.normal(size=complete.shape)
-    section = replace(SECTION, thickness=SECTION.thickness + 1e-30j)
-    exact = contract(matrices_at(parts, section), complete + 1e-30j * d_z)
-    d_matrices = derivative(parts, SECTION, "thickness")
-    ours = contract_derivative(matrices_at(parts, SECTION), d_matrices, complete, d_z)
+    exact = contract(parts.at(VALUES | {"thickness": SECTION.thickness + 1e-30j}), complete + 1e-30j * d_z)
+    d_matrices = parts.derivative(VALUES, "thickness")
+    ours = contract_derivative(parts.at(VALUES), d_matrices, complete, d_z)
     for name in NAMES:
         close(getattr(ours, name), getattr(exact, name).imag / 1e-30)
 
@@ -132,30 +136,39 @@ def rng():
 
 
 def test_polynomials_are_exact_at_any_design(parts, complete):
-    other = Section(youngs_modulus=1.1e5, density=1e-9, thickness=3.7, width=12.0)
-    ratio = np.array([getattr(other, p) / getattr(SECTION, p) for p in PARAMETERS])
-    found = polynomials(parts, SECTION, complete)
-    fresh = contract(matrices_at(parts, other), complete)
+    other = dict(zip(VALUES, [1.1e5, 1e-9, 3.7, 12.0, 0.4, 1e-4], strict=True))
+    found, fresh = polynomials(parts, list(VALUES), complete), contract(parts.at(other), complete)
     for name in NAMES:
-        close(found[name](ratio), getattr(fresh, name))
+        value = getattr(fresh, name)
+        close(found[name](np.array(list(other.values())), value.size).reshape(value.shape), value)
 
 
-def test_undamped_body_has_no_damping_polynomial(complete):
-    assert "damping" not in polynomials(assemble(mesh_curve(NODES), Rayleigh()), SECTION, complete)
+@pytest.mark.parametrize("parameter", VALUES)
+def test_rates_of_the_polynomials_are_the_product_rule(parts, complete, parameter):
+    found, k = polynomials(parts, list(VALUES), complete), list(VALUES).index(parameter)
+    rule = contract_derivative(parts.at(VALUES), parts.derivative(VALUES, parameter), complete)
+    for name in NAMES:
+        expected = getattr(rule, name)
+        value = scattered(*found[name].rate(np.array(list(VALUES.values())), k), expected.size).reshape(expected.shape)
+        np.testing.assert_allclose(value, expected, rtol=0, atol=1e-12 * np.abs(expected).max())  # round-off, as in `close`
 
 
-@pytest.mark.parametrize("parameter", PARAMETERS)
-def test_stored_derivatives_are_the_complex_step_of_the_evaluated_model(model, parameter):
-    step = 1e-30 * model.nominal[parameter]
-    evaluated = model.evaluate({parameter: model.nominal[parameter] + 1j * step})
-    found = nonzero(Invariants(**{name: np.asarray(getattr(evaluated, name).imag / step) for name in NAMES}))
-    assert found.keys() == model.derivatives[parameter].keys()
-    for name, value in found.items():
-        close(model.derivatives[parameter][name], value)
+@pytest.mark.parametrize("parameter", ["youngs_modulus", "density", "thickness", "width", "damping_mass", "damping_stiffness"])
+def test_rates_of_the_model_are_the_complex_step_of_its_values(model, parameter):
+    nominal, step = DesignPoint(model), 1e-30 * max(model.nominal[parameter], 1e-3)
+    stepped = DesignPoint(model, {parameter: model.nominal[parameter] + 1j * step}).invariants()
+    for name in NAMES:
+        value = np.imag(getattr(stepped, name)) / step
+        np.testing.assert_allclose(
+            scattered(*nominal.rate(name, parameter), value.size).reshape(value.shape),
+            value,
+            rtol=0,
+            atol=1e-12 * np.abs(value).max(),
+        )
 
 
 def test_nominal_model_is_its_polynomials_at_the_nominal_design(model):
-    evaluated = model.evaluate()
+    evaluated = DesignPoint(model, {"thickness": 1.5 * (1 + 1e-30j)}).invariants()
     for name in NAMES:
         value = getattr(model.invariants, name)
         np.testing.assert_allclose(getattr(evaluated, name), value, rtol=0, atol=1e-13 * np.abs(value).max())

@@ -66,8 +66,22 @@ def test_model_is_written_next_to_the_toml_and_read_by_the_runtime(run, folder):
     assert (code, err) == (0, "")
     assert "skin.h5 written: 90 elastic coordinates, interface points C, E, G." in out
     model = load(folder / "skin.h5")
-    assert model.nominal == {"youngs_modulus": 70000.0, "density": 2.7e-9, "thickness": 1.5, "width": 1000.0}
-    assert model.nominal_units == {"youngs_modulus": "MPa", "density": "t/mm^3", "thickness": "mm", "width": "mm"}
+    assert model.nominal == {
+        "youngs_modulus": 70000.0,
+        "density": 2.7e-9,
+        "thickness": 1.5,
+        "width": 1000.0,
+        "damping_mass": 0.0,
+        "damping_stiffness": 0.0,
+    }
+    assert model.nominal_units == {
+        "youngs_modulus": "MPa",
+        "density": "t/mm^3",
+        "thickness": "mm",
+        "width": "mm",
+        "damping_mass": "1/s",
+        "damping_stiffness": "s",
+    }
     assert set(model.writers) == {"ffrf-toolkit", "gmsh", "numpy"}
     assert sorted(p.name for p in folder.iterdir()) == ["high_speed.dat", "low_speed.dat", "skin.h5", "skin.toml"]
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import InputError
 
 
@@ -33,24 +32,6 @@ class Invariants:
 
 
 @dataclass(frozen=True)
-class Polynomial:
-    """Exact dependence of one invariant on the parameters p, relative to their nominal values p0.
-
-        value(p) = sum_k C_k prod_j (p_j / p0_j) ** e_kj
-
-    Terms are few: one for each monomial that the finite elements consist of.
-    """
-
-    exponents: np.ndarray  # e (n_terms, n_parameters), whole numbers
-    coefficients: np.ndarray  # C (n_terms, *shape of the invariant)
-
-    def __call__(self, ratio: np.ndarray) -> np.ndarray:
-        """Value at the parameter ratios p / p0, shape (n_parameters,), real or complex."""
-        weights = np.prod(ratio ** self.exponents.astype(int), axis=1)
-        return np.tensordot(weights, self.coefficients, axes=1)
-
-
-@dataclass(frozen=True)
 class InterfacePoint:
     """A point where joints and loads may grip, as polynomials of its arc length s along the body.
 
@@ -65,6 +46,11 @@ class InterfacePoint:
     arc_length_range: np.ndarray  # (2,)
     position: np.ndarray  # (n_powers, 2, 1 + n_f)
     rotation: np.ndarray  # (n_powers, 1 + n_f)
+
+    @property
+    def here(self) -> tuple[np.ndarray, np.ndarray]:
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at the point's own arc length."""
+        return self.position[0], self.rotation[0]
 
     def at(self, arc_length: float | complex) -> tuple[np.ndarray, np.ndarray]:
         """Z_P (2, 1 + n_f) and T_P (1 + n_f,) at an arc length inside the range.
@@ -117,10 +103,10 @@ class Mesh:
 class ReducedModel:
     """Everything the runtime knows about one flexible body, in the units of its file.
 
-    The derivatives of the invariants are the analytical ones of the preprocessing, at the nominal design. A parameter that stands
-    in `derivatives` was differentiated by: an invariant that it does not name there does not depend on it. Where an invariant is
-    a polynomial of the parameters, `affine` holds it exactly for every value; the runtime prefers it. Parts that `load` was
-    not asked for are None.
+    Its arrays are items: the invariants by their names, `interfaces.C.position`, `shape.target` and so on. An item depends on the
+    parameters as its polynomial in `affine` says, exactly for every value; what no polynomial says stands in `derivatives`, at the
+    nominal design. The preprocessing differentiates every item by every parameter: what stands in neither does not depend on it.
+    Parts that `load` was not asked for are None.
 
     Attributes
     ----------
@@ -143,8 +129,8 @@ class ReducedModel:
     input_hash: str
     writers: dict[str, str]  # program -> version
     invariants: Invariants
-    derivatives: dict[str, dict[str, np.ndarray]] | None = None  # parameter -> invariant -> derivative
-    affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of all parameters
+    derivatives: dict[str, Derivatives] | None = None  # item -> derivatives by all parameters, as far as no polynomial tells them
+    affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of the parameters
     interfaces: dict[str, InterfacePoint] | None = None
     stress: StressPoints | None = None
     shape: Shape | None = None
@@ -153,7 +139,7 @@ class ReducedModel:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names of the design parameters, in the order of the columns of `Polynomial.exponents`."""
+        """Names of the design parameters; polynomials and derivatives refer to them by number."""
         return tuple(self.nominal)
 
     @property
@@ -161,55 +147,18 @@ class ReducedModel:
         """Number of elastic coordinates."""
         return len(self.invariants.stiffness)
 
-    def evaluate(self, values: Mapping[str, Any] | None = None) -> Invariants:
-        """All invariants at other parameter values, real or complex; nominal where no value is given. Errors as `invariant`."""
-        return Invariants(**{item.name: self.invariant(item.name, values) for item in fields(Invariants)})
-
-    def invariant(self, name: str, values: Mapping[str, Any] | None = None) -> np.ndarray:
-        """One invariant at other parameter values.
-
-        Raises
-        ------
-        InputError
-            A parameter is unknown, it has only a derivative at the nominal design and its value is moved away, or it is moved,
-            be it by an imaginary step, and nothing that was loaded tells how the invariant depends on it.
-        """
-        values = {**self.nominal, **(values or {})}
-        for parameter in set(values) - set(self.nominal):
-            raise InputError(
-                f"reduced model {self._label} has no parameter {parameter!r}; available: {', '.join(self.parameters) or 'none'}. "
-                "Use one of these names."
-            )
-        if self.affine is not None and name in self.affine:
-            return self.affine[name](np.array([values[p] / self.nominal[p] for p in self.parameters]))
-        value = getattr(self.invariants, name)
-        for parameter, nominal in self.nominal.items():
-            step = values[parameter] - nominal
-            if step != 0:
-                value = value + self._change(name, parameter, step)
-        return value
-
-    def _change(self, name: str, parameter: str, step: Any) -> Any:
-        """Change of an invariant without polynomial: its derivative times the step, which has to be imaginary."""
-        known = self.derivatives or {}
-        if parameter not in known:
-            raise InputError(
-                f"{parameter!r} has no derivatives in reduced model {self._label}: nothing there tells how {name} depends on it; "
-                f"available: {', '.join(known) or 'none'}. Leave it at {self.nominal[parameter]:g}, or rerun preprocessing "
-                "with a version that differentiates by it."
-            )
-        if name not in known[parameter]:
-            return 0.0
-        if np.real(step) != 0:
-            raise InputError(
-                f"{parameter!r} of reduced model {self._label} is fixed at {self.nominal[parameter]:g}: the file holds "
-                f"its derivative there, not {name} at other values. Rerun preprocessing with the wanted value."
-            )
-        return step * known[parameter][name]
-
     @property
-    def _label(self) -> str:
+    def label(self) -> str:
+        """The file's name, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"
+
+    def item(self, name: str) -> np.ndarray:
+        """An array at the nominal design, by its item name."""
+        group, *rest = name.split(".")
+        if not rest:
+            return getattr(self.invariants, name)
+        owner = getattr(self, group)
+        return getattr(owner[rest[0]] if group == "interfaces" else owner, rest[-1])
 
 
 def generalized_mass(inv: Invariants) -> np.ndarray:

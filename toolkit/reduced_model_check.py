@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints, generalized_mass
 from toolkit.units import LARGEST, SMALLEST, UNIT_SYSTEMS
@@ -22,17 +23,22 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
+PARTS_WITH_ITEMS = ("interfaces", "shape")
+"""Parts of which arrays can depend on parameters, besides the invariants."""
+
 SHAPES: dict[Any, dict[str, str]] = {
     Invariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "2z", "inertia": "zz", "gyroscopic": "zz",
         "stress_operator": "sf",
     },
     InterfacePoint: {"arc_length": "", "arc_length_range": "2", "position": "k2z", "rotation": "kz"},
+    Polynomial: {"factor": "tj", "power": "tj", "term": "n", "entry": "n", "value": "n"},
+    Derivatives: {"parameter": "n", "entry": "n", "value": "n"},
     StressPoints: {"element": "s", "end": "s", "fibre": "s"},
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
 }  # fmt: skip
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, p parameters, r = 3 nodes; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
 
 Sizes = dict[str, int]
 
@@ -46,7 +52,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "p": len(model.nominal)}
+    sizes: Sizes = {"2": 2}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -92,30 +98,46 @@ def _check_matrices(inv: Invariants, path: Path) -> None:
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    for parameter, derivatives in (model.derivatives or {}).items():
-        if parameter not in model.nominal:
-            _refuse(
-                path, f"derivatives/{parameter}", f"belongs to none of the parameters {', '.join(model.parameters) or 'none'}"
-            )
-        for name, derivative in derivatives.items():
-            _fit(
-                path, f"derivatives/{parameter}/{name}", derivative, _of_invariant(path, f"derivatives/{parameter}", name), sizes
-            )
+    for item, derivatives in (model.derivatives or {}).items():
+        place = f"derivatives/{item}"
+        _fit_all(path, place, derivatives, sizes)
+        _numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
+        _numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
 
 
 def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    """Polynomials of the parameters' ratios to their nominal values, which give the invariants where all ratios are 1."""
-    for name, polynomial in (model.affine or {}).items():
-        place, free = f"affine/{name}", dict(sizes)
-        _fit(path, f"{place}/coefficients", polynomial.coefficients, "k" + _of_invariant(path, "affine", name), free)
-        _fit(path, f"{place}/exponents", polynomial.exponents, "kp", free)
-        if np.any(polynomial.exponents != np.round(polynomial.exponents)) or np.any(np.abs(polynomial.exponents) > HIGHEST_POWER):
-            _refuse(path, f"{place}/exponents", f"holds numbers that are not whole or beyond {HIGHEST_POWER}")
-        difference = np.sum(polynomial.coefficients, axis=0) - getattr(model.invariants, name)
-        if np.abs(difference).max(initial=0) > ROUND_OFF * np.abs(polynomial.coefficients).max(initial=0):
-            _refuse(path, f"{place}/coefficients", f"differs from invariants/{name} at the nominal design")
-    if model.affine and 0 in model.nominal.values():
-        _refuse(path, "nominal", "holds a zero, but the polynomials of affine are relative to the nominal values")
+    """Polynomials of the parameters, which give the invariants at the nominal design."""
+    p = np.array(list(model.nominal.values()))
+    for item, polynomial in (model.affine or {}).items():
+        place = f"affine/{item}"
+        if item not in SHAPES[Invariants]:
+            _refuse(path, place, f"is the name of no invariant; there are {', '.join(SHAPES[Invariants])}")
+        _fit_all(path, place, polynomial, sizes)
+        _numbers_below(path, f"{place}/factor", polynomial.factor + 1, len(p) + 1, "parameters")
+        _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
+        _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
+        _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
+        nominal = getattr(model.invariants, item)
+        difference = polynomial(p, nominal.size) - nominal.ravel()
+        if not np.abs(difference).max(initial=0) <= ROUND_OFF * np.abs(nominal).max(initial=0):
+            _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")
+
+
+def _size(model: ReducedModel, path: Path, place: str, item: str) -> int:
+    """Number of entries of an item; without bound if it is in a part that was not loaded."""
+    if item.split(".")[0] in PARTS_WITH_ITEMS and getattr(model, item.split(".")[0]) is None:
+        return np.iinfo(np.int64).max
+    try:
+        return model.item(item).size
+    except (AttributeError, KeyError, IndexError, TypeError):
+        _refuse(path, place, "is the name of nothing in the file that could depend on parameters")
+        raise
+
+
+def _numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: str) -> None:
+    """Refuse what cannot be the number of one of `end` things."""
+    if numbers.dtype.kind not in "iu" or numbers.min(initial=0) < 0 or numbers.max(initial=-1) >= end:
+        _refuse(path, place, f"holds numbers of {what} that do not exist")
 
 
 def _check_numbers(model: ReducedModel, path: Path) -> None:
@@ -130,12 +152,6 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"stress/{name}", f"holds numbers other than {allowed[0]} and {allowed[1]}")
     if mesh is not None and not np.isin(stress.element, np.arange(len(mesh.connectivity))).all():
         _refuse(path, "stress/element", f"names elements other than 0 to {len(mesh.connectivity) - 1}")
-
-
-def _of_invariant(path: Path, group: str, name: str) -> str:
-    if name not in SHAPES[Invariants]:
-        _refuse(path, f"{group}/{name}", f"is the name of no invariant; there are {', '.join(SHAPES[Invariants])}")
-    return SHAPES[Invariants][name]
 
 
 def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:

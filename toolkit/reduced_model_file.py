@@ -11,21 +11,22 @@ from typing import Any
 import h5py
 import numpy as np
 
+from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
 from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_array
-from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Polynomial, ReducedModel, Shape, StressPoints
+from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.replaced_file import replaced
 
 SCHEMA = "ffrf-reduced-model"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
-    "derivatives": "arrays",
+    "derivatives": Derivatives,
     "affine": Polynomial,
     "interfaces": InterfacePoint,
     "stress": StressPoints,
@@ -129,9 +130,7 @@ def _read_part(content: Content, name: str) -> Any:
 
 
 def _read_object(kind: Any, content: Content, group: str) -> Any:
-    names = content.group(group) if kind == "arrays" else [f.name for f in fields(kind)]
-    arrays = {name: content.array(f"{group}/{name}") for name in names}
-    return arrays if kind == "arrays" else kind(**arrays)
+    return kind(**{f.name: content.array(f"{group}/{f.name}") for f in fields(kind)})
 
 
 def save(model: ReducedModel, path: str | Path) -> None:

@@ -18,7 +18,6 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.assembly import Rayleigh
 from preprocessing.polygon_beam import polygon_beam
 from preprocessing.section import Section
 from toolkit.bodies.flexible import Flexible
@@ -32,9 +31,9 @@ from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import direct
 
 folder = Path(tempfile.mkdtemp())
-steel = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
+steel = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
 nodes = np.column_stack([np.linspace(0, 1, 21), np.zeros(21)])
-save(polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}, Rayleigh(stiffness=1e-3)), folder / "beam.h5")
+save(polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}), folder / "beam.h5")
 
 
 # %% [markdown]

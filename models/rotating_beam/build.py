@@ -7,17 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.assembly import Rayleigh
 from preprocessing.polygon_beam import polygon_beam
 from preprocessing.section import Section
 from toolkit.reduced_model_file import save
 
 LENGTH, ELEMENTS = 1.0, 20
-SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
-DAMPING = Rayleigh(stiffness=1e-3)  # s; 5 % of the critical damping at the first bending frequency
+SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
+# the damping, in s, is 5 % of the critical one at the first bending frequency
 
 nodes = np.column_stack([np.linspace(0, LENGTH, ELEMENTS + 1), np.zeros(ELEMENTS + 1)])
-model = polygon_beam(nodes, SECTION, {"hub": 0.0, "tip": LENGTH}, DAMPING)
+model = polygon_beam(nodes, SECTION, {"hub": 0.0, "tip": LENGTH})
 
 if __name__ == "__main__":
     path = Path(__file__).with_name("beam.h5")

@@ -25,8 +25,9 @@ from toolkit.results.results_file import load_results, refuse_foreign
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
 
-MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives/thickness",
-                 "affine/stiffness/exponents", "affine/stiffness/coefficients", "interfaces", "interfaces/tip/position",
+MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives",
+                 "derivatives/shape.target/entry", "affine/stiffness/power", "affine/stiffness/factor", "affine/stiffness/entry",
+                 "affine/stiffness/value", "interfaces", "interfaces/tip/position",
                  "shape/target", "mesh/connectivity", "nominal"]  # fmt: skip
 MODEL_ATTRIBUTES = ["/@schema", "/@schema_version", "/@dimension", "/@units", "/@basis", "nominal@thickness", "nominal_units@thickness",
                     "writers@numpy"]  # fmt: skip

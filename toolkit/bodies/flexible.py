@@ -10,6 +10,7 @@ from pydantic import ConfigDict, model_validator
 
 from toolkit.bodies.body import Body, ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
 from toolkit.description import Number, Pair
+from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
 from toolkit.planar import rotation
 from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths
@@ -32,6 +33,8 @@ class Flexible(Body):
         Rotation of the reduced model's axes at the start, in rad.
     velocity
         v_x, v_y of the moving frame's origin and omega at the start, in length/time and rad/time.
+    extrapolation
+        What to do where a parameter leaves its nominal value and the file holds only a derivative there: refuse, or follow the tangent.
     """
 
     kind = "flexible"
@@ -43,6 +46,7 @@ class Flexible(Body):
     position: Pair = (0.0, 0.0)
     angle: Number = 0.0
     velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
+    extrapolation: Literal["none", "first-order"] = "none"
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:
@@ -63,9 +67,13 @@ class Flexible(Body):
         """Parameters that the scene sets."""
         return self.model_extra or {}
 
+    def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
+        """The reduced model at the scene's parameter values; `parts` as of `Scene.model`."""
+        return DesignPoint(scene.model(self.model, *parts), self.model_values(), self.extrapolation == "first-order")
+
     def invariants(self, scene: Placed) -> Invariants:
         """Invariants at the scene's parameter values."""
-        return scene.model(self.model).evaluate(self.model_values())
+        return self.design_point(scene).invariants()
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
         """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points.
@@ -75,14 +83,16 @@ class Flexible(Body):
         InputError
             The point is no interface point of this body; lists those that are. Or its arc length is outside of the element.
         """
-        written, model = scene.interface(point), scene.model(self.model)
+        written, design = scene.interface(point), self.design_point(scene)
+        model = design.model
         if getattr(written, "body", None) != name:
             raise InputError(
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
-        interface = find_interface(model, written.interface, name)
-        return interface.at(float(interface.arc_length) if written.arc_length is None else written.arc_length)
+        find_interface(model, written.interface, name)
+        interface = design.interface(written.interface)
+        return interface.here if written.arc_length is None else interface.at(written.arc_length)
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Elastic coordinates by number, after the frame."""
@@ -110,7 +120,7 @@ class Flexible(Body):
         """An interface point; the placement of a grounded body is part of its Z."""
         position, angle = self.point(scene, point, name)
         model = scene.model(self.model)
-        pattern = interface_pattern(find_interface(model, scene.interface(point).interface, name))
+        pattern = interface_pattern(model, scene.interface(point).interface)
         columns = np.flatnonzero(pattern[1:])
         shape = np.column_stack([position[:, 1 + columns].T, angle[1 + columns]])
         if self.has_frame:
@@ -165,21 +175,26 @@ def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
 
 
-def interface_pattern(interface: InterfacePoint) -> np.ndarray:
-    """Which entries of [1; q_f] the point feels at any arc length of its range, shape (1 + n_f,)."""
-    return np.any(interface.position != 0, axis=(0, 1)) | np.any(interface.rotation != 0, axis=0)
+def interface_pattern(model: ReducedModel, interface: str) -> np.ndarray:
+    """Which entries of [1; q_f] the point feels at any arc length of its range and any parameter value, shape (1 + n_f,)."""
+    position, rotation = (item_pattern(model, f"interfaces.{interface}.{key}") for key in ("position", "rotation"))
+    return np.any(position, axis=(0, 1)) | np.any(rotation, axis=0)
 
 
 def matrix_pattern(model: ReducedModel) -> tuple[np.ndarray, np.ndarray]:
     """Where G or H (1 + n_f, 1 + n_f), and K or D (n_f, n_f), can differ from zero for any parameter value."""
 
-    def nonzero(name: str) -> np.ndarray:
-        pattern = getattr(model.invariants, name) != 0
-        if model.affine is not None and name in model.affine:
-            pattern = pattern | np.any(model.affine[name].coefficients != 0, axis=0)
-        for derivative in (model.derivatives or {}).values():
-            if name in derivative:
-                pattern = pattern | (derivative[name] != 0)
+    def either(one: str, other: str) -> np.ndarray:
+        pattern = item_pattern(model, one) | item_pattern(model, other)
         return pattern | pattern.T
 
-    return nonzero("inertia") | nonzero("gyroscopic"), nonzero("stiffness") | nonzero("damping")
+    return either("inertia", "gyroscopic"), either("stiffness", "damping")
+
+
+def item_pattern(model: ReducedModel, item: str) -> np.ndarray:
+    """Where an array of the reduced model can differ from zero for any parameter value."""
+    pattern = model.item(item) != 0
+    for dependence in (model.affine or {}).get(item), (model.derivatives or {}).get(item):
+        if dependence is not None:
+            pattern.flat[dependence.entry] = True
+    return pattern

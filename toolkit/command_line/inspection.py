@@ -59,11 +59,20 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "parameters": {name: {"value": value, "unit": model.nominal_units[name]} for name, value in model.nominal.items()},
         "sizes": sizes(model),
         "interfaces": {name: describe_interface(point, length) for name, point in (model.interfaces or {}).items()},
-        "derivatives": {name: ", ".join(changed) for name, changed in (model.derivatives or {}).items()},
-        "exact_for_every_value": ", ".join(model.affine or {}),
+        "exact_for_every_value": dependences(model, model.affine),
+        "derivatives": dependences(model, model.derivatives),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
     }
+
+
+def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[str, str]:
+    """Parameter -> the arrays that depend on it, by polynomials or by derivatives."""
+    found = {
+        parameter: ", ".join(item for item, dependence in (items or {}).items() if dependence.depends_on(k))
+        for k, parameter in enumerate(model.parameters)
+    }
+    return {parameter: names for parameter, names in found.items() if names}
 
 
 def describe_results(results: Results) -> dict[str, Any]:

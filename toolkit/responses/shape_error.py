@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
+from toolkit.dependence import scattered
 from toolkit.errors import InputError
 from toolkit.reduced_model import Shape
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.stress import elastic_coordinates, flexible_body
+from toolkit.responses.stress import design_point, design_rates, elastic_coordinates, flexible_body
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 
@@ -20,46 +23,68 @@ def target_shape(scene: Scene, body: str) -> Shape:
     InputError
         The body is not flexible, or its reduced model has no target shape.
     """
-    model = scene.model(flexible_body(scene, body).model, "shape")
-    if model.shape is None:
+    design = design_point(scene, body, "shape")
+    if design.model.shape is None:
         raise InputError(
             f"the reduced model of body {body!r} has no target shape. State a target airfoil in its skin file and rebuild."
         )
-    return model.shape
+    return design.shape()
 
 
-def gaps(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors from target to body at every node (n_k, 2), and their derivatives by the elastic coordinates (n_k, 2, n_f)."""
+def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Partial derivatives of the gap vectors by the design variables that move nodes or targets.
+
+    Parameters
+    ----------
+    coordinates : (n_t, n_f) elastic coordinates at some times
+
+    Yields
+    ------
+    number of the variable, derivatives (n_t, n_k, 2)
+    """
+    state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
+    for item, sign in (("shape.position", 1), ("shape.target", -1)):
+        size = design_point(solution.system.scene, body, "shape").model.item(item).shape
+        for x, entry, value in design_rates(solution, body, item, "shape"):
+            change = scattered(entry, sign * value, int(np.prod(size))).reshape(size)
+            yield x, state @ np.moveaxis(change, -1, -2) if sign > 0 else np.broadcast_to(change, (len(state), *size))
+
+
+def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors from target to body at every node, at some steps (n_t, n_k, 2), and their derivatives by q_f (n_k, 2, n_f)."""
     shape = target_shape(solution.system.scene, body)
-    position = shape.position
-    elastic = solution.q[-1, elastic_coordinates(solution, body)]
-    return position[:, :, 0] + position[:, :, 1:] @ elastic - shape.target, position[:, :, 1:]
+    place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
+    elastic = solution.q[steps, elastic_coordinates(solution, body)]
+    return place + np.einsum("kif,tf->tki", place_q, elastic) - shape.target, place_q
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Distance to the target at every node (n_k,), and its design derivatives (n_k, n_x).
+    """`distances` in the last state: (n_k,) and (n_k, n_x)."""
+    error, change = distances(solution, body, slice(-1, None))
+    return error[0], change[0]
+
+
+def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """`distances` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
+    scene = solution.system.scene
+    if scene.model(flexible_body(scene, body).model, "shape").shape is None:
+        return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))
+    return distances(solution, body, slice(None))
+
+
+def distances(solution: Solution, body: str, steps: slice) -> tuple[np.ndarray, np.ndarray]:
+    """Distance to the target at every node and some steps (n_t, n_k), and its design derivatives (n_t, n_k, n_x).
 
         e_k = sqrt(d_k . d_k),   de_k/dx = d_k . dd_k/dx / e_k
 
     Where the distance is exactly zero the derivative does not exist and is nan.
     """
-    gap, gap_q = gaps(solution, body)
-    error = np.sqrt(np.einsum("ki,ki->k", gap, gap))
-    change = np.einsum("ki,kif,fx->kx", gap, gap_q, solution.dq[-1, elastic_coordinates(solution, body)])
-    safe = np.where(error.real == 0, 1, error)[:, None]
-    return error, np.where(error.real[:, None] == 0, np.nan, change / safe)
-
-
-def shape_error_history(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """`shape_error` at every time: (n_t, n_k) and (n_t, n_k, n_x); without a target there are no nodes."""
-    scene, where = solution.system.scene, elastic_coordinates(solution, body)
-    shape = scene.model(flexible_body(scene, body).model, "shape").shape
-    if shape is None:
-        return np.zeros((len(solution.times), 0)), np.zeros((len(solution.times), 0, solution.system.n_x))
-    place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
-    gap = place - shape.target + np.einsum("kif,tf->tki", place_q, solution.q[:, where])
+    gap, gap_q = gaps(solution, body, steps)
+    where = elastic_coordinates(solution, body)
     error = np.sqrt(np.einsum("tki,tki->tk", gap, gap))
-    change = np.einsum("tki,kif,tfx->tkx", gap, place_q, solution.dq[:, where], optimize=True)
+    change = np.einsum("tki,kif,tfx->tkx", gap, gap_q, solution.dq[steps, where], optimize=True)
+    for x, rate in gap_rates(solution, body, solution.q[steps, where]):
+        change[:, :, x] += np.einsum("tki,tki->tk", gap, rate)
     zero = error.real[:, :, None] == 0
     return error, np.where(zero, np.nan, change / np.where(zero, 1, error[:, :, None]))
 
@@ -81,10 +106,12 @@ class ShapeResponse(Response):
 
     def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
         """Partials of a response from its derivatives by the gap vectors, shape (n_k, 2)."""
-        value_q = np.zeros(solution.q.shape)
+        value_q, design, weights = np.zeros(solution.q.shape), np.zeros(solution.system.n_x), np.real(weights)
         where = elastic_coordinates(solution, self.body)
-        value_q[-1, where] = np.einsum("ki,kif->f", np.real(weights), gaps(solution, self.body)[1])
-        return Partials(value, q=value_q)
+        value_q[-1, where] = np.einsum("ki,kif->f", weights, np.real(gaps(solution, self.body)[1]))
+        for x, rate in gap_rates(solution, self.body, solution.q[-1:, where]):
+            design[x] += np.sum(weights * rate[0])
+        return Partials(value, q=value_q, design=design)
 
 
 class ShapeMSE(ShapeResponse):
@@ -95,7 +122,7 @@ class ShapeMSE(ShapeResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """mse = sum_k d_k . d_k / n."""
-        gap, _ = gaps(solution, self.body)
+        gap = gaps(solution, self.body)[0][0]
         return self.chain(solution, np.sum(gap * gap) / len(gap), 2 * gap / len(gap))
 
 
@@ -107,7 +134,7 @@ class ShapeRMS(ShapeResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """rms = sqrt(mse), drms = dmse / (2 rms); undefined only if every node meets its target exactly."""
-        gap, _ = gaps(solution, self.body)
+        gap = gaps(solution, self.body)[0][0]
         rms = np.sqrt(np.sum(gap * gap) / len(gap))
         weights = gap / (len(gap) * rms) if rms.real != 0 else np.full(gap.shape, np.nan)
         return self.chain(solution, rms, weights)
@@ -121,7 +148,7 @@ class ShapeMax(ShapeResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """The node with the largest distance."""
-        gap, _ = gaps(solution, self.body)
+        gap = gaps(solution, self.body)[0][0]
         k = int(np.argmax(np.sum(gap * gap, axis=1).real))
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
+from scipy.sparse import coo_array
 
 from toolkit.bodies.flexible import Flexible
-from toolkit.compilation.quantities import STEP
 from toolkit.description import Positive
+from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.response import Partials, Response
@@ -39,20 +41,29 @@ def elastic_coordinates(solution: Solution, body: str) -> slice:
     return slice(whole.start + 3, whole.stop) if flexible_body(solution.system.scene, body).has_frame else whole
 
 
+def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
+    """The reduced model of a flexible body at the scene's parameter values, with what its arrays depend on and other parts."""
+    return flexible_body(scene, body).design_point(scene, "affine", "derivatives", *parts)
+
+
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
     """Stress per elastic coordinate at the scene's parameter values, shape (n_s, n_f)."""
-    found = flexible_body(scene, body)
-    return scene.model(found.model, "affine", "derivatives").invariant("stress_operator", found.model_values())
+    return design_point(scene, body).value("stress_operator")
 
 
-def stress_operator_derivatives(solution: Solution, body: str) -> dict[int, np.ndarray]:
-    """Derivatives of the stress operator by the design variables that it depends on, number of the variable -> (n_s, n_f)."""
-    scene, found = solution.system.scene, {}
+def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
+    """Derivatives of an array of a body's reduced model by the design variables: number of the variable, places, values there.
+
+    Places are those of the flattened array; values at equal places are to be summed. Variables on which the array does not depend
+    are left out.
+    """
+    design = design_point(solution.system.scene, body, *parts)
     for x, variable in enumerate(solution.system.design):
-        if variable.path.startswith(f"bodies.{body}."):
-            stepped = scene.with_number(variable.path, scene.number(variable.path) + 1j * STEP)
-            found[x] = np.imag(stress_operator(stepped, body)) / STEP
-    return found
+        owner, _, parameter = variable.path.rpartition(".")
+        if owner == f"bodies.{body}" and parameter in design.model.nominal:
+            entry, value = design.rate(item, parameter)
+            if len(entry):
+                yield x, entry, value
 
 
 def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -60,8 +71,9 @@ def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]
     where, operator = elastic_coordinates(solution, body), stress_operator(solution.system.scene, body)
     stress = solution.q[:, where] @ operator.T
     derivative = np.einsum("sf,tfx->tsx", operator, solution.dq[:, where])
-    for x, change in stress_operator_derivatives(solution, body).items():
-        derivative[:, :, x] += solution.q[:, where] @ change.T
+    for x, entry, value in design_rates(solution, body, "stress_operator"):
+        change = coo_array((value, np.unravel_index(entry, operator.shape)), operator.shape).tocsr()
+        derivative[:, :, x] += np.real(solution.q[:, where] @ change.T)
     return stress, derivative
 
 
@@ -106,8 +118,9 @@ class StressResponse(Response):
         value_q = np.zeros(solution.q.shape)
         value_q[:, where] = weights @ np.real(stress_operator(solution.system.scene, self.body))
         design = np.zeros(solution.system.n_x)
-        for x, change in stress_operator_derivatives(solution, self.body).items():
-            design[x] = np.sum(weights * (solution.q[:, where] @ change.T))
+        by_operator = np.real(weights.T @ solution.q[:, where]).ravel()
+        for x, entry, change in design_rates(solution, self.body, "stress_operator"):
+            design[x] = by_operator[entry] @ change
         return Partials(value, q=value_q, design=design)
 
 

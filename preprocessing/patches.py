@@ -1,0 +1,82 @@
+"""Which parameter every element takes each quantity of its section from: the body's, its group's, or one of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from preprocessing.section import QUANTITIES, Patch
+from toolkit.errors import InputError
+
+
+@dataclass(frozen=True)
+class Group:
+    """Elements from the first to the last one, and the quantities that they have in common and apart from the body's."""
+
+    first: int
+    last: int
+    values: Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class Parameters:
+    """Patches of elements, and the parameters that they take their quantities from."""
+
+    patches: list[Patch]
+    values: dict[str, float] = field(default_factory=dict)  # parameter -> value
+    quantities: dict[str, str] = field(default_factory=dict)  # parameter -> what it is, for its unit
+
+
+def distribute(body: Mapping[str, float], groups: Mapping[str, Group], separate: Collection[str], n_elements: int) -> Parameters:
+    """Give every element its parameters.
+
+    An element has `thickness_<number>` if thickness is among the quantities `separate`, else `thickness_<group>` if its group has a
+    thickness, else `thickness`. A parameter that no element takes does not exist.
+
+    Raises
+    ------
+    InputError
+        A group holds elements that do not exist or belong to another group.
+    """
+    owner = _owners(groups, n_elements)
+    found = Parameters([])
+    members: dict[tuple[tuple[str, str], ...], list[int]] = {}
+    for element in range(n_elements):
+        group = groups.get(owner[element], Group(0, 0, {}))
+        names = {}
+        for quantity, meaning in QUANTITIES.items():
+            own = str(element) if quantity in separate else owner[element] if quantity in group.values else ""
+            names[quantity] = f"{quantity}_{own}" if own else quantity
+            found.values[names[quantity]] = group.values.get(quantity, body[quantity])
+            found.quantities[names[quantity]] = meaning
+        members.setdefault(tuple(names.items()), []).append(element)
+    found.patches.extend(Patch(np.array(elements), dict(names)) for names, elements in members.items())
+    return Parameters(found.patches, _in_order(found.values), _in_order(found.quantities))
+
+
+def _owners(groups: Mapping[str, Group], n_elements: int) -> list[str]:
+    owner = [""] * n_elements
+    for name, group in groups.items():
+        if not 0 <= group.first <= group.last < n_elements:
+            raise InputError(
+                f"groups.{name}: elements from {group.first} to {group.last} are not on the skin, whose elements count from 0 to "
+                f"{n_elements - 1}. Give the first and the last one in this order."
+            )
+        for element in range(group.first, group.last + 1):
+            if owner[element]:
+                raise InputError(
+                    f"groups.{name}: element {element} belongs to group {owner[element]!r} too. Let each have one group."
+                )
+            owner[element] = name
+    return owner
+
+
+def _in_order(named: dict) -> dict:
+    """Quantity by quantity, and in each by the first element that takes the parameter."""
+    return {name: named[name] for quantity in QUANTITIES for name in named if _quantity(name) == quantity}
+
+
+def _quantity(parameter: str) -> str:
+    return next(quantity for quantity in QUANTITIES if parameter == quantity or parameter.startswith(f"{quantity}_"))

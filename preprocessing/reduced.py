@@ -1,0 +1,86 @@
+"""The parts of a reduced model that follow from finite elements and a basis: every array, and its dependence on every parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
+from preprocessing.invariants import contract, contract_derivative, listed, polynomials
+from preprocessing.reduction import Basis, BasisChoice, choose_basis
+from preprocessing.stress import stress_points
+from toolkit.dependence import Derivatives, Polynomial
+from toolkit.reduced_model import InterfacePoint, Invariants, StressPoints
+from toolkit.units import unit
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What `reduce` found; the fields of `ReducedModel` bear the same names."""
+
+    discretisation: Discretisation
+    basis: Basis
+    invariants: Invariants
+    derivatives: dict[str, Derivatives]
+    affine: dict[str, Polynomial]
+    interfaces: dict[str, InterfacePoint]
+    stress: StressPoints
+
+    def fields(self, space: DesignSpace, units: str) -> dict[str, Any]:
+        """Arguments of `ReducedModel`."""
+        return {
+            "dimension": 2,
+            "units": units,
+            "reference_condition": self.basis.reference_condition,
+            "basis": self.basis.description,
+            "nominal": {name: float(np.real(value)) for name, value in space.values.items()},
+            "nominal_units": {name: unit(units, quantity) for name, quantity in space.quantities.items()},
+            **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
+        }
+
+
+def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: str) -> Reduced:
+    """Contract the finite elements of a body with a basis, and differentiate everything by all parameters.
+
+    Where the basis does not depend on a parameter by which the matrices are polynomials, the invariants are polynomials too; all
+    other dependence is held as derivatives at the nominal design.
+
+    Parameters
+    ----------
+    clamped_node : number of the node that a tangent frame is tied to, and `clamp`, what it is called
+
+    Raises
+    ------
+    InputError
+        The basis cannot be had, see `choose_basis`.
+    """
+    nominal = space.nominal()
+    matrices = nominal.parts.at(space.values)
+    basis = choose_basis(
+        choice, matrices.mass, matrices.stiffness, nominal.mesh.nodes, clamped_node, clamp, nominal.interface_rows()
+    )
+    exact = space.in_monomials if basis.constant else frozenset()
+    rates = {}
+    for parameter in space.values:
+        if parameter not in exact:
+            change = space.change(nominal, parameter)
+            d_z = basis.rate(change.matrices.stiffness, change.matrices.mass, change.undeformed, change.interface_rows)
+            d_invariants = contract_derivative(matrices, change.matrices, basis.z, d_z)
+            rates[parameter] = {**vars(d_invariants), **_item_rates(change, basis, d_z)}
+    constant = polynomials(nominal.parts, list(space.values), basis.z) if exact else {}
+    return Reduced(
+        nominal,
+        basis,
+        contract(matrices, basis.z),
+        listed(rates, list(space.values)),
+        constant,
+        nominal.interfaces(basis.z),
+        stress_points(len(nominal.mesh.connectivity)),
+    )
+
+
+def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:
+    stepped = change.stepped.items(basis.z + 1j * STEP * d_z)
+    return {name: derivative_of(value) for name, value in stepped.items()}

@@ -1,0 +1,142 @@
+"""A reduced model at one design: every item at the wanted parameter values, with its exact derivatives, or a refusal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from toolkit.dependence import scattered
+from toolkit.errors import InputError
+from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, Shape
+
+Sparse = tuple[np.ndarray, np.ndarray]
+"""Places in a flattened array and the values there, to be summed."""
+
+
+@dataclass(frozen=True)
+class DesignPoint:
+    """A reduced model at given values of its parameters, nominal where none is given.
+
+        item(p) = polynomial(p) + sum_j d_j (p_j - nominal_j)
+
+    The derivatives d_j are known at the nominal design only. So the sum is exact for an imaginary step there; for anything else it is
+    a tangent, which is refused unless `first_order` asks for it.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown; or nothing that was loaded tells how the model depends on it.
+    """
+
+    model: ReducedModel
+    values: Mapping[str, Any] = field(default_factory=dict)
+    first_order: bool = False
+
+    def __post_init__(self) -> None:
+        for parameter in set(self.values) - set(self.model.nominal):
+            raise InputError(
+                f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
+                f"{', '.join(self.model.parameters) or 'none'}. Use one of these names, or state it in the skin file and run "
+                "preprocessing again."
+            )
+
+    @cached_property
+    def _p(self) -> np.ndarray:
+        return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
+
+    @cached_property
+    def _steps(self) -> dict[int, Any]:
+        """Steps off the nominal design by the number of the parameter."""
+        steps = self._p - np.array(list(self.model.nominal.values()))
+        return {int(k): steps[k] for k in np.flatnonzero(steps)}
+
+    def invariants(self) -> Invariants:
+        """All invariants."""
+        return Invariants(**{item.name: self.value(item.name) for item in fields(Invariants)})
+
+    def interface(self, name: str) -> InterfacePoint:
+        """One interface point; its range is that of the nominal design."""
+        point = self.model.interfaces[name]  # type: ignore[index]
+        changed = {key: self.value(f"interfaces.{name}.{key}") for key in ("arc_length", "position", "rotation")}
+        return InterfacePoint(arc_length_range=point.arc_length_range, **changed)
+
+    def shape(self) -> Shape:
+        """The points with a target."""
+        nominal: Any = self.model.shape
+        return Shape(self.value("shape.position"), self.value("shape.target"), nominal.arc_length)
+
+    def value(self, item: str) -> np.ndarray:
+        """One item.
+
+        Raises
+        ------
+        InputError
+            Nothing that was loaded tells the item's value at this design.
+        """
+        nominal = self.model.item(item)
+        if not self._steps:
+            return nominal
+        by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
+        self._check(item, by_tangent)
+        if not any(self._depends(item, k) for k in self._steps):
+            return nominal
+        polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
+        flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
+        for k in by_tangent:
+            entry, slope = self.model.derivatives[item].rate(k)  # type: ignore[index]
+            flat = flat + scattered(entry, self._steps[k] * slope, nominal.size)
+        return flat.reshape(nominal.shape)
+
+    def rate(self, item: str, parameter: str) -> Sparse:
+        """Derivative of an item by a parameter: places in the flattened item and values there, to be summed.
+
+        Raises
+        ------
+        InputError
+            Nothing that was loaded tells the derivative at this design.
+        """
+        k = self.model.parameters.index(parameter)
+        self._check(item, [k] if self._is_tangent(item, k) else [])
+        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item)
+        exact = polynomial.rate(np.real(self._p), k) if polynomial is not None else _NOTHING
+        linear = tangent.rate(k) if tangent is not None else _NOTHING
+        return np.concatenate([exact[0], linear[0]]), np.concatenate([exact[1], linear[1]])
+
+    def extrapolated(self) -> list[str]:
+        """Parameters whose real step the model follows by a tangent."""
+        items = self.model.derivatives or {}
+        moved = [k for k, step in self._steps.items() if np.real(step) != 0]
+        return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
+
+    def _is_tangent(self, item: str, k: int) -> bool:
+        tangent = (self.model.derivatives or {}).get(item)
+        return tangent is not None and tangent.depends_on(k)
+
+    def _depends(self, item: str, k: int) -> bool:
+        polynomial = (self.model.affine or {}).get(item)
+        return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
+
+    def _check(self, item: str, by_tangent: list[int]) -> None:
+        """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
+        names = self.model.parameters
+        if self.model.derivatives is None or self.model.affine is None:
+            first = names[next(iter(self._steps), 0)]
+            raise InputError(
+                f"{first!r} has no derivatives in reduced model {self.model.label}: nothing there tells how {item} depends on it. "
+                f"Leave it at {self.model.nominal[first]:g}, or rerun preprocessing."
+            )
+        moved = [k for k, step in self._steps.items() if np.real(step) != 0 and self._depends(item, k)]
+        if by_tangent and moved and not self.first_order:
+            first, where = names[moved[0]], self.model.nominal[names[moved[0]]]
+            raise InputError(
+                f"{first!r} of reduced model {self.model.label} is fixed at {where:g}: the file holds the derivative of {item} by "
+                f"{names[by_tangent[0]]!r} at the nominal design only. Rerun preprocessing with the wanted value, or write "
+                'extrapolation = "first-order" in the body\'s table to follow the tangent, with an error of second order.'
+            )
+
+
+_NOTHING: Sparse = (np.zeros(0, np.int64), np.zeros(0))
