@@ -8,12 +8,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from preprocessing.interpolant import Interpolant
 from toolkit.errors import InputError
+
+Number = Any
+"""A float, or a complex number where a complex step is taken."""
 
 _PASSES = 3  # arc-length passes: they even out the speed |r'(u)|; exact arc length comes from `parameter`
 _DETOUR = 2.0  # length of the curve between two points over their distance: a semicircle has 1.6, noses of few rows have 1.05
@@ -78,7 +81,7 @@ class ArcLengthSpline:
         return np.iscomplexobj(self.point_s)
 
     @property
-    def length(self) -> float:
+    def length(self) -> Number:
         """Length of the whole curve."""
         return self.point_s[-1].item()
 
@@ -92,6 +95,11 @@ class ArcLengthSpline:
         principal = _angle(self.spline(u, 1))
         turns = np.round((np.interp(np.real(u), *self._continuous_angles()) - np.real(principal)) / (2 * np.pi))
         return principal + 2 * np.pi * turns
+
+    def direction(self, s) -> np.ndarray:
+        """Unit tangents (..., 2) at arc lengths s (...)."""
+        first = self.spline(self.parameter(s), 1)
+        return first / norm(first)[..., None]
 
     def curvature(self, s) -> np.ndarray:
         """Signed curvature (x' y'' - y' x'') / |r'|^3, positive where the curve turns left; shape (...)."""
