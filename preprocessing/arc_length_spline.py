@@ -6,7 +6,6 @@ in a parameter of the shape carries exact derivatives through. Only the choice o
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -27,8 +26,6 @@ class Parametric(Protocol):
     """A curve r(u) and its derivatives; an `Interpolant`, or one with bumps."""
 
     def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray: ...
-
-    def stretched(self, x: complex, y: complex) -> Parametric: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,15 +61,17 @@ class ArcLengthSpline:
         return curve
 
     @classmethod
-    def of(cls, spline: Parametric, point_u: np.ndarray, kinks: Sequence[complex] = ()) -> ArcLengthSpline:
+    def of(cls, spline: Parametric, point_u: np.ndarray, kinks: np.ndarray | None = None) -> ArcLengthSpline:
         """The curve r(u) with points at `point_u` (n,); at the parameters `kinks` higher derivatives jump."""
-        u = np.concatenate([point_u, kinks])
+        u = point_u if kinks is None else np.concatenate([point_u, kinks])
         order = np.argsort(u.real, kind="stable")
         s = _arc_lengths(spline, u[order])
         return cls(spline, point_u, s[order < len(point_u)], u[order], s)
 
     def stretched(self, x: complex, y: complex) -> ArcLengthSpline:
         """This curve with its x and y multiplied by positive numbers, or by complex ones with a positive real part."""
+        if not isinstance(self.spline, Interpolant):
+            raise TypeError("stretch a curve before it gets bumps; their lengths do not stretch with it")
         return ArcLengthSpline.of(self.spline.stretched(x, y), self.point_u)
 
     @property

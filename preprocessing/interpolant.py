@@ -31,7 +31,8 @@ class Interpolant:
         """Derivative of an order up to 3, not above the degree, at parameters u (...), real or complex; shape (..., 2)."""
         value = self.derivatives[order](np.real(u))
         if np.iscomplexobj(u):
-            step, factor = 1j * np.imag(u), np.ones(())
+            step = 1j * np.imag(u)
+            factor = np.ones_like(step)
             for k, derivative in enumerate(self.derivatives[order + 1 :], start=1):
                 factor = factor * step / k
                 value = value + factor[..., None] * derivative(np.real(u))
