@@ -22,6 +22,9 @@ from preprocessing.arc_length_spline import ArcLengthSpline, Number, norm
 from preprocessing.contour import Contour
 from toolkit.errors import InputError
 
+NARROWEST = 1e-6
+"""Least half width of a bump, in lengths of the contour."""
+
 _SAMPLES = 201  # of a bump, in search of a fold: it is smooth, and the contour between rows is too
 
 
@@ -38,6 +41,29 @@ class Bump:
         """Arc lengths between which it acts."""
         return self.centre - self.half_width, self.centre + self.half_width
 
+    def checked(self, contour: Contour) -> Bump:
+        """The bump itself, if it fits on the contour.
+
+        Raises
+        ------
+        InputError
+            It reaches off the contour, or is too narrow to be told from a point of it.
+        """
+        (low, high), length = np.real(self.ends), contour.length.real
+        if np.real(self.half_width) < NARROWEST * length:
+            raise InputError(
+                f"half_width {np.real(self.half_width):g} is less than {NARROWEST:g} of the contour's length {length:g}. Give a "
+                "bump that several nodes lie in."
+            )
+        if not 0 <= low < high <= length:
+            widest = max(min(np.real(self.centre), length - np.real(self.centre)), 0.0)
+            remedy = f"Give a half_width of at most {widest:g}, or another place." if widest > 0 else "Give another place."
+            raise InputError(
+                f"the bump would reach from {low:g} to {high:g} along the contour, which runs from 0 (upper trailing edge) to "
+                f"{length:g}. {remedy}"
+            )
+        return self
+
 
 def bumped(contour: Contour, bumps: Sequence[Bump]) -> Contour:
     """The contour with all bumps at once; itself without any.
@@ -45,28 +71,15 @@ def bumped(contour: Contour, bumps: Sequence[Bump]) -> Contour:
     Raises
     ------
     InputError
-        A bump reaches off the contour, or is so deep that the contour would fold.
+        The bumps are so deep that the contour would fold.
     """
     if not bumps:
         return contour
-    for bump in bumps:
-        _refuse_beyond(contour, bump)
     base = contour.curve
     ends = base.parameter([bump.ends for bump in bumps])
     curve = _Bumped(base, tuple(bumps), np.real(ends))
     curve.refuse_folds()
     return Contour(ArcLengthSpline.of(curve, base.point_u, ends.ravel()))
-
-
-def _refuse_beyond(contour: Contour, bump: Bump) -> None:
-    low, high = np.real(bump.ends)
-    length = contour.length.real
-    if not 0 <= low < high <= length:
-        centre = np.real(bump.centre)
-        raise InputError(
-            f"the bump reaches from arc length {low:g} to {high:g} of the contour, which runs from 0 (upper trailing edge) to "
-            f"{length:g}. Give a half_width of at most {max(min(centre, length - centre), 0):g}, or another place."
-        )
 
 
 @dataclass(frozen=True, eq=False)
