@@ -1,17 +1,25 @@
-"""The contour of an airfoil in the user's length unit: a spline in arc length that knows its leading edge and two sides."""
+"""The contour of an airfoil in the user's length unit: a spline in arc length that knows its leading edge and two sides.
+
+A contour that carries a complex step is searched by its real part; what is found is then polished by Newton's iteration on the
+complex condition, so that its derivative is exact.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from scipy.optimize import brentq
 
-from preprocessing.arc_length_spline import ArcLengthSpline
+from preprocessing.arc_length_spline import ArcLengthSpline, Number, norm
 from toolkit.errors import InputError
 
 SIDES = ("upper", "lower")
+
+UPRIGHT = 1e-3
+"""Least |dx/ds| at which the derivative of a place found by its x is given; at the nose it is infinite."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,8 +46,17 @@ class Contour:
             raise InputError(f"chord {chord!r} must be a positive length, for example 550.0 (mm).")
         return cls(ArcLengthSpline.through(np.asarray(points, dtype=float) * chord, degree))
 
+    def stretched(self, x: complex, y: complex) -> Contour:
+        """This contour with its x and y multiplied; itself if by 1."""
+        return self if x == 1 and y == 1 else Contour(self.curve.stretched(x, y))
+
     @property
-    def length(self) -> float:
+    def is_complex(self) -> bool:
+        """Whether the contour carries a complex step."""
+        return self.curve.is_complex
+
+    @property
+    def length(self) -> Number:
         """Length of the whole loop."""
         return self.curve.length
 
@@ -55,7 +72,7 @@ class Contour:
         """Signed curvature (1/length), positive where the loop is convex; shape (...)."""
         return self.curve.curvature(s)
 
-    def at_row(self, i: int) -> float:
+    def at_row(self, i: int) -> Number:
         """Arc length of row i of the points, counted from 0.
 
         Raises
@@ -66,43 +83,64 @@ class Contour:
         n = len(self.curve.point_s)
         if not 0 <= i < n:
             raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")
-        return float(self.curve.point_s[i])
+        return self.curve.point_s[i].item()
 
     @property
     def outline(self) -> np.ndarray:
         """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""
-        return self.position(self._samples())
+        return np.real(self.position(self._samples()))
 
     @cached_property
     def leading_edge(self) -> float:
-        """Arc length of the point farthest from the middle of the trailing edge."""
-        rows = self.curve.spline(self.curve.point_u)
+        """Arc length of the point farthest from the middle of the trailing edge.
+
+        It only tells the two sides apart, so its real part is enough even where a complex step is taken.
+        """
+        rows = np.real(self.curve.spline(self.curve.point_u))
         tail = (rows[0] + rows[-1]) / 2
-        s = self._samples()
-        return self._foot(tail, s, int(np.argmax(np.linalg.norm(self.position(s) - tail, axis=1))))
+        return self._foot(tail, int(np.argmax(norm(self.outline - tail))))
 
-    def nearest(self, point: np.ndarray) -> float:
-        """Arc length of the point of the contour nearest to `point` (2,)."""
-        s = self._samples()
-        return self._foot(np.asarray(point), s, int(np.argmin(np.linalg.norm(self.position(s) - point, axis=1))))
+    def nearest(self, point: np.ndarray) -> Number:
+        """Arc length of the point of the contour nearest to `point` (2,); an end of the loop, if that is nearest."""
+        place = np.real(point)
+        s = self._foot(place, int(np.argmin(norm(self.outline - place))))
+        if not (self.is_complex or np.iscomplexobj(point)):
+            return s
+        if s in (0.0, self.length.real):
+            return 0.0 if s == 0.0 else self.length
+        return _polished(lambda t: self._distance_along(point, t), s)
 
-    def at_x(self, x: float, side: str) -> float:
+    def at_x(self, x: float, side: str) -> Number:
         """Arc length where the upper or lower side, split at the leading edge, has abscissa x.
 
         Raises
         ------
         InputError
-            Unknown side, x not on that side, or met more than once there (round nose or tail).
+            Unknown side, x not on that side, or met more than once there (round nose or tail); under a complex step also a
+            contour that is upright there, so that no derivative exists.
         """
         if side not in SIDES:
             raise InputError(f"side {side!r} is unknown; available: {', '.join(SIDES)}.")
-        first, last = (0.0, self.leading_edge) if side == "upper" else (self.leading_edge, self.length)
+        s = self._found(x, side)
+        if not self.is_complex:
+            return s
+        slope = self.curve.direction(s)[0].real
+        if abs(slope) < UPRIGHT:
+            raise InputError(
+                f"the {side} side is upright at x = {x:g} (dx/ds = {slope:.1e}), so that the place has no derivative by the shape. "
+                "Name the point by its arc length, or choose x away from the nose."
+            )
+        return _polished(lambda t: (self.position(t)[0] - x, self.curve.direction(t)[0]), s)
+
+    def _found(self, x: float, side: str) -> float:
+        """`at_x` of the real part."""
+        first, last = (0.0, self.leading_edge) if side == "upper" else (self.leading_edge, self.length.real)
         samples = self._samples()
         s = np.concatenate([[first], samples[(samples > first) & (samples < last)], [last]])
-        reached = self.position(s)[:, 0]
+        reached = np.real(self.position(s)[:, 0])
         f = reached - x
         for end in (0, -1):
-            if abs(f[end]) < 1e-12 * self.length:
+            if abs(f[end]) < 1e-12 * self.length.real:
                 return float(s[end])
         hits = np.flatnonzero((f[:-1] > 0) != (f[1:] > 0))
         if len(hits) != 1:
@@ -111,21 +149,40 @@ class Contour:
                 f"the {side} side {how} x = {x:g}; it runs from x = {reached.min():g} to {reached.max():g}. "
                 "Choose x in this range, or name the point by its arc length."
             )
-        return float(brentq(lambda t: self.position(t)[0] - x, s[hits[0]], s[hits[0] + 1], xtol=1e-14 * self.length))
+        return _root(lambda t: float(np.real(self.position(t)[0])) - x, s[hits[0]], s[hits[0] + 1], self.length.real)
 
     def _samples(self) -> np.ndarray:
         """Four arc lengths per interval between rows, the rows among them."""
         n = len(self.curve.point_s)
-        return np.interp(np.arange(4 * (n - 1) + 1) / 4, np.arange(n), self.curve.point_s)
+        return np.interp(np.arange(4 * (n - 1) + 1) / 4, np.arange(n), np.real(self.curve.point_s))
 
-    def _foot(self, point: np.ndarray, s: np.ndarray, i: int) -> float:
-        """Root of (r(s) - point) . r'(s) next to sample i; the sample itself at an end of the loop."""
+    def _foot(self, point: np.ndarray, i: int) -> float:
+        """Root of (r(s) - point) . r'(s), real parts, next to sample i; the sample itself at an end of the loop."""
+        s = self._samples()
 
         def along(t: float) -> float:
-            angle = self.tangent_angle(t)
-            return float((self.position(t) - point) @ np.array([np.cos(angle), np.sin(angle)]))
+            angle = np.real(self.tangent_angle(t))
+            return float((np.real(self.position(t)) - point) @ np.array([np.cos(angle), np.sin(angle)]))
 
         low, high = s[max(i - 1, 0)], s[min(i + 1, len(s) - 1)]
         if along(low) * along(high) > 0:
             return float(s[i])
-        return float(brentq(along, low, high, xtol=1e-14 * self.length))
+        return _root(along, low, high, self.length.real)
+
+    def _distance_along(self, point: np.ndarray, s: Number) -> tuple[Number, Number]:
+        """(r - point) . t and its derivative by s, 1 + (r - point) . dt/ds, with dt/ds = curvature times t turned by +90 degrees."""
+        miss, (x, y) = self.position(s) - point, self.curve.direction(s)
+        return miss @ np.array([x, y]), 1 + self.curvature(s) * (miss @ np.array([-y, x]))
+
+
+def _root(f: Callable[[float], float], low: float, high: float, length: float) -> float:
+    return float(brentq(f, low, high, xtol=1e-14 * length))
+
+
+def _polished(f_and_slope: Callable[[Number], tuple[Number, Number]], s: float) -> complex:
+    """The complex root whose real part is known: Newton's iteration doubles the digits of the imaginary part, 4 of them are many."""
+    root = complex(s)
+    for _ in range(4):
+        value, slope = f_and_slope(root)
+        root = root - value / slope
+    return complex(root)

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, ValidationError, model_validator
 
+from preprocessing.shape_parameters import mode_name
 from toolkit.errors import InputError
 from toolkit.toml_file import read_toml
 from toolkit.units import LARGEST
@@ -37,6 +38,7 @@ def _interface_name(name: str) -> str:
 
 FileName = Annotated[str, AfterValidator(_file_name)]
 InterfaceName = Annotated[str, AfterValidator(_interface_name)]
+ModeName = Annotated[str, AfterValidator(mode_name)]
 
 
 class _Table(BaseModel):
@@ -50,6 +52,7 @@ class Airfoil(_Table):
     target: FileName
     chord: Positive  # length
     units: Literal["chord", "percent", "mm", "m"] | None = None  # of both files, fractions of the chord if not given
+    y_scale: Positive = 1.0  # by which the y of both files are multiplied
 
 
 class ContourPoint(_Table):
@@ -68,6 +71,30 @@ class SkinCut(_Table):
     spacing: Literal["equal", "curvature"] = "equal"
     grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
     clamp: Literal["F", "G"] = "F"  # the end that the body's frame is tied to
+
+
+class ShapeMode(_Table):
+    """A smooth bump of the contour along its outward normal: height (1 - q^2)^4 for |q| < 1, q = distance / half_width.
+
+    Its centre is the place where the contour has an x on one side, or an arc length from F; it and the distance from it along the
+    contour are those without all bumps. The name of the mode is that of its design variable, the height.
+    """
+
+    arc_length: FiniteFloat | None = None  # of the centre, from F; negative ahead of F
+    x: FiniteFloat | None = None  # of the centre, with its side; not at the nose, where x says little
+    side: Literal["upper", "lower"] | None = None
+    half_width: Positive  # length along the contour from the centre to both ends
+    height: FiniteFloat = 0.0  # length, positive outward, at most half_width
+    of: Literal["airfoil", "target", "both"] = "airfoil"  # which of the files it deforms
+
+    @model_validator(mode="after")
+    def _can_be_meant(self) -> ShapeMode:
+        given = {key for key in ("arc_length", "x", "side") if getattr(self, key) is not None}
+        if given not in ({"arc_length"}, {"x", "side"}):
+            raise ValueError(f"give either arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+        if abs(self.height) > self.half_width:
+            raise ValueError(f"a bump of half_width {self.half_width:g} cannot have a height of {self.height:g}; make it wider")
+        return self
 
 
 class SectionTable(_Table):
@@ -123,6 +150,7 @@ class SkinFile(_Table):
     material: Material
     damping: Damping = Damping()
     interface_points: dict[InterfaceName, Place] = {}
+    shape: dict[ModeName, ShapeMode] = {}
 
 
 def read_skin_file(path: str | Path) -> SkinFile:

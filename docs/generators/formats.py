@@ -11,7 +11,7 @@ import toolkit.scene_file  # noqa: F401  (importing all kinds is what makes them
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
-from preprocessing.skin_file import Airfoil, ContourPoint, Damping, Material, Place, SectionTable, SkinCut, SkinFile
+from preprocessing.skin_file import Airfoil, ContourPoint, Damping, Material, Place, SectionTable, ShapeMode, SkinCut, SkinFile
 from toolkit.bodies.body import Body
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity
@@ -81,6 +81,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "material": table(Material),
     "damping": table(Damping),
     "places": table(Place),
+    "shape-modes": table(ShapeMode),
     "reduced-model": layout,
 }
 """What a page can ask for."""
