@@ -11,12 +11,12 @@ import numpy as np
 
 from preprocessing.airfoil_table import read_start
 from preprocessing.assembly import assemble
+from preprocessing.basis_choice import BasisChoice
 from preprocessing.discretisation import DesignSpace, Discretisation, positions
 from preprocessing.geometry import Geometry, Remark, at_key, read_geometry
 from preprocessing.gmsh_session import load_gmsh
 from preprocessing.patches import distribute
 from preprocessing.reduced import reduce
-from preprocessing.reduction import BasisChoice
 from preprocessing.skin_file import Place, SkinFile, read_skin_file
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel, Shape

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from preprocessing.assembly import Matrices, Parts
+from preprocessing.basis import DesignRates
 from preprocessing.interface import interface_point
 from preprocessing.mesh import CurveMesh
 from preprocessing.reduction import undeformed
@@ -54,8 +55,7 @@ class Change:
     """Derivatives by one parameter of what precedes the basis."""
 
     matrices: Matrices
-    undeformed: np.ndarray  # dxi (n,)
-    interface_rows: dict[str, np.ndarray]
+    rates: DesignRates  # what the basis is made of
     stepped: Discretisation  # with the complex step still in it
 
 
@@ -75,12 +75,16 @@ class DesignSpace:
     def change(self, nominal: Discretisation, parameter: str) -> Change:
         """Derivatives by one parameter: of the monomials by their powers, of the geometry by a complex step through its formulas."""
         if parameter in self.in_monomials:
-            zeros = {name: np.zeros_like(rows) for name, rows in nominal.interface_rows().items()}
             d_matrices = nominal.parts.derivative(self.values, parameter)
-            return Change(d_matrices, np.zeros(3 * len(nominal.mesh.nodes)), zeros, nominal)
+            return _change(d_matrices, np.zeros(3 * len(nominal.mesh.nodes)), {}, nominal)
         stepped = self.discretise({**self.values, parameter: self.values[parameter] + 1j * STEP})
-        rows = {name: derivative_of(value) for name, value in stepped.interface_rows().items()}
-        return Change(imaginary(stepped.parts.at(self.values)), derivative_of(undeformed(stepped.mesh.nodes)), rows, stepped)
+        d_xi, d_rows = derivative_of(undeformed(stepped.mesh.nodes)), stepped.interface_rows()
+        d_matrices = imaginary(stepped.parts.at(self.values))
+        return _change(d_matrices, d_xi, {name: derivative_of(rows) for name, rows in d_rows.items()}, stepped)
+
+
+def _change(d_matrices: Matrices, d_xi: np.ndarray, d_rows: dict[str, np.ndarray], stepped: Discretisation) -> Change:
+    return Change(d_matrices, DesignRates(d_matrices.stiffness, d_matrices.mass, d_xi, d_rows), stepped)
 
 
 def positions(z: np.ndarray) -> np.ndarray:

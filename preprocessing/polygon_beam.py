@@ -9,12 +9,12 @@ from dataclasses import asdict
 import numpy as np
 
 from preprocessing.assembly import assemble
+from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
 from preprocessing.discretisation import DesignSpace, Discretisation
 from preprocessing.mesh import CurveMesh
 from preprocessing.patches import distribute
 from preprocessing.reduced import reduce
-from preprocessing.reduction import BasisChoice
 from preprocessing.section import Section
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel

@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.basis import Basis
+from preprocessing.basis_choice import BasisChoice
 from preprocessing.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
 from preprocessing.invariants import contract, contract_derivative, listed, polynomials
-from preprocessing.reduction import Basis, BasisChoice, choose_basis
+from preprocessing.reduction import reduced_basis
 from preprocessing.stress import stress_points
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.reduced_model import InterfacePoint, Invariants, StressPoints
@@ -54,21 +56,20 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: st
     Raises
     ------
     InputError
-        The basis cannot be had, see `choose_basis`.
+        The basis cannot be had, see `reduced_basis`.
     """
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
-    basis = choose_basis(
+    basis = reduced_basis(
         choice, matrices.mass, matrices.stiffness, nominal.mesh.nodes, clamped_node, clamp, nominal.interface_rows()
     )
     exact = space.in_monomials if basis.constant else frozenset()
-    rates = {}
-    for parameter in space.values:
-        if parameter not in exact:
-            change = space.change(nominal, parameter)
-            d_z = basis.rate(change.matrices.stiffness, change.matrices.mass, change.undeformed, change.interface_rows)
-            d_invariants = contract_derivative(matrices, change.matrices, basis.z, d_z)
-            rates[parameter] = {**vars(d_invariants), **_item_rates(change, basis, d_z)}
+    changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
+    d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
+    rates = {
+        parameter: {**vars(contract_derivative(matrices, change.matrices, basis.z, d)), **_item_rates(change, basis, d)}
+        for (parameter, change), d in zip(changes.items(), d_z, strict=True)
+    }
     constant = polynomials(nominal.parts, list(space.values), basis.z) if exact else {}
     return Reduced(
         nominal,

@@ -1,29 +1,24 @@
-"""Reference conditions and bases: what the elastic coordinates of the body mean.
-
-A material point is u_P = S(x_P) Z [1; q_f] in the body frame, Z = [xi, Psi]: xi holds the nodal coordinates that reproduce
-the undeformed shape, `S(x) xi = x`, Psi the displacements that belong to the elastic coordinates q_f.
-"""
+"""Reference conditions and bases: what the elastic coordinates of the body mean."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
+from preprocessing.basis import Basis
+from preprocessing.basis_choice import BasisChoice
+from preprocessing.boundary import Boundary, clamped_boundary, free_boundary, with_points
+from preprocessing.constrained_pencil import ConstrainedPencil, constrained_pencil
+from preprocessing.constraint_modes import constraint_modes
+from preprocessing.elastic_shapes import ElasticShapes, InterfaceShapes, ModeShapes
+from preprocessing.mode_count import count_by_frequency, count_by_static_error
+from preprocessing.normal_modes import NormalModes, normal_modes
+from preprocessing.subspace_rates import refuse_cut_cluster
+from toolkit.errors import InputError
 
-@dataclass(frozen=True)
-class Basis:
-    """Z = [xi, Psi] with the words that the reduced-model file says about it."""
-
-    z: np.ndarray  # (n, 1 + n_f)
-    reference_condition: str
-    description: str
-
-    constant = True
-
-    def rate(self, d_stiffness, d_mass, d_xi, d_rows):
-        """[dxi, 0]."""
-        return np.column_stack([d_xi, np.zeros_like(self.z[:, 1:])])
+MEAN_AXES = "mean axes (Buckens)"
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
@@ -40,19 +35,98 @@ def tangent_frame(nodes: np.ndarray, node: int, name: str) -> Basis:
     free = np.delete(np.arange(n), np.arange(3) + 3 * (node % len(nodes)))
     psi = np.eye(n)[:, free]
     return Basis(
-        np.column_stack([undeformed(nodes), psi]),
-        f"tangent frame: the nodal coordinates of {name} are clamped in the frame of the undeformed shape",
-        "frozen: identity on the free coordinates",
+        np.column_stack([undeformed(nodes), psi]), clamped_in_tangent_frame(name), "frozen: identity on the free coordinates"
     )
 
 
-@dataclass(frozen=True)
-class BasisChoice:
-    """Which basis."""
-
-    kind: str = "full"
+def clamped_in_tangent_frame(name: str) -> str:
+    """The reference condition of a body whose frame is tied to one of its nodes."""
+    return f"tangent frame: the nodal coordinates of {name} are clamped in the frame of the undeformed shape"
 
 
-def choose_basis(choice, mass, stiffness, nodes, clamped_node, clamp, interface_rows):
-    """The basis that was chosen."""
-    return tangent_frame(nodes, clamped_node, clamp)
+def reduced_basis(
+    choice: BasisChoice,
+    mass: Any,
+    stiffness: Any,
+    nodes: np.ndarray,
+    node: int,
+    name: str,
+    interface_rows: Mapping[str, np.ndarray],
+) -> Basis:
+    """The basis that was chosen, at one design.
+
+    Parameters
+    ----------
+    mass, stiffness : (n, n), sparse or dense
+        M_11 + M_22 and K on all n = 3 n_nodes nodal coordinates.
+    nodes : (n_nodes, 2)
+    node, name : int, str
+        The node that is clamped (unless the boundary is free), and what to call it.
+    interface_rows : name -> (3, n)
+        Rows that give x, y and rotation of an interface point from the nodal coordinates.
+
+    Raises
+    ------
+    InputError
+        The choice asks for what the mesh or its interface points cannot give.
+    """
+    if choice.kind == "full":
+        return tangent_frame(nodes, node, name)
+    pencil = constrained_pencil(stiffness, mass)
+    clamped = clamped_boundary(len(pencil.mass), node)
+    if choice.kind == "eigenmodes":
+        boundary = free_boundary(len(pencil.mass)) if choice.boundary == "free" else clamped
+    else:
+        boundary = with_points(clamped, interface_rows, pencil.mass)
+    interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
+    parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
+    psi = np.column_stack([part.columns for part in parts])
+    return Basis(
+        np.column_stack([undeformed(nodes), psi]),
+        MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
+        _description(choice, boundary, modes),
+        np.concatenate([found.frequencies for found in modes] or [np.zeros(0)]),
+        boundary,
+        tuple(parts) if choice.derivative == "differentiated" else (),
+    )
+
+
+def _interface_shapes(choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary) -> list[ElasticShapes]:
+    if choice.kind == "eigenmodes":
+        return []
+    if not boundary.points:
+        raise InputError(
+            f"a {choice.kind} basis needs an interface point away from the clamped node; got {', '.join(boundary.on_clamp) or 'none'}."
+        )
+    return [InterfaceShapes(constraint_modes(pencil.stiffness, boundary.rows), boundary.n_clamp)]
+
+
+def _modes(
+    choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary, interface_rows: Mapping[str, np.ndarray]
+) -> list[NormalModes]:
+    """The modes that the choice asks for: one set, or none for a static basis."""
+    if choice.kind == "static":
+        return []
+    every = normal_modes(ConstrainedPencil(pencil.stiffness, pencil.mass, boundary.rows))
+    kept = every.lowest(_count(choice, every, interface_rows))
+    if choice.derivative == "differentiated":
+        refuse_cut_cluster(kept)
+    return [kept]
+
+
+def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str, np.ndarray]) -> int:
+    if choice.frequency is not None:
+        return count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)
+    if choice.static_error is not None:
+        rows = np.vstack([np.zeros((0, len(every.shapes))), *interface_rows.values()])
+        return count_by_static_error(every, rows, choice.static_error)
+    return choice.count or 0
+
+
+def _description(choice: BasisChoice, boundary: Boundary, modes: list[NormalModes]) -> str:
+    shapes = []
+    if boundary.points:
+        shapes.append(f"{3 * len(boundary.points)} constraint modes of the interface points {', '.join(boundary.points)}")
+    fixed = "fixed-interface" if boundary.points else choice.boundary
+    shapes += [f"{found.count} {fixed} eigenmodes up to {found.frequencies[-1]:.6g} Hz" for found in modes if found.count]
+    return f"{choice.derivative}: {choice.kind}, {' and '.join(shapes)}"

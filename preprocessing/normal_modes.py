@@ -1,0 +1,126 @@
+"""Normal modes of a body under linear constraints, or of a free body without its rigid motions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg import solve_triangular
+
+from preprocessing.bordered_system import SingularBorderedSystemError, bordered_system
+from preprocessing.constrained_pencil import ConstrainedPencil
+from preprocessing.rigid_modes import rigid_modes
+from toolkit.errors import InputError
+
+REPEATED = 1e-6
+"""Relative distance below which two eigenvalues count as equal. The round-off of the stiffness matrix moves the eigenvalues of
+the wing's skin by 1e-10 (30 elements) to 1e-8 (200); at this distance it turns single vectors by 1e-4 to 1e-2, which then mean nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class NormalModes:
+    """The lowest modes of K phi = lambda M phi - R^T eta, R phi = 0, with Phi^T M Phi = I; rigid motions are left out.
+
+    The sign of a mode is that of its first coordinate whose share of the kinetic energy is not small.
+    """
+
+    pencil: ConstrainedPencil
+    eigenvalues: np.ndarray  # (m,), in 1/s^2
+    shapes: np.ndarray  # (n, m)
+    multipliers: np.ndarray  # (n_r, m)
+    discarded: np.ndarray  # eigenvalues of all higher modes
+
+    @property
+    def count(self) -> int:
+        """Number of the modes that are kept."""
+        return len(self.eigenvalues)
+
+    @property
+    def spectrum(self) -> np.ndarray:
+        """All eigenvalues, kept and left out, in order."""
+        return np.concatenate([self.eigenvalues, self.discarded])
+
+    @property
+    def frequencies(self) -> np.ndarray:
+        """Eigenfrequencies of the modes that are kept, in Hz, (m,)."""
+        return frequencies(self.eigenvalues)
+
+    def lowest(self, count: int) -> NormalModes:
+        """The lowest `count` of these modes.
+
+        Raises
+        ------
+        InputError
+            There are not so many.
+        """
+        if not 0 <= count <= self.count:
+            raise InputError(f"{count} modes cannot be taken: the mesh has {self.count}. Choose from 0 to {self.count}.")
+        return replace(
+            self,
+            eigenvalues=self.eigenvalues[:count],
+            shapes=self.shapes[:, :count],
+            multipliers=self.multipliers[:, :count],
+            discarded=self.spectrum[count:],
+        )
+
+
+def frequencies(eigenvalues: np.ndarray) -> np.ndarray:
+    """Eigenfrequencies sqrt(lambda) / 2 pi in Hz."""
+    return np.sqrt(eigenvalues) / (2 * np.pi)
+
+
+def cluster(spectrum: np.ndarray, mode: int) -> tuple[int, int]:
+    """First mode, and first mode behind, of the cluster of equal eigenvalues that `mode` (counted from 0) belongs to."""
+    apart = np.diff(spectrum) > REPEATED * spectrum[1:]
+    borders = np.concatenate([[0], np.flatnonzero(apart) + 1, [len(spectrum)]])
+    behind = int(np.searchsorted(borders, mode, side="right"))
+    return int(borders[behind - 1]), int(borders[behind])
+
+
+def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalModes:
+    """The lowest `count` modes, or all.
+
+    Low modes are eigenvectors of the flexibility (relative accuracy round-off times lambda / lambda_1), high modes of the stiffness
+    (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10.
+
+    Raises
+    ------
+    InputError
+        The mesh has fewer modes, the constraints are not independent, or the mass matrix is not positive definite.
+    """
+    rigid = rigid_modes(pencil)
+    border = np.vstack([pencil.rows, rigid.T @ pencil.mass])
+    try:
+        system = bordered_system(pencil.stiffness, border)
+        factor = np.linalg.cholesky(pencil.mass)
+    except (SingularBorderedSystemError, np.linalg.LinAlgError) as error:
+        raise InputError(
+            f"normal modes need independent constraint rows and a positive definite mass matrix, but {error}. Name every interface "
+            "point once, and give every element a mass."
+        ) from error
+    flexibility = factor.T @ system.solve(factor)[0]
+    _, turned = np.linalg.eigh((flexibility + flexibility.T) / 2)
+    elastic = turned[:, ::-1][:, : len(factor) - len(border)]  # what the border holds has no flexibility
+    eigenvalues, shapes = _stiff_modes_again(pencil.stiffness, solve_triangular(factor, elastic, lower=True, trans="T"))
+    shapes = shapes * _signs(shapes, pencil.mass)
+    multipliers = system.solve(pencil.mass @ shapes * eigenvalues)[1][: len(pencil.rows)]
+    modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0))
+    return modes if count is None else modes.lowest(count)
+
+
+def _stiff_modes_again(stiffness: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Eigenvalues and shapes, those of the upper half from the stiffness on their own span; the halves meet at a wide gap."""
+    rough = np.einsum("ij,ij->j", shapes, stiffness @ shapes)
+    middle = np.sqrt(rough[:1] * rough[-1:])
+    ratio = np.divide(rough[1:], rough[:-1], where=np.abs(np.log10(rough[1:] / middle)) < 1, out=np.ones(max(len(rough) - 1, 0)))
+    split = int(np.argmax(ratio)) + 1 if len(ratio) else len(rough)
+    high = shapes[:, split:]
+    upper, turn = np.linalg.eigh(high.T @ stiffness @ high)
+    return np.concatenate([rough[:split], upper]), np.column_stack([shapes[:, :split], high @ turn])
+
+
+def _signs(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """+-1 for every mode, so that its first coordinate that carries at least half as much as the strongest becomes positive."""
+    weighted = np.sqrt(np.diag(mass))[:, None] * shapes
+    strong = np.abs(weighted) > 0.5 * np.abs(weighted).max(axis=0, initial=0)
+    return np.sign(np.take_along_axis(weighted, strong.argmax(axis=0)[None], axis=0))[0]
