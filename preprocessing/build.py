@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,16 @@ import numpy as np
 
 from preprocessing.airfoil_table import read_start
 from preprocessing.assembly import assemble
-from preprocessing.basis_choice import BasisChoice
+from preprocessing.at_key import at_key
+from preprocessing.changed_design import changed
 from preprocessing.discretisation import DesignSpace, Discretisation, positions
-from preprocessing.geometry import Geometry, Remark, at_key, read_geometry
+from preprocessing.geometry import Geometry, Remark, read_geometry
 from preprocessing.gmsh_session import load_gmsh
 from preprocessing.patches import distribute
 from preprocessing.reduced import reduce
-from preprocessing.skin_file import Place, SkinFile, read_skin_file
+from preprocessing.shape_parameters import shape_parameters
+from preprocessing.skin_file import SkinFile, read_skin_file
+from preprocessing.skin_tables import Place
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel, Shape
 from toolkit.reduced_model_file import SCHEMA_VERSION
@@ -28,7 +32,7 @@ WRITER_VERSION = "0.1.0"
 _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
-def build(path: str | Path, remark: Remark | None = None) -> ReducedModel:
+def build(path: str | Path, remark: Remark | None = None, values: Mapping[str, float] | None = None) -> ReducedModel:
     """Build the reduced model that skin.toml describes.
 
     Parameters
@@ -36,20 +40,23 @@ def build(path: str | Path, remark: Remark | None = None) -> ReducedModel:
     path : str or Path
         skin.toml; the paths of the airfoil files are relative to it.
     remark : callable
-        Called with every repair of an airfoil file and every warning about it or the thickness, in words.
+        Called with every repair of an airfoil file, every warning about it or the thickness, and every parameter of the shape by
+        which there is no derivative, in words.
+    values : parameter -> value
+        Another design than that of the file, see `changed_design.changed`.
 
     Raises
     ------
     InputError
         A file is missing or cannot be meant; the message names the file and the key.
     """
-    path = Path(path)
-    file = read_skin_file(path)
-    return _reduced_model(path, file, input_hash(path, file), read_geometry(path, file, remark))
+    path, values = Path(path), values or {}
+    file = changed(read_skin_file(path), values)
+    return _reduced_model(path, file, values, read_geometry(path, file, remark), remark)
 
 
-def input_hash(path: str | Path, file: SkinFile) -> str:
-    """SHA-256 of all that the result depends on: skin.toml, both airfoil files, schema and writer version.
+def input_hash(path: str | Path, file: SkinFile, values: Mapping[str, float] | None = None) -> str:
+    """SHA-256 of all that the result depends on: skin.toml, both airfoil files, changes of the design, schema and writer version.
 
     Raises
     ------
@@ -62,6 +69,8 @@ def input_hash(path: str | Path, file: SkinFile) -> str:
     for key in ("file", "target"):
         with at_key(path, f"airfoil.{key}"):
             digest.update(_measured(_airfoil_bytes(path.parent / getattr(file.airfoil, key))))
+    if values:
+        digest.update(_measured(repr(sorted(values.items())).encode()))
     return digest.hexdigest()
 
 
@@ -79,31 +88,67 @@ def _airfoil_bytes(path: Path) -> bytes:
         ) from error
 
 
-def _reduced_model(path: Path, file: SkinFile, hash_of_inputs: str, geometry: Geometry) -> ReducedModel:
-    space = design_space(path, file, geometry)
-    found = reduce(space, BasisChoice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
+def _reduced_model(
+    path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry, remark: Remark | None
+) -> ReducedModel:
+    space = differentiable(design_space(path, file, values, geometry), remark)
+    with at_key(path, "basis"):
+        found = reduce(space, file.basis.choice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
     mesh, z = geometry.mesh, found.basis.z
     return ReducedModel(
         **found.fields(space, file.units),
-        input_hash=hash_of_inputs,
+        input_hash=input_hash(path, file, values),
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
         shape=Shape(positions(z), geometry.target, geometry.arc_lengths),
         mesh=Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline),
     )
 
 
-def design_space(path: Path, file: SkinFile, geometry: Geometry) -> DesignSpace:
-    """All designs of the skin."""
-    section = {**file.section.model_dump(), **file.material.model_dump(), "damping_mass": file.damping.mass}
-    section["damping_stiffness"] = file.damping.stiffness
-    parameters = distribute(section, {}, (), file.skin.elements)
+def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry) -> DesignSpace:
+    """All designs of the skin: section, by groups of elements; Poisson's ratio, where it enters; and shape.
 
-    def discretise(_values: Mapping[str, Any]) -> Discretisation:
-        parts = assemble(geometry.mesh, parameters.patches)
-        places = {name: _arc_length(path, name, place, geometry) for name, place in file.interface_points.items()}
-        return Discretisation(geometry.mesh, geometry.arc_lengths, parts, places, geometry.target)
+    Parameters
+    ----------
+    values : those of parameters of single elements count, the others stand in `file` already
+    """
+    body = {**file.section.model_dump(), **file.material.model_dump()}
+    body |= {"damping_mass": file.damping.mass, "damping_stiffness": file.damping.stiffness}
+    with at_key(path, "groups"):
+        parameters = distribute(body, file.groups, file.skin.separate, file.skin.elements)
+    section = {name: values.get(name, value) for name, value in parameters.values.items()}
+    shape = shape_parameters(file)
+    strain = {"poisson_ratio": file.material.poisson_ratio or 0.0} if file.material.state == "plane-strain" else {}
 
-    return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), discretise)
+    def discretise(design: Mapping[str, Any]) -> Discretisation:
+        moved = {name: design[name] for name in shape if design[name] != shape[name]}
+        at = geometry.moved(moved) if moved else geometry
+        factor = 1 / (1 - design["poisson_ratio"] ** 2) if strain else 1.0
+        places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
+        return Discretisation(at.mesh, at.arc_lengths, assemble(at.mesh, parameters.patches, factor), places, at.target)
+
+    lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
+    quantities = {**parameters.quantities, **dict.fromkeys(strain, "none"), **lengths}
+    return DesignSpace({**section, **strain, **shape}, quantities, frozenset(section), discretise)
+
+
+def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
+    """The space without the parameters of the shape that have no derivative; `remark` is told why."""
+    lost = {}
+    for name in space.values:
+        if name not in space.in_monomials:
+            try:
+                space.stepped(name).interface_rows()
+            except InputError as error:
+                lost[name] = str(error)
+                if remark is not None:
+                    remark(f"the model will have no derivatives by {name}: {error}")
+    values, discretise = space.values, space.discretise
+    return replace(
+        space,
+        values={name: value for name, value in values.items() if name not in lost},
+        quantities={name: meaning for name, meaning in space.quantities.items() if name not in lost},
+        discretise=lambda design: discretise({**values, **design}),
+    )
 
 
 def _arc_length(path: Path, name: str, place: Place, geometry: Geometry) -> Any:

@@ -21,16 +21,19 @@ def preprocess(
     force: Annotated[
         bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")
     ] = False,
+    parameters: Annotated[
+        list[str] | None, typer.Option("--parameter", metavar="NAME=VALUE", help="Another value of a parameter; repeatable.")
+    ] = None,
     output: Annotated[Path | None, typer.Option(help="File to write; by default SKIN.h5 next to SKIN.toml.")] = None,
 ) -> None:
     """Build the reduced model of a flexible skin from its TOML file."""
-    file = read_skin_file(skin)
+    file, values = read_skin_file(skin), _values(parameters or [])
     output = output or skin.with_suffix(".h5")
     _refuse_output(output, [skin, *(skin.parent / name for name in (file.airfoil.file, file.airfoil.target))], force)
-    if not force and _hash_in(output) == input_hash(skin, file):
+    if not force and _hash_in(output) == input_hash(skin, file, values):
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
-    model = build(skin, remark=_remark)
+    model = build(skin, _remark, values)
     save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
@@ -43,6 +46,18 @@ def main() -> None:
     except ToolkitError as error:
         typer.echo(str(error), err=True)
         raise SystemExit(1) from None
+
+
+def _values(given: list[str]) -> dict[str, float]:
+    """Parameters and their values."""
+    found = {}
+    for text in given:
+        name, _, value = text.partition("=")
+        try:
+            found[name.strip()] = float(value)
+        except ValueError:
+            raise InputError(f"--parameter {text!r}: write NAME=NUMBER, for example thickness=1.6.") from None
+    return found
 
 
 def _refuse_output(output: Path, inputs: list[Path], force: bool) -> None:

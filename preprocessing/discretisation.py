@@ -72,12 +72,16 @@ class DesignSpace:
         """At the nominal design."""
         return self.discretise(self.values)
 
+    def stepped(self, parameter: str) -> Discretisation:
+        """With a complex step in one parameter."""
+        return self.discretise({**self.values, parameter: self.values[parameter] + 1j * STEP})
+
     def change(self, nominal: Discretisation, parameter: str) -> Change:
         """Derivatives by one parameter: of the monomials by their powers, of the geometry by a complex step through its formulas."""
         if parameter in self.in_monomials:
             d_matrices = nominal.parts.derivative(self.values, parameter)
             return _change(d_matrices, np.zeros(3 * len(nominal.mesh.nodes)), {}, nominal)
-        stepped = self.discretise({**self.values, parameter: self.values[parameter] + 1j * STEP})
+        stepped = self.stepped(parameter)
         d_xi, d_rows = derivative_of(undeformed(stepped.mesh.nodes)), stepped.interface_rows()
         d_matrices = imaginary(stepped.parts.at(self.values))
         return _change(d_matrices, d_xi, {name: derivative_of(rows) for name, rows in d_rows.items()}, stepped)

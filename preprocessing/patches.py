@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -11,13 +12,16 @@ from preprocessing.section import QUANTITIES, Patch
 from toolkit.errors import InputError
 
 
-@dataclass(frozen=True)
-class Group:
-    """Elements from the first to the last one, and the quantities that they have in common and apart from the body's."""
+class Group(Protocol):
+    """Elements that share quantities apart from the body's."""
 
-    first: int
-    last: int
-    values: Mapping[str, float]
+    @property
+    def elements(self) -> tuple[int, int]:
+        """The first and the last one."""
+
+    @property
+    def values(self) -> Mapping[str, float]:
+        """The quantities."""
 
 
 @dataclass(frozen=True)
@@ -44,12 +48,12 @@ def distribute(body: Mapping[str, float], groups: Mapping[str, Group], separate:
     found = Parameters([])
     members: dict[tuple[tuple[str, str], ...], list[int]] = {}
     for element in range(n_elements):
-        group = groups.get(owner[element], Group(0, 0, {}))
+        own_values = groups[owner[element]].values if owner[element] else {}
         names = {}
         for quantity, meaning in QUANTITIES.items():
-            own = str(element) if quantity in separate else owner[element] if quantity in group.values else ""
+            own = str(element) if quantity in separate else owner[element] if quantity in own_values else ""
             names[quantity] = f"{quantity}_{own}" if own else quantity
-            found.values[names[quantity]] = group.values.get(quantity, body[quantity])
+            found.values[names[quantity]] = own_values.get(quantity, body[quantity])
             found.quantities[names[quantity]] = meaning
         members.setdefault(tuple(names.items()), []).append(element)
     found.patches.extend(Patch(np.array(elements), dict(names)) for names, elements in members.items())
@@ -59,16 +63,15 @@ def distribute(body: Mapping[str, float], groups: Mapping[str, Group], separate:
 def _owners(groups: Mapping[str, Group], n_elements: int) -> list[str]:
     owner = [""] * n_elements
     for name, group in groups.items():
-        if not 0 <= group.first <= group.last < n_elements:
+        first, last = group.elements
+        if not 0 <= first <= last < n_elements:
             raise InputError(
-                f"groups.{name}: elements from {group.first} to {group.last} are not on the skin, whose elements count from 0 to "
+                f"{name}: elements from {first} to {last} are not on the skin, whose elements count from 0 to "
                 f"{n_elements - 1}. Give the first and the last one in this order."
             )
-        for element in range(group.first, group.last + 1):
+        for element in range(first, last + 1):
             if owner[element]:
-                raise InputError(
-                    f"groups.{name}: element {element} belongs to group {owner[element]!r} too. Let each have one group."
-                )
+                raise InputError(f"{name}: element {element} belongs to group {owner[element]!r} too. Let each have one group.")
             owner[element] = name
     return owner
 

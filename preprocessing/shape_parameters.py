@@ -9,10 +9,11 @@ if TYPE_CHECKING:
 
 TAKEN = (
     "youngs_modulus", "density", "thickness", "width", "poisson_ratio", "damping_mass", "damping_stiffness", "chord", "y_scale",
+    "type", "model", "frame", "position", "angle", "velocity", "extrapolation",
 )  # fmt: skip
-"""Names of the other parameters that a reduced model can have."""
+"""Names of the other parameters that a reduced model can have, and keys of a flexible body in a scene."""
 
-TAKEN_PREFIXES = ("thickness_", "width_", "youngs_modulus_", "density_")
+TAKEN_PREFIXES = ("thickness_", "width_", "youngs_modulus_", "density_", "damping_mass_", "damping_stiffness_")
 """Beginnings of the names of parameters of element groups."""
 
 

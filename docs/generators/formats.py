@@ -11,7 +11,19 @@ import toolkit.scene_file  # noqa: F401  (importing all kinds is what makes them
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
-from preprocessing.skin_file import Airfoil, ContourPoint, Damping, Material, Place, SectionTable, ShapeMode, SkinCut, SkinFile
+from preprocessing.skin_file import SkinFile
+from preprocessing.skin_tables import (
+    Airfoil,
+    BasisTable,
+    ContourPoint,
+    Damping,
+    ElementGroup,
+    Material,
+    Place,
+    SectionTable,
+    ShapeMode,
+    SkinCut,
+)
 from toolkit.bodies.body import Body
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity
@@ -82,6 +94,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "damping": table(Damping),
     "places": table(Place),
     "shape-modes": table(ShapeMode),
+    "groups": table(ElementGroup),
+    "basis": table(BasisTable),
     "reduced-model": layout,
 }
 """What a page can ask for."""

@@ -47,7 +47,7 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
         size = design_point(solution.system.scene, body, "shape").model.item(item).shape
         for x, entry, value in design_rates(solution, body, item, "shape"):
             change = scattered(entry, sign * value, int(np.prod(size))).reshape(size)
-            yield x, state @ np.moveaxis(change, -1, -2) if sign > 0 else np.broadcast_to(change, (len(state), *size))
+            yield x, np.einsum("kiz,tz->tki", change, state) if sign > 0 else np.broadcast_to(change, (len(state), *size))
 
 
 def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple[np.ndarray, np.ndarray]:
