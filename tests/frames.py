@@ -95,14 +95,14 @@ def wing() -> Frame:
 def varied(frame: Frame, variable: str, step) -> Frame:
     """The frame at a design changed by the fraction `step` (may be complex) of a natural size.
 
-    Section parameters by name; "element" thickens the element in the first third, "quadrant" the first quarter; "shape" moves the
+    Section parameters by name; "element" thickens the element in the first third, "sector" the first five elements; "shape" moves the
     nodes by a smooth field that respects no symmetry; "place" moves the first point, inside an element,
     along the chain by `step` elements.
     """
     n = len(frame.connectivity)
-    if variable in ("element", "quadrant"):
+    if variable in ("element", "sector"):
         factors = np.ones(n, dtype=np.result_type(type(step), float))
-        factors[n // 3 if variable == "element" else slice(n // 4)] += step
+        factors[n // 3 if variable == "element" else slice(5)] += step
         return replace(frame, factors=factors)
     if variable == "shape":
         size = np.ptp(frame.nodes.real, axis=0).max()

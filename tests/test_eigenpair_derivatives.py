@@ -9,8 +9,8 @@ from preprocessing.normal_modes import normal_modes
 from tests.frames import cantilever, pencil_rate, relative, richardson, ring, square, varied, wing
 from toolkit.errors import InputError
 
-SYMMETRIC = {"ring": (ring(24, 100.0), 6), "square": (square(6), 6)}
-BREAKING = ("element", "quadrant", "shape")
+SYMMETRIC = {"ring": (ring(24, 100.0), 4), "square": (square(6), 6)}
+BREAKING = ("element", "sector", "shape")
 """Variables that split equal eigenvalues."""
 
 
@@ -98,8 +98,8 @@ def test_single_modes_of_the_skin_change_as_fresh_modes_do(variable):
         return np.vstack([found.eigenvalues / modes.eigenvalues, found.shapes * sign / np.abs(modes.shapes).max()])
 
     ours = np.vstack([eigenvalue_rates(modes, d) / modes.eigenvalues, eigenvector_rates(modes, d) / np.abs(modes.shapes).max()])
-    # round-off of fresh solutions, 1e-9, over the smallest step, 1e-3
-    assert np.abs(ours - richardson(fresh, 4e-3, 3)).max() < 1e-6 * max(1.0, np.abs(ours).max())
+    # round-off of fresh solutions, 1e-9, over the smallest step, 2e-3
+    assert np.abs(ours - richardson(fresh, 1.6e-2, 4)).max() < 1e-6 * max(1.0, np.abs(ours).max())
 
 
 def test_vectors_of_a_repeated_eigenvalue_are_refused_by_name():

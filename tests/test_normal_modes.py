@@ -160,7 +160,9 @@ def test_static_errors_are_those_of_the_compliance(every, rows):
     for k in (3, 10, 40):
         psi = every.shapes[3:, :k]
         reduced = rows[:, 3:] @ psi @ np.linalg.solve(psi.T @ stiffness @ psi, psi.T @ rows[:, 3:].T)
-        expected = np.linalg.norm(scale[:, None] * (whole - reduced) * scale, 2) / np.linalg.norm(scale[:, None] * whole * scale, 2)
+        expected = np.linalg.norm(scale[:, None] * (whole - reduced) * scale, 2) / np.linalg.norm(
+            scale[:, None] * whole * scale, 2
+        )
         np.testing.assert_allclose(errors[k], expected, rtol=0, atol=1e-7)  # round-off times the condition of the stiffness
     assert np.all(np.diff(errors) <= 0)
 
