@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -126,7 +127,7 @@ def richardson(function, step: float, levels: int = 3) -> np.ndarray:
     """Derivative at zero of a smooth function by central differences with steps halved, extrapolated to order 2 `levels`."""
     found = [(function(h) - function(-h)) / (2 * h) for h in step * 0.5 ** np.arange(levels)]
     for k in range(1, levels):
-        found = [fine + (fine - coarse) / (4**k - 1) for coarse, fine in zip(found[:-1], found[1:], strict=True)]
+        found = [fine + (fine - coarse) / (4**k - 1) for coarse, fine in pairwise(found)]
     return found[0]
 
 

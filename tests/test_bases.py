@@ -21,7 +21,7 @@ INSIDE = replace(wing(), points={"C": 9.62, "E": 25.0, "G": 30.0})
 """The skin with one interface point inside an element."""
 
 CHOICES = {
-    "full": BasisChoice(),
+    "full": BasisChoice("full"),
     "clamped": BasisChoice("eigenmodes", count=8),
     "free": BasisChoice("eigenmodes", boundary="free", count=8),
     "craig-bampton": BasisChoice("craig-bampton", count=5),
@@ -215,7 +215,7 @@ def test_modes_are_chosen_by_count_by_frequency_and_by_static_error():
     assert by_frequency.description == f"differentiated: eigenmodes, 6 clamped eigenmodes up to {frequencies[-1]:.6g} Hz"
     assert len(reduce(wing(), BasisChoice("craig-bampton", frequency=1.0)).frequencies) == 0
     choice = BasisChoice("eigenmodes", static_error=0.05)
-    whole = Reduced.fresh(wing(), BasisChoice()).receptance(0.0)
+    whole = Reduced.fresh(wing(), BasisChoice("full")).receptance(0.0)
     error = scaled(whole - Reduced.fresh(wing(), choice).receptance(0.0), whole)
     assert np.linalg.norm(error, 2) <= 0.05 * np.linalg.norm(scaled(whole, whole), 2)
 
@@ -233,12 +233,18 @@ def test_a_differentiated_basis_that_cuts_a_pair_is_refused_and_a_frozen_one_is_
         ({}, "needs an interface point away from the clamped node; got none"),
         ({"F": 0.0}, "needs an interface point away from the clamped node; got F"),
         ({"P": 3.0, "Q": 3.0}, "'Q' cannot move independently of 'P'"),
+        ({"P": 2.2, "Q": 2.2 + 1e-3}, "'Q' cannot move independently of 'P'"),
         ({"P": 2.2, "Q": 2.4, "R": 2.7}, "'R' cannot move independently of 'P', 'Q'"),
     ],
 )
 def test_interface_points_that_make_no_basis_are_refused(points, match):
     with pytest.raises(InputError, match=match):
         reduce(cantilever(5, angle=0.3, points=points), BasisChoice("static"))
+
+
+def test_points_so_close_that_round_off_mixes_them_up_are_refused():
+    with pytest.raises(InputError, match=r"interface points P, Q cannot be told apart .* Move points apart"):
+        reduce(replace(wing(), points={"P": 10.3, "Q": 10.4}), BasisChoice("craig-bampton", count=5))
 
 
 @pytest.mark.parametrize(
@@ -251,8 +257,8 @@ def test_interface_points_that_make_no_basis_are_refused(points, match):
         ({"kind": "craig-bampton", "static_error": 0.1}, "statically exact at its interface points"),
         ({"kind": "craig-bampton", "count": 3, "boundary": "free"}, "a craig-bampton basis is clamped"),
         ({"kind": "static", "count": 3}, "a static basis has no eigenmodes"),
-        ({"count": 3}, "the full basis keeps every coordinate"),
-        ({"derivative": "exact"}, "available: differentiated, frozen"),
+        ({"kind": "full", "count": 3}, "the full basis keeps every coordinate"),
+        ({"kind": "full", "derivative": "exact"}, "available: differentiated, frozen"),
     ],
 )
 def test_choices_that_cannot_be_meant_are_refused(keys, match):

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from preprocessing.constraint_modes import constraint_modes
 from preprocessing.constrained_pencil import ConstrainedPencil
+from preprocessing.constraint_modes import constraint_modes
 from tests.frames import cantilever, relative, varied, wing
 from toolkit.errors import InputError
 

@@ -110,5 +110,5 @@ def test_vectors_of_a_repeated_eigenvalue_are_refused_by_name():
 
 def test_eigenvalues_of_a_cut_pair_are_refused():
     frame = ring(24, 100.0)
-    with pytest.raises(InputError, match="mode 1 .* is kept and mode 2 .* is left out"):
+    with pytest.raises(InputError, match=r"mode 1 .* is kept and mode 2 .* is left out"):
         eigenvalue_rates(normal_modes(frame.pencil(), 1), pencil_rate(frame, "element"))

@@ -120,7 +120,7 @@ def test_many_variables_at_once_are_each_of_them_alone():
 
 
 def test_the_gauge_keeps_the_modes_orthonormal():
-    frame, held, count = CASES["free ring"]
+    frame, _, count = CASES["free ring"]
     modes, d = normal_modes(frame.pencil(), count), pencil_rate(frame, "element")
     turned = modes.shapes.T @ modes.pencil.mass @ subspace_rates(modes, [d])[:, :, 0]
     own = modes.shapes.T @ d.mass @ modes.shapes
