@@ -23,7 +23,7 @@ _WHY_NOT = {
 class BasisChoice:
     """A basis before it is computed; `count`, `frequency` and `static_error` are three ways to say how many modes."""
 
-    kind: str = "full"
+    kind: str
     boundary: str = "clamped"  # of eigenmodes: clamped at the body's clamped node, or free about mean axes
     count: int | None = None
     frequency: float | None = None  # highest, in Hz

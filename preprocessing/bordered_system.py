@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import lu_solve
 from scipy.linalg.lapack import get_lapack_funcs
 
 SINGULAR = 1e-15
@@ -65,8 +65,7 @@ def bordered_system(block: np.ndarray, border: np.ndarray) -> BorderedSystem:
     matrix = np.block([[block, border.T], [border, np.zeros((m, m))]])
     scale = _equilibration(np.abs(matrix))
     matrix = scale[:, None] * matrix * scale
-    _refuse_singular(matrix, factors := lu_factor(matrix))
-    return BorderedSystem(n, matrix, scale, factors)
+    return BorderedSystem(n, matrix, scale, _factors(matrix))
 
 
 def _equilibration(size: np.ndarray) -> np.ndarray:
@@ -81,8 +80,10 @@ def _equilibration(size: np.ndarray) -> np.ndarray:
     return scale
 
 
-def _refuse_singular(matrix: np.ndarray, factors: tuple[np.ndarray, np.ndarray]) -> None:
-    (condition,) = get_lapack_funcs(("gecon",), (matrix,))
-    reciprocal, _ = condition(factors[0], np.abs(matrix).sum(axis=0).max())
+def _factors(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    factor, condition = get_lapack_funcs(("getrf", "gecon"), (matrix,))
+    lower_upper, pivots, exactly_singular = factor(matrix)
+    reciprocal = 0.0 if exactly_singular else condition(lower_upper, np.abs(matrix).sum(axis=0).max())[0]
     if not reciprocal > SINGULAR:
-        raise SingularBorderedSystemError(f"the bordered matrix is singular: its reciprocal condition number is {reciprocal:.0e}")
+        raise SingularBorderedSystemError(f"the bordered matrix is singular (reciprocal condition number {reciprocal:.0e})")
+    return lower_upper, pivots

@@ -31,11 +31,12 @@ class ConstraintModes:
 
         [K R^T; R 0] [dPsi; dLambda] = [-dK Psi - dR^T Lambda; -dR Psi]
         """
-        rates = np.zeros((*self.shapes.shape, len(d_pencils)))
-        for x, d in enumerate(d_pencils):
-            above = -(d.stiffness @ self.shapes) - d.rows.T @ self.reactions
-            rates[:, :, x] = self.system.solve(above, -d.rows @ self.shapes)[0]
-        return rates
+        if not d_pencils:
+            return np.zeros((*self.shapes.shape, 0))
+        above = [d.stiffness @ self.shapes + d.rows.T @ self.reactions for d in d_pencils]
+        below = [d.rows @ self.shapes for d in d_pencils]
+        rates, _ = self.system.solve(-np.hstack(above), -np.hstack(below))
+        return rates.reshape(len(rates), len(d_pencils), -1).swapaxes(1, 2)
 
 
 def constraint_modes(stiffness: np.ndarray, rows: np.ndarray) -> ConstraintModes:

@@ -8,7 +8,7 @@ import numpy as np
 
 from preprocessing.constrained_pencil import ConstrainedPencil
 from preprocessing.normal_modes import NormalModes, cluster, frequencies
-from preprocessing.subspace_rates import mode_rates, refuse_cut_cluster
+from preprocessing.subspace_rates import mode_loads, mode_rates, refuse_cut_cluster
 from toolkit.errors import InputError
 
 
@@ -56,7 +56,8 @@ def eigenvector_rates(modes: NormalModes, d_pencil: ConstrainedPencil) -> np.nda
                 "repeated eigenvalue have no derivative from first derivatives of the matrices. Use eigenvalue_rates, "
                 "adapted_modes, or the derivative of their span, subspace_rates."
             )
-    rates = [mode_rates(modes, j, [j], [d_pencil])[:, 0] for j in range(modes.count)]
+    loads = mode_loads(modes, [d_pencil])
+    rates = [mode_rates(modes, j, [j], loads)[:, 0] for j in range(modes.count)]
     return np.column_stack(rates) if rates else np.zeros_like(modes.shapes)
 
 

@@ -68,9 +68,14 @@ def static_errors(modes: NormalModes, interface_rows: np.ndarray) -> np.ndarray:
     """
     moves = interface_rows @ modes.shapes / np.sqrt(modes.eigenvalues)  # (k, m)
     own = np.sqrt((moves**2).sum(axis=1))
-    able = own > 1e-9 * own.max(initial=0)  # rows on the clamped node move by round-off
+    able = own > 1e-9 * _largest_possible(modes, interface_rows)  # rows on the clamped node move by round-off
     if not able.any():
         raise InputError("a static error needs an interface point that can move: name one away from the clamped node.")
     scaled = moves[able] / own[able, None]
     whole = np.linalg.norm(scaled, 2)  # of moves: the norms of the compliances are the squares
     return np.array([np.linalg.norm(scaled[:, k:], 2) for k in range(modes.count)] + [0.0]) ** 2 / whole**2
+
+
+def _largest_possible(modes: NormalModes, interface_rows: np.ndarray) -> np.ndarray:
+    """Size of sqrt(R K^-1 R^T) if all of a row followed the softest mode, (k,)."""
+    return np.linalg.norm(interface_rows / np.sqrt(np.diag(modes.pencil.mass)), axis=1) / np.sqrt(modes.eigenvalues[:1])

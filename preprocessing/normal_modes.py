@@ -98,14 +98,20 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
             f"normal modes need independent constraint rows and a positive definite mass matrix, but {error}. Name every interface "
             "point once, and give every element a mass."
         ) from error
-    flexibility = factor.T @ system.solve(factor)[0]
-    _, turned = np.linalg.eigh((flexibility + flexibility.T) / 2)
-    elastic = turned[:, ::-1][:, : len(factor) - len(border)]  # what the border holds has no flexibility
-    eigenvalues, shapes = _each_from_its_side(pencil, system, solve_triangular(factor, elastic, lower=True, trans="T"))
+    allowed = _allowed(solve_triangular(factor, border.T, lower=True))
+    flexibility = allowed.T @ factor.T @ system.solve(factor @ allowed)[0]
+    _, turned = np.linalg.eigh(-(flexibility + flexibility.T) / 2)
+    elastic = solve_triangular(factor, allowed @ turned, lower=True, trans="T")
+    eigenvalues, shapes = _each_from_its_side(pencil, system, elastic)
     shapes = shapes * _signs(shapes, pencil.mass)
     multipliers = system.solve(pencil.mass @ shapes * eigenvalues)[1][: len(pencil.rows)]
     modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0))
     return modes if count is None else modes.lowest(count)
+
+
+def _allowed(held: np.ndarray) -> np.ndarray:
+    """Orthonormal columns (n, n - k) of all that is perpendicular to the columns held (n, k)."""
+    return np.linalg.qr(held, mode="complete")[0][:, held.shape[1] :]
 
 
 def _each_from_its_side(pencil: ConstrainedPencil, system: BorderedSystem, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -114,9 +120,9 @@ def _each_from_its_side(pencil: ConstrainedPencil, system: BorderedSystem, shape
     middle = np.sqrt(rough[:1] * rough[-1:])
     ratio = np.divide(rough[1:], rough[:-1], where=np.abs(np.log10(rough[1:] / middle)) < 1, out=np.ones(max(len(rough) - 1, 0)))
     split = int(np.argmax(ratio)) + 1 if len(ratio) else len(rough)
-    high = shapes[:, split:]
-    upper, turn = np.linalg.eigh(high.T @ pencil.stiffness @ high)
     low = _without_stiff_traces(pencil, system, shapes[:, :split], rough[:split])
+    high = shapes[:, split:] - low @ (low.T @ pencil.mass @ shapes[:, split:])
+    upper, turn = np.linalg.eigh(high.T @ pencil.stiffness @ high)
     return np.concatenate([rough[:split], upper]), np.column_stack([low, high @ turn])
 
 

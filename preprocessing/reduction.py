@@ -20,6 +20,9 @@ from toolkit.errors import InputError
 
 MEAN_AXES = "mean axes (Buckens)"
 
+DEPENDENT = 1e-11
+"""Smallest eigenvalue of the basis' mass matrix, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""
+
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
     """xi (3 n_nodes,): node positions (n_nodes, 2) on the translations, and zero on the rotations, because the elements are straight."""
@@ -81,6 +84,7 @@ def reduced_basis(
     interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
     parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
     psi = np.column_stack([part.columns for part in parts])
+    _refuse_dependent(psi, pencil.mass, boundary)
     return Basis(
         np.column_stack([undeformed(nodes), psi]),
         MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
@@ -121,6 +125,17 @@ def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str,
         rows = np.vstack([np.zeros((0, len(every.shapes))), *interface_rows.values()])
         return count_by_static_error(every, rows, choice.static_error)
     return choice.count or 0
+
+
+def _refuse_dependent(psi: np.ndarray, mass: np.ndarray, boundary: Boundary) -> None:
+    inertia = psi.T @ mass @ psi
+    scale = 1 / np.sqrt(np.diag(inertia))
+    smallest = np.linalg.eigvalsh(scale[:, None] * inertia * scale)[0]
+    if smallest <= DEPENDENT:
+        raise InputError(
+            f"the elastic coordinates of the interface points {', '.join(boundary.points)} cannot be told apart (smallest eigenvalue "
+            f"of their mass matrix {smallest:.0e}). Move points apart that share an element, use more elements, or fewer modes."
+        )
 
 
 def _description(choice: BasisChoice, boundary: Boundary, modes: list[NormalModes]) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,21 +32,37 @@ def subspace_rates(modes: NormalModes, d_pencils: Sequence[ConstrainedPencil]) -
         The highest kept and the lowest discarded eigenvalue are equal, so that the span has no derivative.
     """
     refuse_cut_cluster(modes)
+    if not modes.count or not d_pencils:
+        return np.zeros((*modes.shapes.shape, len(d_pencils)))
     kept = range(modes.count)
-    rates = [mode_rates(modes, j, kept, d_pencils) for j in kept]
-    return np.stack(rates, axis=1) if rates else np.zeros((len(modes.shapes), 0, len(d_pencils)))
+    loads = mode_loads(modes, d_pencils)
+    return np.stack([mode_rates(modes, j, kept, loads) for j in kept], axis=1)
 
 
-def mode_rates(modes: NormalModes, mode: int, border: Sequence[int], d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class ModeLoads:
+    """What the derivatives of the matrices make of every mode; the last axis is the design variable."""
+
+    inertia: np.ndarray  # dM phi_j, (n, m, n_x)
+    force: np.ndarray  # (dK - lambda_j dM) phi_j + dR^T eta_j, (n, m, n_x)
+    gap: np.ndarray  # dR phi_j, (n_r, m, n_x)
+
+
+def mode_loads(modes: NormalModes, d_pencils: Sequence[ConstrainedPencil]) -> ModeLoads:
+    """The products of dK, dM and dR with all modes."""
+    inertia = np.stack([d.mass @ modes.shapes for d in d_pencils], axis=-1)
+    force = np.stack([d.stiffness @ modes.shapes + d.rows.T @ modes.multipliers for d in d_pencils], axis=-1)
+    gap = np.stack([d.rows @ modes.shapes for d in d_pencils], axis=-1)
+    return ModeLoads(inertia, force - modes.eigenvalues[:, None] * inertia, gap)
+
+
+def mode_rates(modes: NormalModes, mode: int, border: Sequence[int], loads: ModeLoads) -> np.ndarray:
     """dphi (n, n_x) of one mode from the system of `subspace_rates`, bordered by the modes `border`."""
-    pencil, eigenvalue = modes.pencil, modes.eigenvalues[mode]
-    phi, eta = modes.shapes[:, mode], modes.multipliers[:, mode]
-    basis = modes.shapes[:, list(border)]
-    system = bordered_system(pencil.stiffness - eigenvalue * pencil.mass, np.vstack([pencil.rows, basis.T @ pencil.mass]))
-    inertia = np.column_stack([d.mass @ phi for d in d_pencils])
-    above = eigenvalue * inertia - np.column_stack([d.stiffness @ phi + d.rows.T @ eta for d in d_pencils])
-    below = [-np.column_stack([d.rows @ phi for d in d_pencils]), -basis.T @ inertia / 2]
-    return system.solve(above, np.vstack(below))[0]
+    pencil, basis = modes.pencil, modes.shapes[:, list(border)]
+    shifted = pencil.stiffness - modes.eigenvalues[mode] * pencil.mass
+    system = bordered_system(shifted, np.vstack([pencil.rows, basis.T @ pencil.mass]))
+    below = np.vstack([-loads.gap[:, mode], -basis.T @ loads.inertia[:, mode] / 2])
+    return system.solve(-loads.force[:, mode], below)[0]
 
 
 def refuse_cut_cluster(modes: NormalModes) -> None:
