@@ -237,7 +237,7 @@ def test_an_override_replaces_the_number_that_its_path_names(file):
 # --- design variables -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["thickness", "points.A.z", "solver.step", "loads.drive"])
+@pytest.mark.parametrize("name", ["thickness", "points.A.z", "loads.drive"])
 def test_an_unknown_design_variable_lists_the_available_ones(file, name):
     with pytest.raises(
         InputError, match=r"unknown design variable .*short names of the scene: M; paths: .*points\.A\.x, .*loads\.drive\.torque"

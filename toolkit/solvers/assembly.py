@@ -1,11 +1,14 @@
 """Closing the joints before a run starts: the positions next to the given ones that satisfy every joint, and how they follow the design.
 
-    M(q) (q - q_given) + phi_q(q)^T mu = 0,    phi(q, t) = 0
+    [M(q) + (1 s)^2 K] (q - q_given) + phi_q(q)^T mu = 0,    phi(q, t) = 0
 
-the mass matrix measures "next to", as it does for the velocities at the start. Solved by Newton's method; the same matrix gives dq/dx.
+Mass measures "next to", as it does for the velocities at the start, and strain energy keeps flexible bodies from being bent where
+they can just as well be moved (both systems of units count time in seconds). Solved by Newton's method; the same matrix gives dq/dx.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,7 +35,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     SingularSystemError
         Joints are redundant.
     """
-    is_q = np.arange(system.n) < system.n_q
+    system, is_q = _stiffened(system), np.arange(system.n) < system.n_q
     q, acc, largest = given.copy(), np.zeros_like(given), np.inf
     for _ in range(MOST):
         closed = largest <= CLOSED  # once more then: an imaginary part of a complex step is as exact as the last solve
@@ -55,8 +58,15 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 
+def _stiffened(system: System) -> System:
+    """The same system with M + (1 s)^2 K in the place of M."""
+    part = system.plan.constant
+    stiffened = part._replace(mass=part.mass + part.stiffness, design_mass=part.design_mass + part.design_stiffness)
+    return replace(system, plan=system.plan._replace(constant=stiffened))
+
+
 def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Terms:
-    """Inertial: M (q - q_given) + phi_q^T mu with acc = [q - q_given; mu]. Applied, below: phi."""
+    """Inertial: [M + K] (q - q_given) + phi_q^T mu with acc = [q - q_given; mu]. Applied, below: phi."""
     return system.evaluate(system.inputs(time, np.array([0.0, 0.0, 1.0])), q, np.zeros_like(q), acc, design=True)
 
 
