@@ -319,6 +319,18 @@ def test_certify_does_not_take_round_off_for_a_disagreement(arguments):
     assert not re.search(r"e\+0[3-9]|e\+[1-9]", done.stdout.partition("central difference")[2])  # zeros are not divided by zeros
 
 
+def test_certify_takes_every_number_of_a_scene():
+    scene = read_scene(MODELS / "four_bar_chain" / "scene.toml")
+    found = record(
+        "certify", str(MODELS / "four_bar_chain" / "scene.toml"), "--variables", "all", "--set", "solver.end_time=0.01"
+    )
+    for method in ("adjoint", "complex-step"):
+        for response, differences in found["relative_differences"][method].items():
+            assert set(differences) == set(scene.available_paths())
+            assert max(differences.values()) < 1e-9, (method, response)  # round-off, as wherever exact methods are compared
+    assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.05)  # not quite asymptotic
+
+
 def test_certify_without_responses_says_what_is_missing(tmp_path):
     text = (MODELS / "pendulum" / "scene.toml").read_text()
     path = tmp_path / "scene.toml"

@@ -20,7 +20,6 @@ from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
 from toolkit.point import Point
 from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.run_options import RunOptions
@@ -238,7 +237,7 @@ def test_an_override_replaces_the_number_that_its_path_names(file):
 # --- design variables -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["thickness", "points.A.z", "solver.step", "loads.drive"])
+@pytest.mark.parametrize("name", ["thickness", "points.A.z", "loads.drive"])
 def test_an_unknown_design_variable_lists_the_available_ones(file, name):
     with pytest.raises(
         InputError, match=r"unknown design variable .*short names of the scene: M; paths: .*points\.A\.x, .*loads\.drive\.torque"
@@ -394,13 +393,6 @@ def test_a_driver_with_corners_in_a_file_names_the_key(file):
 def test_a_table_needs_increasing_times_and_as_many_values(times, values):
     with pytest.raises(ValidationError, match=r"as many of each|times must increase|at least 2"):
         Table(times=times, values=values)
-
-
-def test_the_times_of_a_table_are_no_design_variables():
-    curve = Table(times=(0.0, 0.5, 1.0), values=(0.0, 1.0, 0.5))
-    scene = pendulum(loads={"drive": Torque(body="rod", point="A", torque=1.0, curve=curve)})
-    with pytest.raises(InputError, match="times of a table cannot be design variables"):
-        simulate(compile_scene(scene, ["loads.drive.curve.times.1"]), RunOptions(end_time=0.1))
 
 
 # --- steps that are too large, and Newton's failure -----------------------------------------------------------------------------

@@ -11,7 +11,6 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.description import Description, Number, Positive
-from toolkit.errors import InputError
 
 
 class Constant(Description):
@@ -87,7 +86,8 @@ class Table(Description):
     """f(t) through given points: cubic spline (f'' continuous) or straight lines; constant outside.
 
     Straight lines have no second derivative at their corners and are refused as the curve of a driver. The cubic's slope is zero at
-    both ends, so that it joins the constants outside without a jump in f'. Values can be design variables, times cannot.
+    both ends, so that it joins the constants outside without a jump in f'. A derivative by a time of the table is one-sided where a
+    time step hits that corner exactly: as if the corner came later.
 
     Attributes
     ----------
@@ -113,27 +113,34 @@ class Table(Description):
         return self
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """f, f', f'' at the times, shape (n_t, 3).
+        """f, f', f'' at the times, shape (n_t, 3); f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1."""
+        corners, values = np.array(self.times), np.array(self.values)
+        width, slope = np.diff(corners), np.diff(values) / np.diff(corners)
+        m = corner_slopes(width, slope) if self.interpolation == "cubic" else None
+        b = np.zeros_like(slope) if m is None else (3 * slope - 2 * m[:-1] - m[1:]) / width
+        c = np.zeros_like(slope) if m is None else (m[:-1] + m[1:] - 2 * slope) / width**2
+        first = slope if m is None else m[:-1]
+        k = np.clip(np.searchsorted(corners.real, time, side="left") - 1, 0, len(width) - 1)
+        begun, ended = time > corners[0].real, time > corners[-1].real
+        inside = begun & (time < corners[-1].real)
+        d = np.where(ended, width[-1], np.where(begun, time - corners[k], 0))
+        rates = [first[k] + d * (2 * b[k] + 3 * d * c[k]), 2 * b[k] + 6 * d * c[k]]
+        return np.stack([values[k] + d * (first[k] + d * (b[k] + d * c[k])), rates[0] * inside, rates[1] * inside], axis=1)
 
-        Raises
-        ------
-        InputError
-            A time of the table is complex: a design variable.
-        """
-        if np.iscomplexobj(np.array(self.times)):
-            raise InputError("the times of a table cannot be design variables; make its values design variables instead.")
-        values = np.array(self.values)
-        t = np.clip(time, self.times[0], self.times[-1])
-        inside = (time > self.times[0]) & (time < self.times[-1])
-        if self.interpolation == "linear":
-            k = np.clip(np.searchsorted(self.times, t, side="right") - 1, 0, len(values) - 2)
-            x = np.array(self.times)
-            slope = (values[k + 1] - values[k]) / (x[k + 1] - x[k])
-            return np.stack([values[k] + slope * (t - x[k]), slope * inside, 0 * t], axis=1)
-        from scipy.interpolate import CubicSpline  # a quarter of a second, for tables alone
 
-        spline = CubicSpline(self.times, values, bc_type="clamped")
-        return np.stack([spline(t), spline(t, 1) * inside, spline(t, 2) * inside], axis=1)
+def corner_slopes(width: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Slopes m of the cubic spline at its corners, zero at both ends, (n,), from widths h and mean slopes s of its pieces, (n - 1,).
+
+    f'' is continuous:  m_(k-1) / h_(k-1) + 2 (1 / h_(k-1) + 1 / h_k) m_k + m_(k+1) / h_k = 3 (s_(k-1) / h_(k-1) + s_k / h_k)
+    """
+    from scipy.linalg import solve_banded  # for tables alone
+
+    m = np.zeros(len(width) + 1, np.result_type(width, slope))
+    if len(m) > 2:
+        bands = np.zeros((3, len(m) - 2), width.dtype)
+        bands[0, 1:], bands[1], bands[2, :-1] = 1 / width[1:-1], 2 / width[:-1] + 2 / width[1:], 1 / width[1:-1]
+        m[1:-1] = solve_banded((1, 1), bands, 3 * (slope[:-1] / width[:-1] + slope[1:] / width[1:]))
+    return m
 
 
 class Sum(Description):

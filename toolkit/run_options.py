@@ -49,6 +49,10 @@ class RunOptions(Description):
         Number of equal load steps of a static analysis to begin with; a step that fails is halved.
     drift_tolerance
         A run whose joints open by more than this part of the scene's size (or rad) is refused.
+    assemble
+        Whether a transient run first closes joints that are open in the given positions, by moving the bodies as little as possible
+        (measured by the mass matrix). Without it they are an error. With it lengths, offsets and start values of drivers can be
+        design variables: the bodies follow. Statics always closes the joints.
     """
 
     end_time: Positive = 1.0
@@ -60,3 +64,4 @@ class RunOptions(Description):
     max_iterations: Count = 20
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3
+    assemble: bool = False

@@ -25,6 +25,14 @@ from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
 from toolkit.scene_names import check_names, known
 
+NOT_DESIGN = {
+    "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
+    "motion. Choose numbers of points, bodies, joints or loads.",
+    "responses": "numbers of a response change what is asked about the motion, not the motion. Choose numbers of points, bodies, "
+    "joints or loads.",
+}
+"""Tables of a scene whose numbers have no derivative, and why."""
+
 
 class Scene(Description):
     """A multibody scene.
@@ -208,6 +216,8 @@ class Scene(Description):
         variables = []
         for name in self.design if names is None else names:
             path = self.design.get(name, name)
+            if path.split(".")[0] in NOT_DESIGN:
+                raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
             if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in self.available_paths():
                 raise InputError(
                     f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "

@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from toolkit.scene import Scene
 
 
+EVERY = "all"
+"""Stands for every number of the scene, unless the scene declares a design variable of that name."""
+
+
 class Method(StrEnum):
     """How gradients are computed."""
 
@@ -29,7 +33,8 @@ Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
 ]
 Variables = Annotated[
-    str | None, typer.Option(metavar="t_w,x_A,...", help="Short names or paths; by default all that the scene declares.")
+    str | None,
+    typer.Option(metavar="t_w,x_A,...", help="Short names or paths, or `all` numbers of the scene; by default all it declares."),
 ]
 Static = Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
@@ -61,6 +66,8 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
         No variable is named, and the scene declares none.
     """
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
+    if chosen == [EVERY] and EVERY not in scene.design:
+        return scene.available_paths()
     if not chosen:
         raise InputError(
             "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "

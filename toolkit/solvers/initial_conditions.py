@@ -8,6 +8,8 @@ import numpy as np
 
 from toolkit.equations import Terms
 from toolkit.errors import InputError
+from toolkit.run_options import RunOptions
+from toolkit.solvers.assembly import assemble
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system import System
 
@@ -27,17 +29,25 @@ class State(NamedTuple):
 
 
 def consistent_start(
-    system: System, levels: np.ndarray, q: np.ndarray | None = None, v: np.ndarray | None = None, time: float = 0.0
+    system: System,
+    levels: np.ndarray,
+    q: np.ndarray | None = None,
+    v: np.ndarray | None = None,
+    time: float = 0.0,
+    options: RunOptions | None = None,
 ) -> State:
     """The state at the start; `q` and `v` (n_q,) replace the scene's own start, then without design derivatives of it.
 
     Velocities are projected with the mass matrix as metric, M (v - v_given) + phi_q^T mu = 0, phi_q v + phi_t = 0: the
-    motion right after an impact of the joints.
+    motion right after an impact of the joints. Positions are projected too if `options.assemble` (by default the scene's), see
+    `assembly`.
 
     Raises
     ------
     InputError
         A joint is violated at the start, or moving a design variable would violate it.
+    ConvergenceError
+        The joints do not close near the given positions.
     SingularSystemError
         Joints are redundant, so that accelerations or multipliers are not unique.
     """
@@ -46,6 +56,8 @@ def consistent_start(
         position, dq = _padded(system, q), np.zeros_like(dq)
     if v is not None:
         velocity, dv = _padded(system, v), np.zeros_like(dv)
+    if (options or system.scene.solver).assemble:
+        position, dq = assemble(system, position, dq, time)
     check_positions(system, position, dq, time)
     velocity, dv = project_velocities(system, position, velocity, dq, dv, time)
     acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
@@ -74,13 +86,15 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         i = n_q + violated[0]
         raise InputError(
             f"inconsistent start: {names[i]} is violated by {np.real(terms.applied[i]):.3g} at t = {time:g}. "
-            "Give positions that satisfy every joint, or a length, offset or curve that starts at their value."
+            "Give positions that satisfy every joint, or a length, offset or curve that starts at their value; or let "
+            "solver.assemble = true close the joints."
         )
     change = (system.matrix(terms.A_q) @ dq + terms.A_x)[n_q:]
     for i, x in np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0))):
         raise InputError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
-            "Choose a variable that moves the points with it (a point, or leave the length to follow the points)."
+            "Choose a variable that moves the points with it (a point, or leave the length to follow the points), or let "
+            "solver.assemble = true move the bodies with it."
         )
 
 

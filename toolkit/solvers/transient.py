@@ -57,7 +57,7 @@ def simulate(
     begun = clock.perf_counter()
     times = time_grid(options)
     levels = constraint_levels(options)
-    start = consistent_start(system, levels, q, v)
+    start = consistent_start(system, levels, q, v, options=options)
     history = allocate_history(system, len(times), start)
     scheme = generalized_alpha(options.scheme, options.rho_inf, times[1] - times[0])
     curves, curves_x = system.curves(times)

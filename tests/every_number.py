@@ -1,0 +1,193 @@
+"""Three scenes that contain, together, every kind of body, joint, load and time curve; and the numbers in them without effect."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.joints.distance import Distance
+from toolkit.joints.driver import AngleDriver, PositionDriver
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.point_force import PointForce
+from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.torque import Torque
+from toolkit.point import BodyPoint, Point
+from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.responses.catalogue import (
+    Displacement,
+    JointForce,
+    KineticEnergy,
+    KSStress,
+    MaxStress,
+    Rotation,
+    StrainEnergy,
+    TimeIntegral,
+)
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+
+SOLVER = RunOptions(end_time=0.06, step=0.02, tolerance=1e-13, assemble=True, rho_inf=0.7, load_steps=1)
+"""Few steps; Newton down to round-off, because a derivative is as exact as the state; lengths and start values move the bodies."""
+
+LEAD = Sum(
+    terms=(
+        Constant(value=0.05),
+        SmoothStep(height=0.5, start=-0.2, duration=1.1),
+        Sine(amplitude=0.1, frequency=0.6, phase=0.4),
+        Table(times=(-0.1, 0.05, 0.11, 0.9), values=(-0.08, -0.1, -0.12, 0.1)),
+    )
+)
+"""Every kind of curve; its value at the start is small, so that the bodies move little to follow it. No step hits a corner."""
+FOLLOW = Table(times=(-0.07, 0.05, 0.38), values=(0.2, -0.6, 0.9), interpolation="linear")
+
+POINTS = {
+    "O": (0.1, 0.2),
+    "A": (1.0, 0.3),
+    "B": (2.0, 1.1),
+    "C": (1.6, -0.4),
+    "D": (2.9, 0.4),
+    "E": (3.3, -0.6),
+    "F": (0.4, -0.9),
+}
+
+
+def points(names: str) -> dict[str, Any]:
+    """Points by their letters."""
+    return {name: Point(x=POINTS[name][0], y=POINTS[name][1]) for name in names}
+
+
+def rods(_folder: Path) -> Scene:
+    """Two driven rods, a guided block, and a car with a tray."""
+    return Scene(
+        units="m-kg-s",
+        points=points("OABCDE"),
+        bodies={
+            "crank": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
+            "link": Rod(between=("A", "B"), area=0.6, density=0.9, velocity=(-0.2, 0.1, 0.4)),
+            "block": Rigid(mass=1.4, inertia=0.6, center="C", velocity=(0.3, -0.1, 0.2)),
+            "car": Rigid(mass=0.7, inertia=0.3, center="D", velocity=(0.1, 0.5, -0.2)),
+            "tray": Rigid(mass=0.5, inertia=0.2, center="E", velocity=(0.2, -0.3, 0.1)),
+        },
+        joints={
+            "hinge": Revolute(bodies=("crank", "ground"), point="O"),
+            "lead": AngleDriver(bodies=("crank", "ground"), point="O", curve=LEAD),
+            "pin": Revolute(bodies=("crank", "link"), point="A"),
+            "bar": Distance(bodies=("link", "block"), points=("B", "C"), length=1.55),
+            "guide": Slider(bodies=("block", "ground"), point="C", axis=(0.8, -0.5)),
+            "glue": RigidJoint(bodies=("car", "tray"), point="D"),
+            "rail": PositionDriver(
+                bodies=("car", "ground"), point="D", axis=(0.3, 0.9), curve=Sine(amplitude=0.7, frequency=0.3, phase=0.1)
+            ),
+            "slot": Slider(bodies=("tray", "block"), point="E", axis=(-0.3, 0.9), lock_rotation=True),
+        },
+        loads={
+            "weight": Gravity(acceleration=(0.4, -1.3)),
+            "motor": Torque(body="link", reaction="block", point="B", torque=1.7, curve=FOLLOW),
+            "spring": SpringDamper(bodies=("block", "crank"), points=("C", "A"), stiffness=2.1, damping=0.6, length=0.4),
+        },
+        responses={
+            "turn": Rotation(body="link", point="B"),
+            "way": Displacement(body="car", point="E", component="x"),
+            "hinge": JointForce(joint="hinge", component="x"),
+            "drive": JointForce(joint="lead", component="torque"),
+            "rail": JointForce(joint="rail", component="magnitude"),
+            "slot": JointForce(joint="slot", component="torque", time=0.04),
+            "energy": TimeIntegral(of=KineticEnergy()),
+        },
+        solver=SOLVER,
+    )
+
+
+def swing(_folder: Path) -> Scene:
+    """A hanging rod and a block on springs next to a driven arm with a cart: it can rest too."""
+    curve = Sum(
+        terms=(Constant(value=0.02), Sine(amplitude=0.1, frequency=0.6, phase=-0.1), SmoothStep(height=0.1, duration=0.7))
+    )
+    return Scene(
+        units="m-kg-s",
+        points=points("OABCDEF"),
+        bodies={
+            "rod": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
+            "block": Rigid(mass=1.4, inertia=0.6, center="C", velocity=(0.3, -0.1, 0.2)),
+            "arm": Rod(between=("O", "F"), area=0.7, density=1.1, velocity=(0.1, 0.3, 0.2)),
+            "cart": Rigid(mass=0.5, inertia=0.2, center="E", velocity=(0.2, -0.3, 0.1)),
+            "tray": Rigid(mass=0.3, inertia=0.1, center="D", velocity=(0.1, 0.2, 0.3)),
+        },
+        joints={
+            "hinge": Revolute(bodies=("rod", "ground"), point="O"),
+            "bar": Distance(bodies=("rod", "block"), points=("A", "C")),
+            "pin": Revolute(bodies=("arm", "ground"), point="O"),
+            "lead": AngleDriver(bodies=("arm", "ground"), point="O", curve=curve),
+            "slot": Slider(bodies=("cart", "arm"), point="E", axis=(0.8, -0.5), lock_rotation=True),
+            "rail": PositionDriver(bodies=("cart", "arm"), point="E", axis=(0.3, 0.9), curve=LEAD),
+            "glue": RigidJoint(bodies=("cart", "tray"), point="D"),
+        },
+        loads={
+            "weight": Gravity(acceleration=(0.4, -1.3)),
+            "spring": SpringDamper(bodies=("block", "tray"), points=("C", "B"), stiffness=41.0, damping=0.6, length=1.5),
+            "relaxed": SpringDamper(bodies=("block", "ground"), points=("C", "F"), stiffness=31.0, damping=0.4),
+            "coil": RotationalSpringDamper(bodies=("block", "rod"), point="A", stiffness=21.0, damping=0.6, rest_angle=0.03),
+            "pull": PointForce(body="rod", point="A", force=(0.8, -1.1), curve=Constant(value=0.4)),
+            "thrust": PointForce(body="block", point="B", force=(0.5, 0.4), frame="body", curve=FOLLOW),
+            "motor": Torque(
+                body="rod", reaction="arm", point="O", torque=0.7, curve=Sine(amplitude=0.6, frequency=0.8, phase=0.2)
+            ),
+        },
+        responses={
+            "turn": Rotation(body="rod", point="A"),
+            "way": Displacement(body="block", point="B", component="y"),
+            "bar": JointForce(joint="bar", component="magnitude"),
+            "rail": JointForce(joint="rail", component="x"),
+            "slot": JointForce(joint="slot", component="torque"),
+            "lead": JointForce(joint="lead", component="torque"),
+        },
+        solver=SOLVER,
+    )
+
+
+def beams(folder: Path) -> Scene:
+    """A grounded and a floating beam (`cases.write_models`), hinged at a point of each, gripped between nodes."""
+    grips = {"S": ("skin", "end"), "T": ("strip", "middle"), "U": ("strip", "end"), "V": ("skin", "middle")}
+    return Scene(
+        units="m-kg-s",
+        directory=folder,
+        points=points("A") | {name: BodyPoint(body=body, interface=place) for name, (body, place) in grips.items()},
+        bodies={
+            "skin": Flexible(model="beam.h5", position=(0.3, -0.2), angle=0.7, thickness=0.6),
+            "strip": Flexible(
+                model="beam.h5",
+                frame="moving",
+                position=(-0.46, 1.61),
+                angle=-0.6,
+                youngs_modulus=15.0,
+                velocity=(0.1, -0.3, 0.2),
+            ),
+        },
+        joints={"hinge": Revolute(bodies=("strip", "skin"), point=("T", "S"))},
+        loads={
+            "weight": Gravity(acceleration=(0.02, -0.03)),
+            "spring": SpringDamper(bodies=("strip", "ground"), points=("U", "A"), stiffness=0.3, damping=0.2, length=1.6),
+            "coil": RotationalSpringDamper(
+                bodies=("strip", "skin"), point=("U", "V"), stiffness=0.2, damping=0.1, rest_angle=0.1
+            ),
+            "push": PointForce(body="skin", point="V", force=(0.01, 0.02), frame="body", curve=SmoothStep(duration=0.4)),
+        },
+        responses={
+            "turn": Rotation(body="strip", point="U"),
+            "way": Displacement(body="skin", point="V", component="x"),
+            "hinge": JointForce(joint="hinge", component="y"),
+            "stress": KSStress(body="strip", aggregation=20.0, reference_stress=1.0),
+            "peak": MaxStress(body="skin"),
+            "strain": StrainEnergy(),
+            "energy": TimeIntegral(of=KineticEnergy()),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"rods": rods, "swing": swing, "beams": beams}
