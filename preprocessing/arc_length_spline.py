@@ -116,7 +116,8 @@ class ArcLengthSpline:
         s = np.asarray(s) + 0.0
         i = self._interval(self.break_s, s)
         start, excess = self.break_u[i], s - self.break_s[i]
-        u = start + excess
+        rise = self.break_s[i + 1] - self.break_s[i]
+        u = start + excess * np.divide(self.break_u[i + 1] - start, rise, out=np.ones_like(rise), where=rise != 0)
         for _ in range(8):  # quadratic from an error of some percent of one interval: 4 do, 8 are safe
             before, u = u, u - (_arc_between(self.spline, start, u) - excess) / _speed(self.spline, u)
             if np.array_equal(u, before):

@@ -383,3 +383,12 @@ def test_bump_that_takes_f_off_the_target_is_refused_with_the_remedy(folder):
     text = toml(PLAIN).replace("arc_length = 148.0", "arc_length = 5.0").replace('of = "both"', 'of = "airfoil"')
     with pytest.raises(InputError, match=r'the target shape passes F .* give a shape mode at F of = "both"'):
         read(folder, text.replace("half_width = 40.0\nheight = 0.0", "half_width = 40.0\nheight = 2.0"))
+
+
+@pytest.mark.parametrize("y_scale", [0.05, 0.3, 3.0, 30.0])
+@pytest.mark.parametrize("airfoil", ["fx63137.dat", "naca23015.af", "fx62k131.dat"])
+def test_arc_length_and_parameter_are_inverse_on_strongly_stretched_contours(airfoil, y_scale):
+    points = read_airfoil(Path(__file__).parent / "data" / "airfoils" / airfoil).points
+    curve = Contour.through(points, 550.0).stretched(1.0, y_scale).curve
+    s = np.linspace(0, curve.length, 3001)
+    np.testing.assert_allclose(curve.arc_length(curve.parameter(s)), s, rtol=0, atol=1e-12 * curve.length)  # round-off
