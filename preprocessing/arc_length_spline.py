@@ -11,14 +11,13 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from preprocessing.contour_rows import checked_rows, refuse_detours
 from preprocessing.interpolant import Interpolant
-from toolkit.errors import InputError
 
 Number = Any
 """A float, or a complex number where a complex step is taken."""
 
 _PASSES = 3  # arc-length passes: they even out the speed |r'(u)|; exact arc length comes from `parameter`
-_DETOUR = 2.0  # length of the curve between two points over their distance: a semicircle has 1.6, noses of few rows have 1.05
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 
 
@@ -52,12 +51,12 @@ class ArcLengthSpline:
             Wrong shape, too few points, numbers that are not finite, the same point twice in a row, or points in such an order
             that a smooth curve through them strays far from them.
         """
-        points = _checked(points, degree)
+        points = checked_rows(points, degree)
         u = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
         for _ in range(_PASSES):
             u = _arc_lengths(Interpolant.through(u, points, degree), u)
         curve = cls.of(Interpolant.through(u, points, degree), u)
-        _refuse_detours(curve, points)
+        refuse_detours(np.diff(curve.point_s), points)
         return curve
 
     @classmethod
@@ -117,9 +116,12 @@ class ArcLengthSpline:
         s = np.asarray(s) + 0.0
         i = self._interval(self.break_s, s)
         start, excess = self.break_u[i], s - self.break_s[i]
-        u = start + excess
+        rise = self.break_s[i + 1] - self.break_s[i]
+        u = start + excess * np.divide(self.break_u[i + 1] - start, rise, out=np.ones_like(rise), where=rise != 0)
         for _ in range(8):  # quadratic from an error of some percent of one interval: 4 do, 8 are safe
-            u = u - (_arc_between(self.spline, start, u) - excess) / _speed(self.spline, u)
+            before, u = u, u - (_arc_between(self.spline, start, u) - excess) / _speed(self.spline, u)
+            if np.array_equal(u, before):
+                break
         return u
 
     def _continuous_angles(self) -> tuple[np.ndarray, np.ndarray]:
@@ -132,31 +134,6 @@ class ArcLengthSpline:
     def _interval(breaks: np.ndarray, at: np.ndarray) -> np.ndarray:
         """Numbers (...) of the intervals in which real parts lie; what is off the curve belongs to its first or last one."""
         return np.clip(np.searchsorted(breaks.real, np.real(at), side="right") - 1, 0, len(breaks) - 2)
-
-
-def _checked(points: np.ndarray, degree: int) -> np.ndarray:
-    points = np.asarray(points, dtype=float)
-    if degree not in (3, 5):
-        raise InputError(f"spline degree {degree!r}: available are 3 (cubic, the default) and 5 (quintic).")
-    if points.ndim != 2 or points.shape[1] != 2 or len(points) <= degree:
-        raise InputError(f"a contour needs at least {degree + 1} points as an array (n, 2), got shape {points.shape}.")
-    if not np.isfinite(points).all():
-        row = int(np.flatnonzero(~np.isfinite(points).all(axis=1))[0])
-        raise InputError(f"contour row {row} (counted from 0) is not finite: {points[row]}. Mend the coordinate.")
-    repeated = np.flatnonzero((np.diff(points, axis=0) == 0).all(axis=1))
-    if repeated.size:
-        raise InputError(f"contour rows {repeated[0]} and {repeated[0] + 1} (counted from 0) are equal: drop one of them.")
-    return points
-
-
-def _refuse_detours(curve: ArcLengthSpline, points: np.ndarray) -> None:
-    detour = np.diff(curve.point_s) / np.linalg.norm(np.diff(points, axis=0), axis=1)
-    i = int(np.argmax(detour))
-    if not detour[i] <= _DETOUR:
-        raise InputError(
-            f"between contour rows {i} and {i + 1} (counted from 0) the smooth curve is {detour[i]:.3g} times as long as their "
-            "distance: rows there are out of order or fold back. Mend or remove them."
-        )
 
 
 def norm(vectors: np.ndarray) -> np.ndarray:

@@ -66,13 +66,14 @@ class Bump:
 
 
 def bumped(contour: Contour, bumps: Sequence[Bump]) -> Contour:
-    """The contour with all bumps at once; itself without any.
+    """The contour with all bumps at once; itself if none has a height.
 
     Raises
     ------
     InputError
         The bumps are so deep that the contour would fold.
     """
+    bumps = [bump for bump in bumps if bump.height != 0]
     if not bumps:
         return contour
     base = contour.curve

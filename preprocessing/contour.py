@@ -6,14 +6,13 @@ complex condition, so that its derivative is exact.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.optimize import brentq
 
 from preprocessing.arc_length_spline import ArcLengthSpline, Number, norm
+from preprocessing.roots import polished, root
 from toolkit.errors import InputError
 
 SIDES = ("upper", "lower")
@@ -85,7 +84,7 @@ class Contour:
             raise InputError(f"row {i} is not on the contour: its rows count from 0 to {n - 1}.")
         return self.curve.point_s[i].item()
 
-    @property
+    @cached_property
     def outline(self) -> np.ndarray:
         """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""
         return np.real(self.position(self._samples()))
@@ -108,7 +107,7 @@ class Contour:
             return s
         if s in (0.0, self.length.real):
             return 0.0 if s == 0.0 else self.length
-        return _polished(lambda t: self._distance_along(point, t), s)
+        return polished(lambda t: self._distance_along(point, t), s)
 
     def at_x(self, x: float, side: str) -> Number:
         """Arc length where the upper or lower side, split at the leading edge, has abscissa x.
@@ -130,18 +129,20 @@ class Contour:
                 f"the {side} side is upright at x = {x:g} (dx/ds = {slope:.1e}), so that the place has no derivative by the shape. "
                 "Name the point by its arc length, or choose x away from the nose."
             )
-        return _polished(lambda t: (self.position(t)[0] - x, self.curve.direction(t)[0]), s)
+        return polished(lambda t: (self.position(t)[0] - x, self.curve.direction(t)[0]), s)
 
     def _found(self, x: float, side: str) -> float:
         """`at_x` of the real part."""
         first, last = (0.0, self.leading_edge) if side == "upper" else (self.leading_edge, self.length.real)
         samples = self._samples()
-        s = np.concatenate([[first], samples[(samples > first) & (samples < last)], [last]])
-        reached = np.real(self.position(s)[:, 0])
+        between = (samples > first) & (samples < last)
+        s = np.concatenate([[first], samples[between], [last]])
+        beginning, end = np.real(self.position([first, last])[:, 0])
+        reached = np.concatenate([[beginning], self.outline[between, 0], [end]])
         f = reached - x
-        for end in (0, -1):
-            if abs(f[end]) < 1e-12 * self.length.real:
-                return float(s[end])
+        for i in (0, -1):
+            if abs(f[i]) < 1e-12 * self.length.real:
+                return float(s[i])
         hits = np.flatnonzero((f[:-1] > 0) != (f[1:] > 0))
         if len(hits) != 1:
             how = "does not reach" if len(hits) == 0 else f"meets {len(hits)} times"
@@ -149,7 +150,7 @@ class Contour:
                 f"the {side} side {how} x = {x:g}; it runs from x = {reached.min():g} to {reached.max():g}. "
                 "Choose x in this range, or name the point by its arc length."
             )
-        return _root(lambda t: float(np.real(self.position(t)[0])) - x, s[hits[0]], s[hits[0] + 1], self.length.real)
+        return root(lambda t: float(np.real(self.position(t)[0])) - x, s[hits[0]], s[hits[0] + 1], self.length.real)
 
     def _samples(self) -> np.ndarray:
         """Four arc lengths per interval between rows, the rows among them."""
@@ -167,22 +168,9 @@ class Contour:
         low, high = s[max(i - 1, 0)], s[min(i + 1, len(s) - 1)]
         if along(low) * along(high) > 0:
             return float(s[i])
-        return _root(along, low, high, self.length.real)
+        return root(along, low, high, self.length.real)
 
     def _distance_along(self, point: np.ndarray, s: Number) -> tuple[Number, Number]:
         """(r - point) . t and its derivative by s, 1 + (r - point) . dt/ds, with dt/ds = curvature times t turned by +90 degrees."""
         miss, (x, y) = self.position(s) - point, self.curve.direction(s)
         return miss @ np.array([x, y]), 1 + self.curvature(s) * (miss @ np.array([-y, x]))
-
-
-def _root(f: Callable[[float], float], low: float, high: float, length: float) -> float:
-    return float(brentq(f, low, high, xtol=1e-14 * length))
-
-
-def _polished(f_and_slope: Callable[[Number], tuple[Number, Number]], s: float) -> complex:
-    """The complex root whose real part is known: Newton's iteration doubles the digits of the imaginary part, 4 of them are many."""
-    root = complex(s)
-    for _ in range(4):
-        value, slope = f_and_slope(root)
-        root = root - value / slope
-    return complex(root)

@@ -51,7 +51,8 @@ class Contours:
                 with at_key(path, f"shape.{name}"):
                     if mode.of in (which, "both"):
                         bumps.append(_bump(contour, mode, origin, design[name]))
-            shaped[which] = bumped(contour, bumps)
+            with at_key(path, "shape modes"):
+                shaped[which] = bumped(contour, bumps)
         return Contours(**shaped)
 
 
