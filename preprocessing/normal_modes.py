@@ -81,7 +81,9 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
     """The lowest `count` modes, or all.
 
     Low modes are eigenvectors of the flexibility (relative accuracy round-off times lambda / lambda_1), high modes of the stiffness
-    (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10.
+    (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10. One step
+    of inverse iteration takes the round-off out of the low modes that lies along the stiffest ones: dK, which may turn the stiff
+    directions, would multiply it by lambda_n / lambda_1.
 
     Raises
     ------
@@ -102,7 +104,9 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
     flexibility = allowed.T @ factor.T @ system.solve(factor @ allowed)[0]
     _, turned = np.linalg.eigh(-(flexibility + flexibility.T) / 2)
     elastic = solve_triangular(factor, allowed @ turned, lower=True, trans="T")
-    eigenvalues, shapes = _stiff_modes_again(pencil.stiffness, elastic)
+    eigenvalues, shapes, split = _stiff_modes_again(pencil.stiffness, elastic)
+    low = system.solve(pencil.mass @ shapes[:, :split] * eigenvalues[:split])[0]
+    shapes = _orthonormal(np.column_stack([low, shapes[:, split:]]), pencil.mass)
     shapes = shapes * _signs(shapes, pencil.mass)
     multipliers = system.solve(pencil.mass @ shapes * eigenvalues)[1][: len(pencil.rows)]
     modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0))
@@ -114,15 +118,20 @@ def _allowed(held: np.ndarray) -> np.ndarray:
     return np.linalg.qr(held, mode="complete")[0][:, held.shape[1] :]
 
 
-def _stiff_modes_again(stiffness: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and shapes, those of the upper half from the stiffness on their own span; the halves meet at a wide gap."""
+def _orthonormal(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Every shape without its part along those before it, at unit mass."""
+    return solve_triangular(np.linalg.cholesky(shapes.T @ mass @ shapes), shapes.T, lower=True).T
+
+
+def _stiff_modes_again(stiffness: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Eigenvalues, shapes, and where the upper half begins, which comes from the stiffness on its own span; at a wide gap."""
     rough = np.einsum("ij,ij->j", shapes, stiffness @ shapes)
     middle = np.sqrt(rough[:1] * rough[-1:])
     ratio = np.divide(rough[1:], rough[:-1], where=np.abs(np.log10(rough[1:] / middle)) < 1, out=np.ones(max(len(rough) - 1, 0)))
     split = int(np.argmax(ratio)) + 1 if len(ratio) else len(rough)
     high = shapes[:, split:]
     upper, turn = np.linalg.eigh(high.T @ stiffness @ high)
-    return np.concatenate([rough[:split], upper]), np.column_stack([shapes[:, :split], high @ turn])
+    return np.concatenate([rough[:split], upper]), np.column_stack([shapes[:, :split], high @ turn]), split
 
 
 def _signs(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:
