@@ -52,6 +52,8 @@ class Basis:
     def rates(self, changes: Sequence[DesignRates]) -> np.ndarray:
         """dZ (n, 1 + n_f, n_x) by all design variables at once, with every matrix factored once; dPsi is zero for a frozen basis.
 
+        Some arrays of the result's size are needed on the way: give thousands of variables in portions.
+
         Raises
         ------
         InputError

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import solve_triangular
 
-from preprocessing.bordered_system import BorderedSystem, SingularBorderedSystemError, bordered_system
+from preprocessing.bordered_system import SingularBorderedSystemError, bordered_system
 from preprocessing.constrained_pencil import ConstrainedPencil
 from preprocessing.rigid_modes import rigid_modes
 from toolkit.errors import InputError
@@ -81,7 +81,9 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
     """The lowest `count` modes, or all.
 
     Low modes are eigenvectors of the flexibility (relative accuracy round-off times lambda / lambda_1), high modes of the stiffness
-    (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10.
+    (round-off times lambda_n / lambda), so that all are accurate on fine meshes whose lambda_n / lambda_1 is beyond 1e10. One step
+    of inverse iteration takes the round-off out of the low modes that lies along the stiffest ones: dK, which may turn the stiff
+    directions, would multiply it by lambda_n / lambda_1.
 
     Raises
     ------
@@ -102,7 +104,9 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
     flexibility = allowed.T @ factor.T @ system.solve(factor @ allowed)[0]
     _, turned = np.linalg.eigh(-(flexibility + flexibility.T) / 2)
     elastic = solve_triangular(factor, allowed @ turned, lower=True, trans="T")
-    eigenvalues, shapes = _each_from_its_side(pencil, system, elastic)
+    eigenvalues, shapes, split = _stiff_modes_again(pencil.stiffness, elastic)
+    low = system.solve(pencil.mass @ shapes[:, :split] * eigenvalues[:split])[0]
+    shapes = _orthonormal(np.column_stack([low, shapes[:, split:]]), pencil.mass)
     shapes = shapes * _signs(shapes, pencil.mass)
     multipliers = system.solve(pencil.mass @ shapes * eigenvalues)[1][: len(pencil.rows)]
     modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0))
@@ -114,28 +118,20 @@ def _allowed(held: np.ndarray) -> np.ndarray:
     return np.linalg.qr(held, mode="complete")[0][:, held.shape[1] :]
 
 
-def _each_from_its_side(pencil: ConstrainedPencil, system: BorderedSystem, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Eigenvalues and shapes, low ones by the flexibility, high ones by the stiffness on their own span; a wide gap is between them."""
-    rough = np.einsum("ij,ij->j", shapes, pencil.stiffness @ shapes)
+def _orthonormal(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Every shape without its part along those before it, at unit mass."""
+    return solve_triangular(np.linalg.cholesky(shapes.T @ mass @ shapes), shapes.T, lower=True).T
+
+
+def _stiff_modes_again(stiffness: np.ndarray, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
+    """Eigenvalues, shapes, and where the upper half begins, which comes from the stiffness on its own span; at a wide gap."""
+    rough = np.einsum("ij,ij->j", shapes, stiffness @ shapes)
     middle = np.sqrt(rough[:1] * rough[-1:])
     ratio = np.divide(rough[1:], rough[:-1], where=np.abs(np.log10(rough[1:] / middle)) < 1, out=np.ones(max(len(rough) - 1, 0)))
     split = int(np.argmax(ratio)) + 1 if len(ratio) else len(rough)
-    low = _without_stiff_traces(pencil, system, shapes[:, :split], rough[:split])
-    high = shapes[:, split:] - low @ (low.T @ pencil.mass @ shapes[:, split:])
-    upper, turn = np.linalg.eigh(high.T @ pencil.stiffness @ high)
-    return np.concatenate([rough[:split], upper]), np.column_stack([low, high @ turn])
-
-
-def _without_stiff_traces(
-    pencil: ConstrainedPencil, system: BorderedSystem, shapes: np.ndarray, eigenvalues: np.ndarray
-) -> np.ndarray:
-    """Low shapes after one inverse iteration, which leaves lambda / lambda_k of what round-off gave them of a stiff mode k.
-
-    That is too little to be seen in the shapes, but not in the stress: on the wing's skin, whose stiffness in tension is 1e9 of that
-    in bending, the traces are 2e-7 of the stress before and 1e-10 after.
-    """
-    better = system.solve(pencil.mass @ shapes * eigenvalues)[0]
-    return solve_triangular(np.linalg.cholesky(better.T @ pencil.mass @ better), better.T, lower=True).T
+    high = shapes[:, split:]
+    upper, turn = np.linalg.eigh(high.T @ stiffness @ high)
+    return np.concatenate([rough[:split], upper]), np.column_stack([shapes[:, :split], high @ turn]), split
 
 
 def _signs(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:

@@ -19,7 +19,7 @@ from preprocessing.section import Section
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel
 
-FULL = BasisChoice()
+FULL = BasisChoice("full")
 
 
 def polygon_beam(

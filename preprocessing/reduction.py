@@ -21,7 +21,7 @@ from toolkit.errors import InputError
 MEAN_AXES = "mean axes (Buckens)"
 
 DEPENDENT = 1e-11
-"""Smallest eigenvalue of the basis' mass matrix, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""
+"""Smallest eigenvalue of the mass matrix of frame and basis, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
@@ -84,7 +84,7 @@ def reduced_basis(
     interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
     parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
     psi = np.column_stack([part.columns for part in parts])
-    _refuse_dependent(psi, pencil.mass, boundary)
+    _refuse_dependent(np.column_stack([_motions_of_the_frame(nodes), psi]), pencil.mass, boundary)
     return Basis(
         np.column_stack([undeformed(nodes), psi]),
         MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
@@ -127,14 +127,22 @@ def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str,
     return choice.count or 0
 
 
-def _refuse_dependent(psi: np.ndarray, mass: np.ndarray, boundary: Boundary) -> None:
-    inertia = psi.T @ mass @ psi
+def _motions_of_the_frame(nodes: np.ndarray) -> np.ndarray:
+    """Nodal coordinates of the unit translations and of the unit rotation, (n, 3)."""
+    motions = np.tile(np.eye(3), (len(nodes), 1))
+    motions[0::3, 2], motions[1::3, 2] = -nodes[:, 1], nodes[:, 0]
+    return motions
+
+
+def _refuse_dependent(motions: np.ndarray, mass: np.ndarray, boundary: Boundary) -> None:
+    inertia = motions.T @ mass @ motions
     scale = 1 / np.sqrt(np.diag(inertia))
     smallest = np.linalg.eigvalsh(scale[:, None] * inertia * scale)[0]
     if smallest <= DEPENDENT:
         raise InputError(
-            f"the elastic coordinates of the interface points {', '.join(boundary.points)} cannot be told apart (smallest eigenvalue "
-            f"of their mass matrix {smallest:.0e}). Move points apart that share an element, use more elements, or fewer modes."
+            f"the motions of the frame and of the interface points {', '.join(boundary.points) or '(none)'} cannot be told apart "
+            f"(smallest eigenvalue of their mass matrix {smallest:.0e}). Move points apart that share an element, use more elements, "
+            "or fewer modes."
         )
 
 

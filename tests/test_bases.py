@@ -243,7 +243,7 @@ def test_interface_points_that_make_no_basis_are_refused(points, match):
 
 
 def test_points_so_close_that_round_off_mixes_them_up_are_refused():
-    with pytest.raises(InputError, match=r"interface points P, Q cannot be told apart .* Move points apart"):
+    with pytest.raises(InputError, match=r"interface points P, Q cannot be told apart .*Move points apart"):
         reduce(replace(wing(), points={"P": 10.3, "Q": 10.4}), BasisChoice("craig-bampton", count=5))
 
 

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.assembly import Rayleigh
 from preprocessing.section import Section
 from tests.beam_models import save_beam
 from tests.test_benchmarks import CHAIN, slider_crank
@@ -61,8 +60,8 @@ def rod_folder(tmp_path_factory):
     """A connecting rod of steel, 6 mm thick, of four elements, with Rayleigh damping."""
     folder = tmp_path_factory.mktemp("rod")
     nodes = np.column_stack([np.linspace(0, ROD, 5), np.zeros(5)])
-    section = Section(youngs_modulus=2.1e11, density=7850.0, thickness=0.006, width=0.02)
-    save_beam(folder / "rod.h5", nodes, section, {"crank": 0.0, "piston": ROD}, Rayleigh(mass=0.5, stiffness=1e-5))
+    section = Section(youngs_modulus=2.1e11, density=7850.0, thickness=0.006, width=0.02, damping_mass=0.5, damping_stiffness=1e-5)
+    save_beam(folder / "rod.h5", nodes, section, {"crank": 0.0, "piston": ROD})
     return folder
 
 
