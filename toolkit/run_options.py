@@ -49,6 +49,9 @@ class RunOptions(Description):
         Number of equal load steps of a static analysis to begin with; a step that fails is halved.
     drift_tolerance
         A run whose joints open by more than this part of the scene's size (or rad) is refused.
+    memory
+        GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
+        refuse.
     """
 
     end_time: Positive = 1.0
@@ -60,3 +63,4 @@ class RunOptions(Description):
     max_iterations: Count = 20
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3
+    memory: Positive = 8.0

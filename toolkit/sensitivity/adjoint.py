@@ -112,7 +112,7 @@ def _through_time(
     curves, curves_x = system.curves(solution.times)
     failed = system.run(
         integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, levels, scheme,
-        transposition(system), *states, by_q, by_v, by_acc, memory, gradient,
+        transposition(system), True, True, *states, by_q, by_v, by_acc, memory, gradient,
     )  # fmt: skip
     if failed >= 0:
         raise SingularSystemError(
