@@ -93,7 +93,7 @@ def statics(
 @app.command()
 def sensitivity(
     scene: SceneFile,
-    method: Annotated[Method, typer.Option(help="How the gradients are computed.")] = Method.direct,
+    method: Method = "auto",
     variables: Variables = None,
     static: Static = False,
     changes: Changes = None,
@@ -109,9 +109,9 @@ def sensitivity(
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet) as progress:
-        found = gradients_by(method.value, described, names, kind, progress)
-    keep(found, output, text, changes, quiet)
+        found = gradients_by(method, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
+    keep(found, output, text, changes, quiet)
 
 
 @app.command()

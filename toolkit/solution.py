@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolkit.errors import InputError
+from toolkit.errors import NeedsDirectError
 from toolkit.run_options import RunOptions
 from toolkit.system import System
 
@@ -65,14 +65,12 @@ class Solution:
 
         Raises
         ------
-        InputError
+        NeedsDirectError
             The run did not compute it.
         """
         found: np.ndarray = getattr(self, f"d{state}")
         if found.shape[-1] != self.system.n_x:
-            raise InputError(
-                f"the run computed no derivatives of {state}, which a response whose length is zero needs. Use the direct method."
-            )
+            raise NeedsDirectError(f"the run computed no derivatives of {state}, which a response whose length is zero needs")
         return found
 
     def coordinates(self, body: str) -> slice:

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from toolkit.errors import InputError
+from toolkit.errors import NeedsDirectError
 from toolkit.responses.response import Partials
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Progress, Result, moving, prepare, responses_of, result, timed
@@ -65,11 +65,11 @@ def adjoint_gradients(
     ------
     SingularSystemError
         A step's transposed equations have no unique solution.
-    InputError
+    NeedsDirectError
         A response needs the states' own derivatives (a length that is zero), or the run had a start of its own.
     """
     if solution.own_start:
-        raise InputError("the run has a start of its own, whose derivatives are unknown to the adjoint. Use the direct method.")
+        raise NeedsDirectError("the run has a start of its own, whose derivatives are unknown to the adjoint")
     seen = replace(solution, system=system)
     found = {name: response.partials(seen) for name, response in responses_of(system.scene, moving(solution)).items()}
     if not found:
