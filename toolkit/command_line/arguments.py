@@ -6,21 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
-from click import Choice
 
 from toolkit.errors import InputError
-from toolkit.sensitivity.method_names import METHODS
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene
 
 
-Method = Annotated[
-    str,
-    typer.Option(
-        click_type=Choice(METHODS), help="How the gradients are computed; auto takes the cheaper exact one, and says why."
-    ),
-]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")

@@ -45,7 +45,7 @@ def record_of(result: Result) -> dict[str, Any]:
         },
         "run": {
             "method": result.method,
-            **({"reason": result.reason} if result.reason else {}),
+            "reason": result.reason,
             "steps": result.solution.load_steps or result.solution.steps,
             "newton_iterations": result.solution.newton_iterations,
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
@@ -96,7 +96,7 @@ def remarks(result: Result) -> list[str]:
     lines = [
         f"{name} {response.remark(solution)} {result.units[name]}."
         for name, response in solution.system.scene.responses.items()
-        if isinstance(response, KSStress)
+        if isinstance(response, KSStress) and solution.run_times is None
     ]
     if solution.run_times is not None:
         lines.append(

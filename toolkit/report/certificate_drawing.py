@@ -39,7 +39,7 @@ def _bars(panel: Axes, names: list[str], agreement: dict[str, np.ndarray]) -> No
     panel.invert_yaxis()
     panel.set_xlim(0, 16)
     panel.set_xlabel("agreeing digits")
-    panel.legend(loc="lower right", frameon=True)
+    panel.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=len(agreement))
 
 
 def _curve(panel: Axes, found: Certificate) -> None:

@@ -3,8 +3,9 @@
     direct:   evaluation of the design partials, and per variable a solve and products with the derivatives by the state
     adjoint:  the linearised equations again and their factors, evaluation of the design partials, and per response a transposed solve
 
-The work is counted from the compiled scene, its price was measured (`python -m tests.benchmarks.method_choice` measures it again; on
-another machine all prices change together, so that the choice stays).
+The work is counted from the compiled scene. Its price was measured on a wing and chains of 10 to 1000 unknowns, with 1 to 600 variables and
+1 to 20 responses, where the choice was the better method or at most a quarter slower, mostly equal. `python -m
+tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice stays.
 """
 
 from __future__ import annotations
@@ -19,9 +20,9 @@ from toolkit.solvers.transient import GIGABYTE
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 
-DIRECT = np.array([7.0, 0.01, 0.0025, 0.001])
+DIRECT = np.array([3.8, 0.22, 0.0015, 0.0013])
 """Price in us of the parts of `direct_work`."""
-ADJOINT = np.array([7.0, 0.03, 0.06, 0.0025])
+ADJOINT = np.array([6.2, 0.45, 0.07, 0.0024])
 """Price in us of the parts of `adjoint_work`."""
 
 
@@ -64,13 +65,13 @@ def counted(number: int, word: str) -> str:
 
 
 def direct_work(system: System, n_r: int) -> np.ndarray:
-    """What a step of direct differentiation visits: equations, the same per variable, and unknowns per variable and response."""
-    return np.array([1, _entries(system), system.n_x * _entries(system), n_r * system.n_x * system.n])
+    """What a step of direct differentiation visits: unknowns, equations per variable, and unknowns per variable and response."""
+    return np.array([1, system.n, system.n_x * _entries(system), n_r * system.n_x * system.n])
 
 
 def adjoint_work(system: System, n_r: int) -> np.ndarray:
-    """What a step of the adjoint visits: equations, design partials, and equations per response."""
-    return np.array([1, _entries(system), len(system.plan.touched_row), n_r * _entries(system)])
+    """What a step of the adjoint visits: unknowns, design partials, and equations per response."""
+    return np.array([1, system.n, len(system.plan.touched_row), n_r * _entries(system)])
 
 
 def _entries(system: System) -> int:
