@@ -16,7 +16,7 @@ import numpy as np
 
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, prepare, responses_of
-from toolkit.solvers.transient import GIGABYTE
+from toolkit.solvers.transient import GIGABYTE, in_gigabytes
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 
@@ -50,7 +50,7 @@ def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = Fals
     system = prepare(scene, design)
     needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
     if needed > GIGABYTE * scene.solver.memory:
-        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {needed / GIGABYTE:.3g} GB.")
+        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
     n_r = len(responses_of(scene))
     by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT
     method, name = ("adjoint", "the adjoint") if by_adjoint < by_direct else ("direct", "direct differentiation")

@@ -134,11 +134,17 @@ def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple
     needed = 8 * n_t * sum(item.size for item in start)
     if needed > GIGABYTE * options.memory:
         raise InputError(
-            f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {needed / GIGABYTE:.3g} GB, more than "
+            f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {in_gigabytes(needed)}, more than "
             f"solver.memory = {options.memory:g} GB. Choose a larger solver.step, a shorter time, or fewer design variables at once; "
             "or the adjoint method, which keeps checkpoints only."
         )
     return empty_history(system, n_t, start)
+
+
+def in_gigabytes(count: float) -> str:
+    """A number of bytes for messages."""
+    size = count / GIGABYTE
+    return f"{size:.0f} GB" if size >= 1 else f"{size:.2g} GB"
 
 
 def empty_history(system: System, n_t: int, start: tuple) -> History:
