@@ -19,13 +19,6 @@ CHANGES = {
     "loads.drive.curve.duration": "0.02", "solver.end_time": "0.02", "solver.step": "0.002", "solver.tolerance": "1e-12",
     "responses.max_stress.aggregation": "1.0",
 }  # fmt: skip
-    "loads.drive.curve.duration": "0.01",
-    "solver.end_time": "0.01",
-    "solver.step": "0.002",
-    "solver.tolerance": "1e-12",
-    "solver.drift_tolerance": "0.01",
-    "responses.max_stress.aggregation": "1.0",
-}
 MORE = """
 [groups.nose]
 elements = [4, 7]
