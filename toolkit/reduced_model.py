@@ -70,6 +70,11 @@ class InterfacePoint:
         return np.tensordot(powers, self.position, axes=1), np.tensordot(powers, self.rotation, axes=1)
 
 
+def place_parameter(interface: str) -> str:
+    """Name of the parameter that is an interface point's arc length, in models whose basis follows the place of the point."""
+    return f"arc_length_{interface}"
+
+
 @dataclass(frozen=True)
 class StressPoints:
     """Where each row of the stress operator is: element number, its end (0 or 1), the fibre (+1 outer, -1 inner)."""

@@ -20,7 +20,7 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.planar import rotation
 from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
 from toolkit.scene_names import check_names, known
@@ -137,6 +137,11 @@ class Scene(Description):
             )
         return model
 
+    def arc_lengths(self, body: Body) -> dict[str, Any]:
+        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length."""
+        mine = [p for p in self.points.values() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body]
+        return {point.interface: point.arc_length for point in mine if point.arc_length is not None}
+
     @property
     def gravity(self) -> np.ndarray:
         """Sum of all gravity loads, shape (2,), length/time^2."""
@@ -182,7 +187,10 @@ class Scene(Description):
         found: dict[str, float] = {}
         for name, body in self.bodies.items():
             if isinstance(body, Flexible):
-                found |= {f"bodies.{name}.{parameter}": value for parameter, value in self.model(body.model).nominal.items()}
+                model = self.model(body.model)
+                places = {place_parameter(interface) for interface in model.interfaces or {}}  # reached through their points
+                own = {parameter: value for parameter, value in model.nominal.items() if parameter not in places}
+                found |= {f"bodies.{name}.{parameter}": value for parameter, value in own.items()}
         for name, point in self.points.items():
             owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
             if isinstance(point, BodyPoint) and isinstance(owner, Flexible):

@@ -12,6 +12,8 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.description import Positive
 from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
+from toolkit.point import BodyPoint
+from toolkit.reduced_model import place_parameter
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.response import Partials, Response
 from toolkit.scene import Scene
@@ -57,13 +59,23 @@ def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Itera
     Places are those of the flattened array; values at equal places are to be summed. Variables on which the array does not depend
     are left out.
     """
-    design = design_point(solution.system.scene, body, *parts)
+    scene = solution.system.scene
+    design = design_point(scene, body, *parts)
     for x, variable in enumerate(solution.system.design):
-        owner, _, parameter = variable.path.rpartition(".")
-        if owner == f"bodies.{body}" and parameter in design.model.nominal:
+        parameter = model_parameter(scene, body, variable.path)
+        if parameter in design.model.nominal:
             entry, value = design.rate(item, parameter)
             if len(entry):
                 yield x, entry, value
+
+
+def model_parameter(scene: Scene, body: str, path: str) -> str:
+    """Parameter of a body's reduced model that the number at a path may be; empty if it is none."""
+    group, name, *rest = path.split(".")
+    if group == "bodies" and name == body:
+        return ".".join(rest)
+    point = scene.points[name] if group == "points" and rest == ["arc_length"] else None
+    return place_parameter(point.interface) if isinstance(point, BodyPoint) and point.body == body else ""
 
 
 def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
