@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -57,12 +58,22 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
     if chosen == [EVERY] and EVERY not in scene.design:
         return scene.available_paths()
+    if any("*" in name for name in chosen):
+        chosen = [path for name in chosen for path in (_like(scene, name) if "*" in name else [name])]
     if not chosen:
         raise InputError(
             "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
             f"{', '.join(scene.available_paths())}."
         )
     return chosen
+
+
+def _like(scene: Scene, pattern: str) -> list[str]:
+    """All paths that a pattern such as bodies.skin.thickness_* stands for."""
+    found = fnmatch.filter(scene.available_paths(), pattern)
+    if not found:
+        raise InputError(f"no path is like {pattern!r}; available: {', '.join(scene.available_paths())}.")
+    return found
 
 
 def prepare_folder(path: Path) -> Path:

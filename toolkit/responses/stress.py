@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 from scipy.sparse import coo_array
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.dependence import Derivatives
 from toolkit.description import Positive
 from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
@@ -53,20 +53,11 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
     return design_point(scene, body).value("stress_operator")
 
 
-def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Derivatives of an array of a body's reduced model by the design variables: number of the variable, places, values there.
-
-    Places are those of the flattened array; values at equal places are to be summed. Variables on which the array does not depend
-    are left out.
-    """
+def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
+    """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
     scene = solution.system.scene
-    design = design_point(scene, body, *parts)
-    for x, variable in enumerate(solution.system.design):
-        parameter = model_parameter(scene, body, variable.path)
-        if parameter in design.model.nominal:
-            entry, value = design.rate(item, parameter)
-            if len(entry):
-                yield x, entry, value
+    names = {model_parameter(scene, body, variable.path): x for x, variable in enumerate(solution.system.design)}
+    return design_point(scene, body, *parts).rates(item, names)
 
 
 def model_parameter(scene: Scene, body: str, path: str) -> str:
@@ -83,7 +74,9 @@ def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]
     where, operator = elastic_coordinates(solution, body), stress_operator(solution.system.scene, body)
     stress = solution.q[:, where] @ operator.T
     derivative = np.einsum("sf,tfx->tsx", operator, solution.dq[:, where])
-    for x, entry, value in design_rates(solution, body, "stress_operator"):
+    rates = design_rates(solution, body, "stress_operator")
+    for x in np.unique(rates.parameter):
+        entry, value = rates.by(x)
         change = coo_array((value, np.unravel_index(entry, operator.shape)), operator.shape).tocsr()
         derivative[:, :, x] += np.real(solution.q[:, where] @ change.T)
     return stress, derivative
@@ -129,10 +122,9 @@ class StressResponse(Response):
         where = elastic_coordinates(solution, self.body)
         value_q = np.zeros(solution.q.shape)
         value_q[:, where] = weights @ np.real(stress_operator(solution.system.scene, self.body))
-        design = np.zeros(solution.system.n_x)
         by_operator = np.real(weights.T @ solution.q[:, where]).ravel()
-        for x, entry, change in design_rates(solution, self.body, "stress_operator"):
-            design[x] = by_operator[entry] @ change
+        rates = design_rates(solution, self.body, "stress_operator")
+        design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
         return Partials(value, q=value_q, design=design)
 
 

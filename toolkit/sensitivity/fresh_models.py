@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -24,11 +24,13 @@ from toolkit.point import BodyPoint
 from toolkit.preprocessing_process import run
 from toolkit.responses.stress import model_parameter
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, values_of
+from toolkit.sensitivity.analysis import Kind, Result, values_of
 from toolkit.sensitivity.numerical import typical_size
 
 RELATIVE_STEP = 1e-3
 """Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes, 1e-10, is magnified to 1e-7."""
+TOLERANCE = 1e-5
+"""Relative difference of a derivative of a smooth response that no round-off explains."""
 FROZEN = "the basis is frozen, so that a fresh one differs: this is the error of freezing it"
 
 
@@ -59,6 +61,21 @@ class FreshGradients:
     slopes: dict[str, dict[str, Fresh]] = field(default_factory=dict)
     left_out: dict[str, str] = field(default_factory=dict)
     frozen: dict[str, str] = field(default_factory=dict)  # variable -> what its difference means
+
+
+def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
+    """Gradients that differ from those of fresh models by more than `TOLERANCE` and the uncertainty of these, in words.
+
+    Those of a frozen basis are left out: that they differ is what freezing means.
+    """
+    for response, slopes in found.slopes.items():
+        for variable, fresh in slopes.items():
+            slope = exact.gradients[response][variable]
+            if variable not in found.frozen and not abs(slope - fresh.slope) <= TOLERANCE * abs(slope) + fresh.uncertainty:
+                yield (
+                    f"d {response} / d {variable} is {slope:.10g} by the reduced model's derivatives, and {fresh.slope:.10g} by models "
+                    "built afresh"
+                )
 
 
 def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Callable[[int, int], None]) -> FreshGradients:
