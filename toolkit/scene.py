@@ -23,7 +23,7 @@ from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
-from toolkit.scene_names import check_names, known
+from toolkit.scene_names import check_names, known, listed
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -183,7 +183,7 @@ class Scene(Description):
         nominal = self.model_parameters()
         if path not in nominal:
             raise InputError(
-                f"there is no number {path!r} in the scene; available: {', '.join(self.available_paths())}. "
+                f"there is no number {path!r} in the scene; available: {listed(self.available_paths())}. "
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]

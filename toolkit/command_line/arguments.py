@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.errors import InputError
+from toolkit.scene_names import listed
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene
@@ -63,7 +64,7 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
     if not chosen:
         raise InputError(
             "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
-            f"{', '.join(scene.available_paths())}."
+            f"{listed(scene.available_paths())}."
         )
     return chosen
 
@@ -72,7 +73,7 @@ def _like(scene: Scene, pattern: str) -> list[str]:
     """All paths that a pattern such as bodies.skin.thickness_* stands for."""
     found = fnmatch.filter(scene.available_paths(), pattern)
     if not found:
-        raise InputError(f"no path is like {pattern!r}; available: {', '.join(scene.available_paths())}.")
+        raise InputError(f"no path is like {pattern!r}; available: {listed(scene.available_paths())}.")
     return found
 
 
