@@ -36,7 +36,9 @@ class DesignPoint:
     first_order: bool = False
 
     def __post_init__(self) -> None:
-        for parameter in set(self.values) - set(self.model.nominal):
+        for parameter in self.values:
+            if parameter in self.model.nominal:
+                continue
             raise InputError(
                 f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
                 f"{', '.join(self.model.parameters) or 'none'}. Use one of these names, or state it in the skin file and run "
@@ -50,8 +52,9 @@ class DesignPoint:
     @cached_property
     def _steps(self) -> dict[int, Any]:
         """Steps off the nominal design by the number of the parameter."""
-        steps = self._p - np.array(list(self.model.nominal.values()))
-        return {int(k): steps[k] for k in np.flatnonzero(steps)}
+        numbers, nominal = self.model.numbers, self.model.nominal
+        steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
+        return {k: step for k, step in steps.items() if step != 0}
 
     def invariants(self) -> Invariants:
         """All invariants."""

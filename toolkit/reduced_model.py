@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -146,6 +147,11 @@ class ReducedModel:
     def parameters(self) -> tuple[str, ...]:
         """Names of the design parameters; polynomials and derivatives refer to them by number."""
         return tuple(self.nominal)
+
+    @cached_property
+    def numbers(self) -> dict[str, int]:
+        """Number of each parameter."""
+        return {name: k for k, name in enumerate(self.nominal)}
 
     @property
     def n_f(self) -> int:

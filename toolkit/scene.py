@@ -258,7 +258,7 @@ class Scene(Description):
                     f"unknown design variable {name!r}"
                     + (f" (path {path!r})" if path != name else "")
                     + f"; short names of the scene: {', '.join(self.design) or 'none'}; "
-                    f"paths: {', '.join(available)}."
+                    f"paths: {listed(available)}."
                 )
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
