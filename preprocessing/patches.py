@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -16,7 +16,7 @@ class Group(Protocol):
     """Elements that share quantities apart from the body's."""
 
     @property
-    def elements(self) -> tuple[int, int]:
+    def elements(self) -> Sequence[int]:
         """The first and the last one."""
 
     @property

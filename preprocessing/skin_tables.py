@@ -139,7 +139,7 @@ class Damping(Table):
 class ElementGroup(Table):
     """Elements that have quantities of their own; each becomes a design variable, for example `thickness_nose` of a group `nose`."""
 
-    elements: tuple[ElementNumber, ElementNumber]  # the first and the last one, counted from 0 at F
+    elements: Annotated[list[ElementNumber], Field(min_length=2, max_length=2)]  # the first and the last one, counted from 0 at F
     youngs_modulus: Positive | None = None  # stress
     density: Positive | None = None  # mass / length^3
     thickness: Positive | None = None  # length

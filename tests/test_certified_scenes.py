@@ -60,7 +60,9 @@ def rod_folder(tmp_path_factory):
     """A connecting rod of steel, 6 mm thick, of four elements, with Rayleigh damping."""
     folder = tmp_path_factory.mktemp("rod")
     nodes = np.column_stack([np.linspace(0, ROD, 5), np.zeros(5)])
-    section = Section(youngs_modulus=2.1e11, density=7850.0, thickness=0.006, width=0.02, damping_mass=0.5, damping_stiffness=1e-5)
+    section = Section(
+        youngs_modulus=2.1e11, density=7850.0, thickness=0.006, width=0.02, damping_mass=0.5, damping_stiffness=1e-5
+    )
     save_beam(folder / "rod.h5", nodes, section, {"crank": 0.0, "piston": ROD})
     return folder
 
