@@ -29,6 +29,10 @@ ENDS = {
         0.0,
         1e-6,
     ),  # relative difference of gradients to new preprocessing: round-off of modes, 1e-10, over the step, 1e-3; and h^4
+    "every_gradient": (
+        0.0,
+        1e-7,
+    ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
 }
 """The module's variable `check` at its end, and how far it may be off."""
