@@ -148,11 +148,12 @@ def _movable(path: Path, file: SkinFile, geometry: Geometry) -> dict[str, float]
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
     """The space without the parameters of the shape that have no derivative; `remark` is told why."""
-    lost = {}
+    lost, steps = {}, {}
     for name in space.values:
         if name not in space.in_monomials:
             try:
-                space.stepped(name).interface_rows()
+                steps[name] = space.stepped(name)
+                steps[name].interface_rows()
             except InputError as error:
                 lost[name] = str(error)
                 if remark is not None:
@@ -163,6 +164,7 @@ def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
         values={name: value for name, value in values.items() if name not in lost},
         quantities={name: meaning for name, meaning in space.quantities.items() if name not in lost},
         discretise=lambda design: discretise({**values, **design}),
+        steps=steps,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -67,6 +67,7 @@ class DesignSpace:
     quantities: Mapping[str, str]  # parameter -> what it is, for its unit
     in_monomials: frozenset[str]  # parameters by which the matrices are polynomials
     discretise: Callable[[Mapping[str, Any]], Discretisation]
+    steps: Mapping[str, Discretisation] = field(default_factory=dict)  # complex steps that were made already
 
     def nominal(self) -> Discretisation:
         """At the nominal design."""
@@ -74,6 +75,8 @@ class DesignSpace:
 
     def stepped(self, parameter: str) -> Discretisation:
         """With a complex step in one parameter."""
+        if parameter in self.steps:
+            return self.steps[parameter]
         return self.discretise({**self.values, parameter: self.values[parameter] + 1j * STEP})
 
     def change(self, nominal: Discretisation, parameter: str) -> Change:

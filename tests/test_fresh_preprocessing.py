@@ -119,5 +119,10 @@ def test_gradients_are_those_of_fresh_models_in_every_basis(tmp_path, basis):
     compare(tmp_path, basis, "transient", [list(VARIABLES)])
 
 
-def test_gradients_are_those_of_fresh_models_by_every_variable(tmp_path):
-    compare(tmp_path, "craig-bampton", "static", [[p] for p in VARIABLES if p not in ("density", "damping_stiffness")])
+def test_gradients_are_those_of_fresh_models_by_single_variables(tmp_path):
+    compare(
+        tmp_path,
+        "craig-bampton",
+        "static",
+        [[p] for p in ("thickness_nose", "poisson_ratio", "chord", "bulge", "interface_points.C.arc_length")],
+    )
