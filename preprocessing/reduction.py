@@ -18,6 +18,7 @@ from preprocessing.normal_modes import NormalModes, normal_modes
 from preprocessing.subspace_rates import refuse_cut_cluster
 from toolkit.errors import InputError
 
+IDENTITY = "differentiated: identity on the free coordinates, the same at every design"
 MEAN_AXES = "mean axes (Buckens)"
 
 DEPENDENT = 1e-11
@@ -38,7 +39,9 @@ def tangent_frame(nodes: np.ndarray, node: int, name: str) -> Basis:
     free = np.delete(np.arange(n), np.arange(3) + 3 * (node % len(nodes)))
     psi = np.eye(n)[:, free]
     return Basis(
-        np.column_stack([undeformed(nodes), psi]), clamped_in_tangent_frame(name), "frozen: identity on the free coordinates"
+        np.column_stack([undeformed(nodes), psi]),
+        clamped_in_tangent_frame(name),
+        IDENTITY,
     )
 
 

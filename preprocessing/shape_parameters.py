@@ -13,8 +13,8 @@ TAKEN = (
 )  # fmt: skip
 """Names of the other parameters that a reduced model can have, and keys of a flexible body in a scene."""
 
-TAKEN_PREFIXES = ("thickness_", "width_", "youngs_modulus_", "density_", "damping_mass_", "damping_stiffness_")
-"""Beginnings of the names of parameters of element groups."""
+TAKEN_PREFIXES = ("thickness_", "width_", "youngs_modulus_", "density_", "damping_mass_", "damping_stiffness_", "arc_length_")
+"""Beginnings of the names of parameters of element groups and interface points."""
 
 
 def mode_name(name: str) -> str:

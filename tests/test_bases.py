@@ -192,7 +192,9 @@ def test_the_full_basis_is_the_tangent_frame_and_changes_with_the_shape_only():
     basis, d = reduce(INSIDE, CHOICES["full"]), design_rates(INSIDE, "shape")
     expected = tangent_frame(INSIDE.nodes, 0, "F")
     assert np.array_equal(basis.z, expected.z)
-    assert basis.description == expected.description == "frozen: identity on the free coordinates"
+    assert (
+        basis.description == expected.description == "differentiated: identity on the free coordinates, the same at every design"
+    )
     rate = basis.rate(d.stiffness, d.mass, d.xi)
     assert np.array_equal(rate[:, 0], d.xi)
     assert not np.any(rate[:, 1:])

@@ -267,7 +267,7 @@ def test_cantilever_under_a_tip_force_has_the_textbook_deflection_and_stress(tmp
     u = displacement(straight(tmp_path, 4, loads=loads))
     assert u[-1, 1] == pytest.approx(KNOWN["cantilever_tip_force_deflection_m"], rel=EXACT)
     assert u[-1, 2] == pytest.approx(KNOWN["cantilever_tip_force_rotation_rad"], rel=EXACT)
-    stress = load(tmp_path / "beam.h5").evaluate().stress_operator @ u.ravel()
+    stress = load(tmp_path / "beam.h5").invariants.stress_operator @ u.ravel()
     profile = np.abs(stress.reshape(4, 2, 2)[:, 0, 0])
     np.testing.assert_allclose(profile, KNOWN["cantilever_bending_stress_profile_Pa_at_x0_quarters"], rtol=EXACT)
 

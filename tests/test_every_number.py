@@ -40,6 +40,8 @@ NO_EFFECT: dict[tuple[str, str], dict[str, str]] = {
     ("beams", "static"): {
         "bodies.strip.velocity.*": AT_REST,
         "loads.*.damping": AT_REST,
+        "bodies.*.damping_mass": AT_REST,
+        "bodies.*.damping_stiffness": AT_REST,
         "bodies.strip.position.*": "where a floating body begins to look for its equilibrium is not where it finds it",
     },
 }

@@ -42,7 +42,9 @@ VARIABLES = {
 """Parameters, and steps of about a thousandth of what changes the wing visibly."""
 
 
-STEP = 1.0
+SMOOTH = ("max_stress", "shape_rmse", "drive_angle")
+"""Responses without kinks; a true maximum can jump from one point to another between two designs."""
+STEP = 0.1
 """In units of the steps above; with half of it and Richardson's extrapolation the error is of fourth order in a thousandth."""
 
 
@@ -103,7 +105,8 @@ def compare(folder: Path, basis: str, kind: str, groups: list[list[str]]) -> Non
     nominal = {p: float(scene.number(path_of(p))) for p in VARIABLES}
     for group in groups:
         expected = extrapolated(folder, nominal, {p: VARIABLES[p] for p in group}, kind)
-        for response, value in expected.items():
+        for response in SMOOTH:
+            value = expected[response]
             parts = [found.gradients[response][path_of(p)] * VARIABLES[p] for p in group]
             # fresh eigenmodes carry round-off of 1e-10 of the response, which differences at a thousandth magnify to 1e-7
             scale = max(np.abs(parts).max(), 1e-4 * abs(found.values[response]))

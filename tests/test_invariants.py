@@ -149,7 +149,7 @@ def test_rates_of_the_polynomials_are_the_product_rule(parts, complete, paramete
     rule = contract_derivative(parts.at(VALUES), parts.derivative(VALUES, parameter), complete)
     for name in NAMES:
         expected = getattr(rule, name)
-        value = scattered(*found[name].rate(np.array(list(VALUES.values())), k), expected.size).reshape(expected.shape)
+        value = scattered(*found[name].rates(np.array(list(VALUES.values()))).by(k), expected.size).reshape(expected.shape)
         np.testing.assert_allclose(value, expected, rtol=0, atol=1e-12 * np.abs(expected).max())  # round-off, as in `close`
 
 
@@ -160,7 +160,7 @@ def test_rates_of_the_model_are_the_complex_step_of_its_values(model, parameter)
     for name in NAMES:
         value = np.imag(getattr(stepped, name)) / step
         np.testing.assert_allclose(
-            scattered(*nominal.rate(name, parameter), value.size).reshape(value.shape),
+            scattered(*nominal.rates(name, {parameter: 0}).by(0), value.size).reshape(value.shape),
             value,
             rtol=0,
             atol=1e-12 * np.abs(value).max(),

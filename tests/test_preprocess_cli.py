@@ -73,6 +73,8 @@ def test_model_is_written_next_to_the_toml_and_read_by_the_runtime(run, folder):
         "width": 1000.0,
         "damping_mass": 0.0,
         "damping_stiffness": 0.0,
+        "chord": 550.0,
+        "y_scale": 1.0,
     }
     assert model.nominal_units == {
         "youngs_modulus": "MPa",
@@ -81,6 +83,8 @@ def test_model_is_written_next_to_the_toml_and_read_by_the_runtime(run, folder):
         "width": "mm",
         "damping_mass": "1/s",
         "damping_stiffness": "s",
+        "chord": "mm",
+        "y_scale": "",
     }
     assert set(model.writers) == {"ffrf-toolkit", "gmsh", "numpy"}
     assert sorted(p.name for p in folder.iterdir()) == ["high_speed.dat", "low_speed.dat", "skin.h5", "skin.toml"]

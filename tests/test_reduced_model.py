@@ -338,9 +338,7 @@ def with_tangents(model: ReducedModel) -> ReducedModel:
     p = np.array(list(model.nominal.values()))
     found = {}
     for item, polynomial in model.affine.items():
-        rates = [polynomial.rate(p, k) for k in range(len(p))]
-        numbers = np.repeat(np.arange(len(p)), [len(entry) for entry, _ in rates])
-        found[item] = Derivatives(numbers, *(np.concatenate([rate[i] for rate in rates]) for i in (0, 1)))
+        found[item] = polynomial.rates(p)
     return replace(model, affine={}, derivatives=found)
 
 
@@ -371,7 +369,7 @@ def test_a_derivative_away_from_the_nominal_design_is_refused(model):
     with pytest.raises(InputError, match=r"'thickness' .* is fixed at 1\.5"):
         moved.value("stiffness")
     with pytest.raises(InputError, match=r"'thickness' .* is fixed at 1\.5"):
-        moved.rate("stiffness", "width")
+        moved.rates("stiffness", {"width": 0})
 
 
 def test_what_does_not_depend_on_the_moved_parameter_is_not_refused(model):

@@ -2,10 +2,36 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
+
+
+@dataclass(frozen=True)
+class Derivatives:
+    """Derivatives of an array by the parameters at the nominal design, all non-zero entries of all parameters in one list."""
+
+    parameter: np.ndarray  # (n,) number of the parameter
+    entry: np.ndarray  # (n,) place in the flattened array
+    value: np.ndarray  # (n,)
+
+    def by(self, parameter: int) -> tuple[np.ndarray, np.ndarray]:
+        """Derivative by one parameter: places in the flattened array and values there."""
+        here = self.parameter == parameter
+        return self.entry[here], self.value[here]
+
+    def renumbered(self, numbers: np.ndarray) -> Derivatives:
+        """With other numbers of the parameters, without those whose new number is negative."""
+        here = numbers[self.parameter] >= 0
+        return Derivatives(numbers[self.parameter][here], self.entry[here], self.value[here])
+
+    def __add__(self, other: Derivatives) -> Derivatives:
+        return Derivatives(*(np.concatenate([getattr(self, f.name), getattr(other, f.name)]) for f in fields(self)))
+
+    def depends_on(self, parameter: int) -> bool:
+        """Whether there is an entry for the parameter."""
+        return bool(np.any(self.parameter == parameter))
 
 
 @dataclass(frozen=True)
@@ -27,12 +53,16 @@ class Polynomial:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
         return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
 
-    def rate(self, p: np.ndarray, parameter: int) -> tuple[np.ndarray, np.ndarray]:
-        """Derivative by one parameter: places in the flattened array and values there; a place can occur more than once."""
-        hit = self.factor == parameter
-        slope = np.sum(self.power * hit, axis=1) * self._weights(p, self.power - hit)
-        here = hit.any(axis=1)[self.term]
-        return self.entry[here], slope[self.term[here]] * self.value[here]
+    def rates(self, p: np.ndarray) -> Derivatives:
+        """Derivatives by all parameters, one entry for every factor of every term; places can occur more than once."""
+        found = []
+        for j in range(self.factor.shape[1]):
+            lowered = self.power - (np.arange(self.factor.shape[1]) == j)
+            slope = self.power[:, j] * self._weights(p, np.where(self.factor >= 0, lowered, 0))
+            here = self.factor[self.term, j] >= 0
+            term = self.term[here]
+            found.append((self.factor[term, j], self.entry[here], slope[term] * self.value[here]))
+        return Derivatives(*(np.concatenate(arrays) for arrays in zip(*found, strict=True)))
 
     def depends_on(self, parameter: int) -> bool:
         """Whether the parameter occurs."""
@@ -40,24 +70,6 @@ class Polynomial:
 
     def _weights(self, p: np.ndarray, power: np.ndarray) -> np.ndarray:
         return np.prod(np.append(p, 1.0)[self.factor] ** power, axis=1)  # a factor of -1 is the 1 at the end
-
-
-@dataclass(frozen=True)
-class Derivatives:
-    """Derivatives of an array by the parameters at the nominal design, all non-zero entries of all parameters in one list."""
-
-    parameter: np.ndarray  # (n,) number of the parameter
-    entry: np.ndarray  # (n,) place in the flattened array
-    value: np.ndarray  # (n,)
-
-    def rate(self, parameter: int) -> tuple[np.ndarray, np.ndarray]:
-        """Derivative by one parameter: places in the flattened array and values there."""
-        here = self.parameter == parameter
-        return self.entry[here], self.value[here]
-
-    def depends_on(self, parameter: int) -> bool:
-        """Whether there is an entry for the parameter."""
-        return bool(np.any(self.parameter == parameter))
 
 
 def scattered(entry: np.ndarray, value: np.ndarray, size: int) -> Any:

@@ -9,12 +9,11 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.dependence import scattered
+from toolkit.dependence import Derivatives, scattered
 from toolkit.errors import InputError
 from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, Shape
 
-Sparse = tuple[np.ndarray, np.ndarray]
-"""Places in a flattened array and the values there, to be summed."""
+NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
 
 @dataclass(frozen=True)
@@ -37,7 +36,9 @@ class DesignPoint:
     first_order: bool = False
 
     def __post_init__(self) -> None:
-        for parameter in set(self.values) - set(self.model.nominal):
+        for parameter in self.values:
+            if parameter in self.model.nominal:
+                continue
             raise InputError(
                 f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
                 f"{', '.join(self.model.parameters) or 'none'}. Use one of these names, or state it in the skin file and run "
@@ -51,8 +52,9 @@ class DesignPoint:
     @cached_property
     def _steps(self) -> dict[int, Any]:
         """Steps off the nominal design by the number of the parameter."""
-        steps = self._p - np.array(list(self.model.nominal.values()))
-        return {int(k): steps[k] for k in np.flatnonzero(steps)}
+        numbers, nominal = self.model.numbers, self.model.nominal
+        steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
+        return {k: step for k, step in steps.items() if step != 0}
 
     def invariants(self) -> Invariants:
         """All invariants."""
@@ -87,24 +89,27 @@ class DesignPoint:
         polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
         flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
         for k in by_tangent:
-            entry, slope = self.model.derivatives[item].rate(k)  # type: ignore[index]
+            entry, slope = self.model.derivatives[item].by(k)  # type: ignore[index]
             flat = flat + scattered(entry, self._steps[k] * slope, nominal.size)
         return flat.reshape(nominal.shape)
 
-    def rate(self, item: str, parameter: str) -> Sparse:
-        """Derivative of an item by a parameter: places in the flattened item and values there, to be summed.
+    def rates(self, item: str, numbers: Mapping[str, int]) -> Derivatives:
+        """Derivatives of an item by parameters: their numbers, places in the flattened item, and values there, to be summed.
+
+        Parameters
+        ----------
+        numbers : the wanted parameters, and the number that each shall have in the result
 
         Raises
         ------
         InputError
-            Nothing that was loaded tells the derivative at this design.
+            Nothing that was loaded tells a derivative at this design.
         """
-        k = self.model.parameters.index(parameter)
-        self._check(item, [k] if self._is_tangent(item, k) else [])
-        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item)
-        exact = polynomial.rate(np.real(self._p), k) if polynomial is not None else _NOTHING
-        linear = tangent.rate(k) if tangent is not None else _NOTHING
-        return np.concatenate([exact[0], linear[0]]), np.concatenate([exact[1], linear[1]])
+        wanted = np.array([numbers.get(name, -1) for name in self.model.parameters])
+        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item, NONE)
+        linear = tangent.renumbered(wanted)
+        self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
+        return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""
@@ -137,6 +142,3 @@ class DesignPoint:
                 f"{names[by_tangent[0]]!r} at the nominal design only. Rerun preprocessing with the wanted value, or write "
                 'extrapolation = "first-order" in the body\'s table to follow the tangent, with an error of second order.'
             )
-
-
-_NOTHING: Sparse = (np.zeros(0, np.int64), np.zeros(0))

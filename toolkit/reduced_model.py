@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -68,6 +69,11 @@ class InterfacePoint:
             )
         powers = (arc_length - self.arc_length) ** np.arange(len(self.position))
         return np.tensordot(powers, self.position, axes=1), np.tensordot(powers, self.rotation, axes=1)
+
+
+def place_parameter(interface: str) -> str:
+    """Name of the parameter that is an interface point's arc length, in models whose basis follows the place of the point."""
+    return f"arc_length_{interface}"
 
 
 @dataclass(frozen=True)
@@ -141,6 +147,11 @@ class ReducedModel:
     def parameters(self) -> tuple[str, ...]:
         """Names of the design parameters; polynomials and derivatives refer to them by number."""
         return tuple(self.nominal)
+
+    @cached_property
+    def numbers(self) -> dict[str, int]:
+        """Number of each parameter."""
+        return {name: k for k, name in enumerate(self.nominal)}
 
     @property
     def n_f(self) -> int:

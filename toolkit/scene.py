@@ -20,10 +20,10 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.planar import rotation
 from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
-from toolkit.scene_names import check_names, known
+from toolkit.scene_names import check_names, known, listed
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -137,6 +137,25 @@ class Scene(Description):
             )
         return model
 
+    def arc_lengths(self, body: Body) -> dict[str, Any]:
+        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length."""
+        mine = [p for p in self.points.values() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body]
+        return {point.interface: point.arc_length for point in mine if point.arc_length is not None}
+
+    def extrapolated(self) -> dict[str, list[str]]:
+        """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
+        bodies = {name: body for name, body in self.bodies.items() if isinstance(body, Flexible)}
+        found = {name: body.design_point(self).extrapolated() for name, body in bodies.items()}
+        return {name: parameters for name, parameters in found.items() if parameters}
+
+    def with_tangents(self) -> Self:
+        """A copy in which all flexible bodies follow the tangent where their files hold no more."""
+        bodies = {
+            name: body.model_copy(update={"extrapolation": "first-order"}) if isinstance(body, Flexible) else body
+            for name, body in self.bodies.items()
+        }
+        return self.model_copy(update={"bodies": bodies})
+
     @property
     def gravity(self) -> np.ndarray:
         """Sum of all gravity loads, shape (2,), length/time^2."""
@@ -164,7 +183,7 @@ class Scene(Description):
         nominal = self.model_parameters()
         if path not in nominal:
             raise InputError(
-                f"there is no number {path!r} in the scene; available: {', '.join(self.available_paths())}. "
+                f"there is no number {path!r} in the scene; available: {listed(self.available_paths())}. "
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]
@@ -182,7 +201,10 @@ class Scene(Description):
         found: dict[str, float] = {}
         for name, body in self.bodies.items():
             if isinstance(body, Flexible):
-                found |= {f"bodies.{name}.{parameter}": value for parameter, value in self.model(body.model).nominal.items()}
+                model = self.model(body.model)
+                places = {place_parameter(interface) for interface in model.interfaces or {}}  # reached through their points
+                own = {parameter: value for parameter, value in model.nominal.items() if parameter not in places}
+                found |= {f"bodies.{name}.{parameter}": value for parameter, value in own.items()}
         for name, point in self.points.items():
             owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
             if isinstance(point, BodyPoint) and isinstance(owner, Flexible):
@@ -236,7 +258,7 @@ class Scene(Description):
                     f"unknown design variable {name!r}"
                     + (f" (path {path!r})" if path != name else "")
                     + f"; short names of the scene: {', '.join(self.design) or 'none'}; "
-                    f"paths: {', '.join(available)}."
+                    f"paths: {listed(available)}."
                 )
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))

@@ -1,24 +1,33 @@
 """What gradients cost beside the run itself: `python -m tests.benchmarks.gradient_cost` prints a Markdown table for the README.
 
 (primal + gradient) / primal by direct differentiation and by the adjoint, over the number of design variables. The chain of 200 rods has
-600 numbers of its own: both coordinates of every point, and the density of every rod. Times are medians of interleaved repeats in one
+600 numbers of its own: both coordinates of every point, and the density of every rod. So has the wing with a skin of 100 elements,
+each with its modulus, density, thickness, width and two factors of damping. Times are medians of interleaved repeats in one
 process, without the compilation of the scene; compare ratios, not times of different machines.
 """
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 import time
 from collections.abc import Callable
+from pathlib import Path
 from statistics import median
 
+from preprocessing.build import build
+from preprocessing.section import QUANTITIES
 from tests.benchmarks.chain import chain
+from toolkit.reduced_model_file import save
 from toolkit.responses.catalogue import Displacement, JointForce
 from toolkit.scene import Scene
+from toolkit.scene_file import read_scene
 from toolkit.sensitivity.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import prepare, responses_of
 from toolkit.solvers.transient import simulate
 from toolkit.system import System
 
+WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 REPEATS = 5
 COUNTS = (1, 5, 20, 60, 600)
 
@@ -32,6 +41,27 @@ def swinging_chain(n: int = 200, steps: int = 100) -> Scene:
         "force": JointForce(joint="J0", component="magnitude"),
     }
     return scene.model_copy(update={"design": {name: scene.design[name] for name in names}, "responses": responses})
+
+
+def wing_of_elements(folder: Path, elements: int = 100) -> Scene:
+    """The morphing wing, every element of whose skin has numbers of its own; all five responses."""
+    for file in WING.iterdir():
+        shutil.copy(file, folder / file.name)
+    skin = (folder / "skin.toml").read_text()
+    for old, new in {
+        "elements = 30": f"elements = {elements}\nseparate = [{', '.join(map(repr, QUANTITIES))}]",
+        "C = { node = 10 }": f"C = {{ node = {elements // 3} }}",
+        "E = { node = 25 }": f"E = {{ node = {5 * elements // 6} }}",
+        "G = { node = 30 }": f"G = {{ node = {elements} }}",
+    }.items():
+        skin = skin.replace(old, new)
+    (folder / "skin.toml").write_text(skin)
+    save(build(folder / "skin.toml"), folder / "skin.h5")
+    text = (folder / "scene.toml").read_text()
+    (folder / "scene.toml").write_text(text[: text.index("[design]")] + text[text.index("[responses]") :])
+    scene = read_scene(folder / "scene.toml")
+    paths = [f"bodies.skin.{quantity}_{k}" for k in range(elements) for quantity in QUANTITIES]
+    return scene.model_copy(update={"design": {path: path for path in paths}})
 
 
 def run_direct(primal: System, system: System) -> None:
@@ -77,5 +107,8 @@ def table(scene: Scene, counts: tuple[int, ...] = COUNTS) -> str:
 
 
 if __name__ == "__main__":
+    with tempfile.TemporaryDirectory() as temporary:
+        print("(primal + gradient) / primal of the wing with 100 elements (24 steps, 5 responses):\n")
+        print(table(wing_of_elements(Path(temporary))) + "\n")
     print("(primal + gradient) / primal of a chain of 200 rods (1000 unknowns, 100 steps, 2 responses):\n")
     print(table(swinging_chain()))

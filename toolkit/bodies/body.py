@@ -21,8 +21,11 @@ class Placed(Protocol):
     def interface(self, point: str) -> Any:
         """The point as the user wrote it."""
 
-    def model(self, path: str) -> ReducedModel:
-        """Reduced model of that file, relative to the scene's folder."""
+    def model(self, path: str, *parts: str) -> ReducedModel:
+        """Parts of the reduced model of that file, relative to the scene's folder."""
+
+    def arc_lengths(self, body: Any) -> dict[str, Any]:
+        """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
 
 
 class MarkerNumbers(NamedTuple):

@@ -13,7 +13,7 @@ from toolkit.description import Number, Pair
 from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
 from toolkit.planar import rotation
-from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths
+from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths, place_parameter
 
 
 class Flexible(Body):
@@ -69,7 +69,10 @@ class Flexible(Body):
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         """The reduced model at the scene's parameter values; `parts` as of `Scene.model`."""
-        return DesignPoint(scene.model(self.model, *parts), self.model_values(), self.extrapolation == "first-order")
+        model = scene.model(self.model, *parts)
+        places = {place_parameter(name): s for name, s in scene.arc_lengths(self).items()}
+        follows = {parameter: s for parameter, s in places.items() if parameter in model.nominal}
+        return DesignPoint(model, {**self.model_values(), **follows}, self.extrapolation == "first-order")
 
     def invariants(self, scene: Placed) -> Invariants:
         """Invariants at the scene's parameter values."""
@@ -92,7 +95,8 @@ class Flexible(Body):
             )
         find_interface(model, written.interface, name)
         interface = design.interface(written.interface)
-        return interface.here if written.arc_length is None else interface.at(written.arc_length)
+        moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
+        return interface.at(written.arc_length) if moved else interface.here
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Elastic coordinates by number, after the frame."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import fnmatch
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from toolkit.errors import InputError
+from toolkit.scene_names import listed
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene
@@ -57,12 +59,22 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
     if chosen == [EVERY] and EVERY not in scene.design:
         return scene.available_paths()
+    if any("*" in name for name in chosen):
+        chosen = [path for name in chosen for path in (_like(scene, name) if "*" in name else [name])]
     if not chosen:
         raise InputError(
             "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
-            f"{', '.join(scene.available_paths())}."
+            f"{listed(scene.available_paths())}."
         )
     return chosen
+
+
+def _like(scene: Scene, pattern: str) -> list[str]:
+    """All paths that a pattern such as bodies.skin.thickness_* stands for."""
+    found = fnmatch.filter(scene.available_paths(), pattern)
+    if not found:
+        raise InputError(f"no path is like {pattern!r}; available: {listed(scene.available_paths())}.")
+    return found
 
 
 def prepare_folder(path: Path) -> Path:

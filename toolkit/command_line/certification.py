@@ -11,6 +11,7 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
+from toolkit.command_line.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
 from toolkit.command_line.report import WIDE, finite_or_none, print_json, table
 from toolkit.errors import InputError
 
@@ -26,6 +27,9 @@ def certify(
     output: Annotated[
         Path | None, typer.Option(metavar="FILE.png", help="Draw it: digits, and the V of the differences.")
     ] = None,
+    fresh: Annotated[
+        bool, typer.Option("--fresh/--no-fresh", help="Whether to compare with reduced models built afresh, where they can be.")
+    ] = True,
     changes: Changes = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
@@ -40,13 +44,16 @@ def certify(
     kind: Kind = "static" if static else "transient"
     with at_work("comparing", described, kind, names, quiet) as progress:
         found = compare(described, names, kind, progress)
+    afresh = built_afresh(described, names, kind, quiet) if fresh else None
     if as_json:
-        print_json(record_of(found))
+        print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh)})
     else:
         print_certificate(found)
+        print_afresh(afresh, found.exact)
     if output is not None:
         draw(found, output)
     found.check(tolerance)
+    check_afresh(afresh, found.exact)
     if not as_json:
         typer.echo(f"All {len(names) * len(found.exact.gradients)} gradients agree to {digits_of(worst(found))} digits or more.")
 

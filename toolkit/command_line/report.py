@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
+MOST_COLUMNS = 8
+"""More design variables than this stand one below the other."""
 
 
 def print_json(record: dict[str, Any]) -> None:
@@ -79,9 +81,11 @@ def print_tables(result: Result) -> None:
     console.print(values)
     variables = next(iter(result.gradients.values()), {})
     if variables:
-        gradients = table("gradient by", *variables)
-        for name, slopes in result.gradients.items():
-            gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes.values()))
+        wide = len(variables) > MOST_COLUMNS
+        gradients = table("gradient by", *(result.gradients if wide else variables))
+        for name in variables if wide else result.gradients:
+            slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
+            gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes))
         console.print(gradients)
     for line in remarks(result):
         console.print(line, markup=False)
@@ -97,6 +101,10 @@ def remarks(result: Result) -> list[str]:
         f"{name} {response.remark(solution)} {result.units[name]}."
         for name, response in solution.system.scene.responses.items()
         if isinstance(response, KSStress) and solution.run_times is None
+    ]
+    lines += [
+        f"bodies.{body} follows the tangent at its nominal design in {', '.join(names)}: an error of second order in the change."
+        for body, names in solution.system.scene.extrapolated().items()
     ]
     if solution.run_times is not None:
         lines.append(

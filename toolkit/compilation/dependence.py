@@ -1,7 +1,8 @@
 """What a number of a scene can change: only the items that name its owner, directly or through others.
 
-A joint finds its bodies, a rod its points, a point its body by name, and by nothing else; gravity alone acts on all without being
-named. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of variables short.
+A joint finds its bodies, a rod its points, a point its body by name; gravity alone acts on all without being named, and a body alone
+depends on points that name it. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of
+variables short.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from typing import Any
 
 from toolkit.description import Description
 from toolkit.loads.gravity import Gravity
+from toolkit.point import BodyPoint
 from toolkit.scene import Scene
 
 Item = tuple[str, str]
@@ -40,6 +42,9 @@ def affected_items(scene: Scene, path: str, users: dict[str, list[Item]]) -> set
         if item not in found:
             found.add(item)
             waiting += users.get(item[1], [])
+            point = scene.points.get(item[1]) if item[0] == "points" else None
+            if isinstance(point, BodyPoint):
+                waiting.append(("bodies", point.body))  # whose shapes may follow the place of the point
     return found
 
 

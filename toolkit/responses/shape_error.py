@@ -45,7 +45,9 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
     state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
     for item, sign in (("shape.position", 1), ("shape.target", -1)):
         size = design_point(solution.system.scene, body, "shape").model.item(item).shape
-        for x, entry, value in design_rates(solution, body, item, "shape"):
+        rates = design_rates(solution, body, item, "shape")
+        for x in map(int, np.unique(rates.parameter)):
+            entry, value = rates.by(x)
             change = scattered(entry, sign * value, int(np.prod(size))).reshape(size)
             yield x, np.einsum("kiz,tz->tki", change, state) if sign > 0 else np.broadcast_to(change, (len(state), *size))
 

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
 from scipy.sparse import coo_array
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.dependence import Derivatives
 from toolkit.description import Positive
 from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
+from toolkit.point import BodyPoint
+from toolkit.reduced_model import place_parameter
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.response import Partials, Response
 from toolkit.scene import Scene
@@ -51,19 +53,20 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
     return design_point(scene, body).value("stress_operator")
 
 
-def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Iterator[tuple[int, np.ndarray, np.ndarray]]:
-    """Derivatives of an array of a body's reduced model by the design variables: number of the variable, places, values there.
+def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
+    """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
+    scene = solution.system.scene
+    names = {model_parameter(scene, body, variable.path): x for x, variable in enumerate(solution.system.design)}
+    return design_point(scene, body, *parts).rates(item, names)
 
-    Places are those of the flattened array; values at equal places are to be summed. Variables on which the array does not depend
-    are left out.
-    """
-    design = design_point(solution.system.scene, body, *parts)
-    for x, variable in enumerate(solution.system.design):
-        owner, _, parameter = variable.path.rpartition(".")
-        if owner == f"bodies.{body}" and parameter in design.model.nominal:
-            entry, value = design.rate(item, parameter)
-            if len(entry):
-                yield x, entry, value
+
+def model_parameter(scene: Scene, body: str, path: str) -> str:
+    """Parameter of a body's reduced model that the number at a path may be; empty if it is none."""
+    group, name, *rest = path.split(".")
+    if group == "bodies" and name == body:
+        return ".".join(rest)
+    point = scene.points[name] if group == "points" and rest == ["arc_length"] else None
+    return place_parameter(point.interface) if isinstance(point, BodyPoint) and point.body == body else ""
 
 
 def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -71,7 +74,9 @@ def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]
     where, operator = elastic_coordinates(solution, body), stress_operator(solution.system.scene, body)
     stress = solution.q[:, where] @ operator.T
     derivative = np.einsum("sf,tfx->tsx", operator, solution.dq[:, where])
-    for x, entry, value in design_rates(solution, body, "stress_operator"):
+    rates = design_rates(solution, body, "stress_operator")
+    for x in np.unique(rates.parameter):
+        entry, value = rates.by(x)
         change = coo_array((value, np.unravel_index(entry, operator.shape)), operator.shape).tocsr()
         derivative[:, :, x] += np.real(solution.q[:, where] @ change.T)
     return stress, derivative
@@ -117,10 +122,9 @@ class StressResponse(Response):
         where = elastic_coordinates(solution, self.body)
         value_q = np.zeros(solution.q.shape)
         value_q[:, where] = weights @ np.real(stress_operator(solution.system.scene, self.body))
-        design = np.zeros(solution.system.n_x)
         by_operator = np.real(weights.T @ solution.q[:, where]).ravel()
-        for x, entry, change in design_rates(solution, self.body, "stress_operator"):
-            design[x] = by_operator[entry] @ change
+        rates = design_rates(solution, self.body, "stress_operator")
+        design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
         return Partials(value, q=value_q, design=design)
 
 
