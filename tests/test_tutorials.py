@@ -11,7 +11,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 TUTORIALS = ROOT / "tutorials"
-LONGEST = 112  # lines
+LONGEST = 115  # lines
 
 ENDS = {
     "my_first_wing": (56.78, 0.01),  # MPa, stated with the reference scene

@@ -17,7 +17,7 @@ from toolkit.errors import InputError
 from toolkit.reduced_model_file import save
 from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.analysis import direct, values_of
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 skin, scene = folder / "skin.toml", folder / "scene.toml"
@@ -84,18 +84,18 @@ print(f"sum of the thirty over the common one: 1 {check:+.0e}")
 # %%
 height = "bodies.skin.bump_140"
 try:
-    direct(read_scene(scene, {height: "0.1"}), [], "static")
+    values_of(read_scene(scene, {height: "0.1"}), "static")
 except InputError as error:
     print("refused:", error)
 true, off = {}, {}
 for h in (0.01, 0.1):
     rebuild("[]", values={"bump_140": h})
-    true[h] = direct(read_scene(scene), [], "static").values["max_stress"]
+    true[h] = values_of(read_scene(scene), "static")["max_stress"]
     print(f"{h:4} mm: the straight line is off by {abs(result.values['max_stress'] + h * slopes[height] - true[h]):.0e} MPa")
 for basis in ('kind = "full"', 'kind = "craig-bampton", count = 8'):
     rebuild("[]", basis)
     for h in true:
-        tangent = direct(read_scene(scene, {height: str(h), "bodies.skin.extrapolation": "first-order"}), [], "static")
-        off[basis, h] = abs(tangent.values["max_stress"] - true[h])
+        tangent = values_of(read_scene(scene, {height: str(h), "bodies.skin.extrapolation": "first-order"}), "static")
+        off[basis, h] = abs(tangent["max_stress"] - true[h])
         print(f"{h:4} mm: first order with {basis} is off by {off[basis, h]:.0e} MPa")
     assert 80 < off[basis, 0.1] / off[basis, 0.01] < 120

@@ -17,7 +17,7 @@ from preprocessing.build import build
 from toolkit.reduced_model_file import save
 from toolkit.report.sheet import COLORS, Drawing, Figure
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.analysis import prepare, solve
 
 np.set_printoptions(formatter={"float": "{:.0e}".format})
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
@@ -34,8 +34,9 @@ def run(basis, kind="transient", change=0.0):
     values = dict(zip(DESIGN, np.array(list(DESIGN.values())) + change * SIZE, strict=True))
     save(build(folder / "skin.toml", values=values), folder / "skin.h5")
     scene = read_scene(folder / "scene.toml", {**FAST, "solver.tolerance": "1e-12"})
-    found = direct(scene, [f"bodies.skin.{name}" for name in DESIGN], kind)
-    return np.array([found.values[r] for r in RESPONSES]), np.array([list(found.gradients[r].values()) for r in RESPONSES]) * SIZE
+    solution = solve(prepare(scene, [f"bodies.skin.{name}" for name in DESIGN]), kind)
+    values, slopes = zip(*(scene.responses[name].evaluate(solution) for name in RESPONSES), strict=True)
+    return np.array(values), np.array(slopes) * SIZE
 
 
 def errors(found, true, label):
