@@ -107,6 +107,17 @@ def test_a_group_has_its_own_thickness_and_the_rest_keeps_the_body_s(tmp_path):
     assert elements == [set(range(10)) | set(range(15, 30)), set(range(10, 15))]
 
 
+def test_a_tangent_that_leads_to_no_possible_stiffness_is_refused(tmp_path):
+    """1 mm of a bump is nothing to the shape, but stretches the inextensible skin to first order."""
+    bump = "[shape.bump]\narc_length = 140.0\nhalf_width = 30.0\n\n[interface_points]"
+    model = load(write_wing(tmp_path, "[interface_points]", bump).with_name("skin.h5"))
+    with pytest.raises(InputError, match=r"'bump' .* is fixed at 0: .* extrapolation = \"first-order\""):
+        DesignPoint(model, {"bump": 1.0}).invariants()
+    with pytest.raises(InputError, match=r"tangent in bump, the stiffness .* no longer positive definite.*craig-bampton"):
+        DesignPoint(model, {"bump": 1.0}, first_order=True).invariants()
+    DesignPoint(model, {"bump": 0.01}, first_order=True).invariants()
+
+
 @pytest.mark.parametrize(
     ("elements", "words"),
     [((3, 30), "count from 0 to 29"), ((9, 4), "first and the last"), ((4, 6), "belongs to group 'nose' too")],

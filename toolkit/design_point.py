@@ -57,8 +57,27 @@ class DesignPoint:
         return {k: step for k, step in steps.items() if step != 0}
 
     def invariants(self) -> Invariants:
-        """All invariants."""
-        return Invariants(**{item.name: self.value(item.name) for item in fields(Invariants)})
+        """All invariants.
+
+        Raises
+        ------
+        InputError
+            As `value`; or a tangent has led to a stiffness that no body has.
+        """
+        found = Invariants(**{item.name: self.value(item.name) for item in fields(Invariants)})
+        if self.first_order and (names := self.extrapolated()):
+            self._check_stiffness(np.real(found.stiffness), names)
+        return found
+
+    def _check_stiffness(self, stiffness: np.ndarray, names: list[str]) -> None:
+        """A skin is so much stiffer in tension than in bending that a small error of the one exceeds all of the other."""
+        diagonal = np.diag(stiffness)
+        if not np.all(diagonal > 0) or np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(diagonal, diagonal)))[0] <= 0:
+            raise InputError(
+                f"following the tangent in {', '.join(names)}, the stiffness in reduced model {self.model.label} is no longer positive "
+                "definite: the step is too large for first order. Rerun preprocessing with the wanted values, or use kind = "
+                '"craig-bampton" in its [basis], whose tangents reach further.'
+            )
 
     def interface(self, name: str) -> InterfacePoint:
         """One interface point; its range is that of the nominal design."""

@@ -254,11 +254,13 @@ class Scene(Description):
                     "State it by an arc length off the nodes in the skin file, and run preprocessing again."
                 )
             if path not in available:
+                which = (
+                    f"the path {path!r} of design variable {name!r} leads nowhere"
+                    if path != name
+                    else f"unknown design variable {name!r}"
+                )
                 raise InputError(
-                    f"unknown design variable {name!r}"
-                    + (f" (path {path!r})" if path != name else "")
-                    + f"; short names of the scene: {', '.join(self.design) or 'none'}; "
-                    f"paths: {listed(available)}."
+                    f"{which}; short names of the scene: {', '.join(self.design) or 'none'}; paths: {listed(available)}."
                 )
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
