@@ -54,7 +54,7 @@ def test_a_length_that_starts_at_zero_is_referred_to_the_direct_method():
 
 
 def test_an_unknown_method_lists_the_known_ones():
-    with pytest.raises(InputError, match=r"unknown method 'magic'; available: direct, adjoint, complex-step"):
+    with pytest.raises(InputError, match=r"unknown method 'magic'; available: auto, direct, adjoint, complex-step"):
         gradients_by("magic", read_scene(WING), ["t_w"], "static")
 
 

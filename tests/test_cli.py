@@ -66,7 +66,7 @@ def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_not
     assert set(found) == {"responses", "gradients", "run"}
     assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
     assert all(isinstance(each["value"], float) for each in found["responses"].values())
-    assert set(found["run"]) == {"method", "steps", "newton_iterations", "wall_s"}
+    assert set(found["run"]) == {"method", "reason", "steps", "newton_iterations", "wall_s"}
     assert set(found["run"]["wall_s"]) == {"primal", "sensitivity"}
     if arguments[0] != "simulate":
         assert set(found["gradients"]) == set(RESPONSES)
@@ -329,6 +329,31 @@ def test_certify_takes_every_number_of_a_scene():
             assert set(differences) == set(scene.available_paths())
             assert max(differences.values()) < 1e-9, (method, response)  # round-off, as wherever exact methods are compared
     assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.05)  # not quite asymptotic
+
+
+def test_certify_draws_its_certificate_and_refuses_what_is_no_picture_before_the_work(tmp_path):
+    picture = tmp_path / "certificate.png"
+    done = run("certify", str(SCENE), "--static", "--variables", "t_w,x_A", "--output", str(picture))
+    assert done.exit_code == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert "End it with .png or .svg" in refused("certify", str(SCENE), "--output", str(tmp_path / "certificate.txt"))
+    assert "does not exist" in refused("certify", str(SCENE), "--output", str(tmp_path / "nowhere" / "certificate.png"))
+
+
+def test_sensitivity_says_which_method_it_chose_and_why():
+    found = record("sensitivity", SCENE, "--static")["run"]
+    assert (found["method"], found["reason"].startswith("direct differentiation, because")) == ("direct", True)
+    assert record("sensitivity", SCENE, "--static", "--method", "adjoint")["run"]["reason"] == ""
+
+
+def test_a_run_that_keeps_checkpoints_only_says_so_and_has_no_results_to_write(tmp_path):
+    small = ("sensitivity", str(SCENE), "--method", "adjoint", "--set", "solver.memory=1e-6")
+    done = run(*small)
+    assert "24 steps, of which 6 states are kept" in done.stdout
+    done = run(*small, "--output", str(tmp_path / "wing.h5"))
+    assert done.exit_code == 1
+    assert "kept 6 of 25 states" in done.stderr
+    assert "drive_angle" in done.stdout
 
 
 def test_certify_without_responses_says_what_is_missing(tmp_path):

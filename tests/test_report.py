@@ -37,9 +37,15 @@ from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct, prepare, solve
 from toolkit.solvers.transient import simulate
 
-FIGURES = {"load_curves", "mechanism", "stress_motion", "skin_error_skin", "error_sensitivity_skin", "monitors"} | {
-    f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t", "x_A", "y_A", "E")
-}
+FIGURES = {
+    "load_curves",
+    "mechanism",
+    "stress_motion",
+    "skin_error_skin",
+    "error_sensitivity_skin",
+    "certificate",
+    "monitors",
+} | {f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t", "x_A", "y_A", "E")}
 ROOT = MODELS.parents[1]
 VOID = {"meta", "link", "img", "input"}
 

@@ -122,5 +122,5 @@ def test_a_design_variable_that_breaks_a_joint_at_the_start_is_refused_by_name()
 
 
 def test_an_unknown_method_lists_the_available_ones():
-    with pytest.raises(InputError, match="available: direct, complex-step, forward-difference, central-difference"):
+    with pytest.raises(InputError, match="available: auto, direct, adjoint, complex-step, forward-difference, central-difference"):
         numerical(read_scene(WING), ["M_t"], "static", "magic")

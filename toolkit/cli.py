@@ -12,7 +12,6 @@ from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import (
     AsJson,
     Changes,
-    Method,
     Quiet,
     SceneFile,
     Static,
@@ -29,6 +28,7 @@ from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.errors import ToolkitError
+from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
@@ -93,7 +93,9 @@ def statics(
 @app.command()
 def sensitivity(
     scene: SceneFile,
-    method: Annotated[Method, typer.Option(help="How the gradients are computed.")] = Method.direct,
+    method: Annotated[
+        Method, typer.Option(help="How the gradients are computed; auto takes the cheaper exact method and says why.")
+    ] = Method.auto,
     variables: Variables = None,
     static: Static = False,
     changes: Changes = None,
@@ -109,9 +111,9 @@ def sensitivity(
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet) as progress:
-        found = gradients_by(method.value, described, names, kind, progress)
-    keep(found, output, text, changes, quiet)
+        found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
+    keep(found, output, text, changes, quiet)
 
 
 @app.command()

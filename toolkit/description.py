@@ -39,7 +39,7 @@ class Description(BaseModel):
     def numbers(self) -> Iterator[tuple[str, Any]]:
         """Paths and values of all numbers below this record."""
         for name, value in self:
-            yield from _numbers(name, value)
+            yield from numbers_below(name, value)
 
     def with_number(self, path: str, value: Any) -> Self:
         """A copy in which the number at the path has another value, real or complex.
@@ -70,7 +70,8 @@ class Registered(Description):
                 vars(base)["kinds"][cls.kind] = cls
 
 
-def _numbers(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Paths and values of all numbers below a value that sits at `path`."""
     if isinstance(value, (float, complex)):
         yield path, value
     elif isinstance(value, Description):
@@ -78,10 +79,10 @@ def _numbers(path: str, value: Any) -> Iterator[tuple[str, Any]]:
             yield f"{path}.{name}", below
     elif isinstance(value, Mapping):
         for name, below in value.items():
-            yield from _numbers(f"{path}.{name}", below)
+            yield from numbers_below(f"{path}.{name}", below)
     elif isinstance(value, (tuple, list)):
         for index, below in enumerate(value):
-            yield from _numbers(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
+            yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
 
 
 _AXES = ("x", "y")

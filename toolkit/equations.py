@@ -39,6 +39,8 @@ class Plan(NamedTuple):
     loads: Loads
     curve_index: np.ndarray  # (n_d,) which time curve depends on the design
     curve_variable: np.ndarray  # (n_d,) on which variable
+    touched_row: np.ndarray  # entries of I_x and A_x that can differ from zero, row by row
+    touched_variable: np.ndarray
 
 
 class Terms(NamedTuple):
@@ -123,8 +125,9 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
 @inner
 def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     """Partial derivatives of the residual by the design, at the state of the last evaluation."""
-    terms.I_x[:] = 0
-    terms.A_x[:] = 0
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        terms.I_x[i, x], terms.A_x[i, x] = 0, 0
     update_marker_designs(plan.markers, work.markers, q, v, acc, work.scratch)
     constant_design(plan.constant, q, v, acc, inputs.scale, terms.I_x, terms.A_x)
     floating_design(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_x, terms.A_x)

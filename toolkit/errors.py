@@ -9,6 +9,14 @@ class InputError(ToolkitError, ValueError):
     """What the user wrote cannot be meant: a scene, a path, a number, an option."""
 
 
+class NeedsDirectError(InputError):
+    """The adjoint lacks derivatives of the states that direct differentiation has; `why` says which."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(f"{why}. Use the direct method.")
+        self.why = why
+
+
 class ModelFileError(ToolkitError, ValueError):
     """A reduced-model file is missing, damaged, foreign or of another schema version."""
 

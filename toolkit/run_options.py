@@ -53,6 +53,9 @@ class RunOptions(Description):
         Whether a transient run first closes joints that are open in the given positions, by moving the bodies as little as possible
         (measured by the mass matrix). Without it they are an error. With it lengths, offsets and start values of drivers can be
         design variables: the bodies follow. Statics always closes the joints.
+    memory
+        GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
+        refuse.
     """
 
     end_time: Positive = 1.0
@@ -65,3 +68,4 @@ class RunOptions(Description):
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3
     assemble: bool = False
+    memory: Positive = 8.0

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from toolkit.bodies.body import Body
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.ground import Ground
-from toolkit.description import Description, Registered
+from toolkit.description import Description, Registered, numbers_below
 from toolkit.design import Design, DesignVariable
 from toolkit.errors import InputError
 from toolkit.joints.joint import Joint
@@ -158,7 +158,7 @@ class Scene(Description):
         InputError
             There is no number at the path; lists all paths.
         """
-        written = dict(self.numbers())
+        written = self._numbers_near(path)
         if path in written:
             return written[path]
         nominal = self.model_parameters()
@@ -168,6 +168,14 @@ class Scene(Description):
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]
+
+    def _numbers_near(self, path: str) -> dict[str, Any]:
+        """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
+        group, name = (*path.split("."), "")[:2]
+        items = getattr(self, group) if group in type(self).model_fields else None
+        return dict(
+            numbers_below(f"{group}.{name}", items[name]) if isinstance(items, dict) and name in items else self.numbers()
+        )
 
     def model_parameters(self) -> dict[str, float]:
         """Paths of the numbers that come from reduced models: parameters, and arc lengths of interface points."""
@@ -197,7 +205,7 @@ class Scene(Description):
         InputError
             There is no number at the path.
         """
-        if path not in dict(self.numbers()):
+        if path not in self._numbers_near(path):
             self.number(path)
             group, name, key = path.split(".")
             owner = getattr(self, group)
@@ -213,22 +221,22 @@ class Scene(Description):
         InputError
             A name or path is unknown, or leads to a number without derivative; lists those that are possible.
         """
-        variables = []
+        variables, available = [], dict.fromkeys(self.available_paths())
         for name in self.design if names is None else names:
             path = self.design.get(name, name)
             if path.split(".")[0] in NOT_DESIGN:
                 raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
-            if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in self.available_paths():
+            if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in available:
                 raise InputError(
                     f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
                     "State it by an arc length off the nodes in the skin file, and run preprocessing again."
                 )
-            if path not in self.available_paths():
+            if path not in available:
                 raise InputError(
                     f"unknown design variable {name!r}"
                     + (f" (path {path!r})" if path != name else "")
                     + f"; short names of the scene: {', '.join(self.design) or 'none'}; "
-                    f"paths: {', '.join(self.available_paths())}."
+                    f"paths: {', '.join(available)}."
                 )
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolkit.errors import InputError
+from toolkit.errors import NeedsDirectError
 from toolkit.run_options import RunOptions
 from toolkit.system import System
 
@@ -18,7 +18,7 @@ class Solution:
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, both relative
     to the scene's size (or rad); `load_steps` of a static solution. `options` are those of the run; `own_start` says that it did not
-    begin at the scene's start.
+    begin at the scene's start; `run_times` are all times of the run, where the solution holds the states of some alone.
     """
 
     system: System
@@ -36,6 +36,7 @@ class Solution:
     load_steps: int = 0
     options: RunOptions | None = None
     own_start: bool = False
+    run_times: np.ndarray | None = None
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
 
@@ -51,22 +52,25 @@ class Solution:
 
     @property
     def steps(self) -> int:
-        """Number of time steps."""
-        return len(self.times) - 1
+        """Number of time steps of the whole run."""
+        return len(self.whole_run) - 1
+
+    @property
+    def whole_run(self) -> np.ndarray:
+        """All times of the run, also of those states that the solution does not hold."""
+        return self.times if self.run_times is None else self.run_times
 
     def derivative(self, state: str) -> np.ndarray:
         """Total design derivative of q, v, a or multipliers, (n_t, ..., n_x).
 
         Raises
         ------
-        InputError
+        NeedsDirectError
             The run did not compute it.
         """
         found: np.ndarray = getattr(self, f"d{state}")
         if found.shape[-1] != self.system.n_x:
-            raise InputError(
-                f"the run computed no derivatives of {state}, which a response whose length is zero needs. Use the direct method."
-            )
+            raise NeedsDirectError(f"the run computed no derivatives of {state}, which a response whose length is zero needs")
         return found
 
     def coordinates(self, body: str) -> slice:

@@ -13,7 +13,7 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.component_arrays import families
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivative, evaluate_quantities, loads_of
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
 from toolkit.design import Design
 from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
@@ -89,17 +89,19 @@ class System:
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
 
-        def padded(of: Quantities, name: str) -> np.ndarray:
-            return np.concatenate([getattr(of, name), np.zeros(self.n - self.n_q)])
-
-        dq, dv = (np.zeros((self.n, self.n_x)) for _ in range(2))
-        for x, change in enumerate(self.derivatives):
-            dq[:, x], dv[:, x] = padded(change, "q0"), padded(change, "v0")
-        return padded(self.values, "q0").astype(self.dtype), padded(self.values, "v0").astype(self.dtype), dq, dv
+        first = list(self.numbering.first.values())
+        states: np.ndarray = np.zeros((2, self.n), self.dtype)
+        changes = np.zeros((2, self.n, self.n_x))
+        for b, of_body in self.values.start.items():
+            states[:, first[b] : first[b] + len(of_body[0])] = of_body
+        for x, derivative in enumerate(self.derivatives):
+            for b, of_body in derivative.start.items():
+                changes[:, first[b] : first[b] + len(of_body[0]), x] = of_body
+        return states[0], states[1], changes[0], changes[1]
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
-        curves = [curve.evaluate(times) for curve in self.values.curves]
+        curves = [curve.evaluate(times) for curve in self.values.curves.values()]
         pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
         changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
         return (
@@ -125,9 +127,9 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values = evaluate_quantities(scene, numbering)
-    derivatives = [derivative(scene, numbering, variable.path) for variable in variables]
+    changes = derivatives(scene, numbering, [variable.path for variable in variables])
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
-    plan = build_plan(scene, numbering, values, derivatives, dtype)
+    plan = build_plan(scene, numbering, values, changes, dtype)
     joint_formulas = families(list(scene.joints.values())) or [revolute]
     load_formulas = families(loads_of(scene)) or [torque]
     if dtype is float:
@@ -135,4 +137,4 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     else:
         functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    return System(scene, variables, numbering, plan, lu_plan, values, derivatives, functions, dtype, weights(scene))
+    return System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))

@@ -27,7 +27,9 @@ class Constant(NamedTuple):
     design_mass: np.ndarray
     design_damping: np.ndarray
     design_stiffness: np.ndarray
-    design_force: np.ndarray  # (n_q, n_x)
+    force_row: np.ndarray  # (n_d,) which entry of f
+    force_variable: np.ndarray
+    design_force: np.ndarray
 
 
 @inner
@@ -58,6 +60,5 @@ def constant_design(part, q, v, acc, scale, I_x, A_x):
         i, k, x = part.row[part.design_entry[d]], part.column[part.design_entry[d]], part.design_variable[d]
         I_x[i, x] += part.design_mass[d] * acc[k]
         A_x[i, x] += part.design_damping[d] * v[k] + part.design_stiffness[d] * q[k]
-    for i in range(len(part.force)):
-        for x in range(A_x.shape[1]):
-            A_x[i, x] -= scale * part.design_force[i, x]
+    for d in range(len(part.force_row)):
+        A_x[part.force_row[d], part.force_variable[d]] -= scale * part.design_force[d]

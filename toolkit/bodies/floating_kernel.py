@@ -42,7 +42,8 @@ class Floating(NamedTuple):
     border_start: np.ndarray  # (n_b,) into the next: (3, 3 + n_f) rows, then (n_f, 3)
     border: np.ndarray
     gravity: np.ndarray  # (2,)
-    design_gravity: np.ndarray  # (2, n_x)
+    gravity_variable: np.ndarray  # (n_d,) variables that change it
+    design_gravity: np.ndarray  # (n_d, 2)
 
 
 class FloatingWork(NamedTuple):
@@ -148,8 +149,8 @@ def floating_design(part, q, v, acc, scale, work, I_x, A_x):
         c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
         multiply_block(part, b, q, v, acc, work)
         nx, ny = work.first[0]
-        for x in range(A_x.shape[1]):
-            h_x, h_y = scale * part.design_gravity[0, x], scale * part.design_gravity[1, x]
+        for d in range(len(part.gravity_variable)):
+            x, h_x, h_y = part.gravity_variable[d], scale * part.design_gravity[d, 0], scale * part.design_gravity[d, 1]
             A_x[frame, x] -= part.mass[b] * h_x
             A_x[frame + 1, x] -= part.mass[b] * h_y
             A_x[frame + 2, x] -= -ny * h_x + nx * h_y

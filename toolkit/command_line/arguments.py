@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -16,16 +15,6 @@ if TYPE_CHECKING:
 
 EVERY = "all"
 """Stands for every number of the scene, unless the scene declares a design variable of that name."""
-
-
-class Method(StrEnum):
-    """How gradients are computed."""
-
-    direct = "direct"
-    adjoint = "adjoint"
-    complex_step = "complex-step"
-    forward_difference = "forward-difference"
-    central_difference = "central-difference"
 
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]

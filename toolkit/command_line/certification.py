@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -11,11 +12,10 @@ from rich.console import Console
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.report import WIDE, finite_or_none, print_json, table
+from toolkit.errors import InputError
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.certificate import Certificate
-
-MOST_DIGITS = 16.0
 
 
 def certify(
@@ -23,11 +23,16 @@ def certify(
     variables: Variables = None,
     static: Static = False,
     tolerance: Annotated[float, typer.Option(min=0, help="Relative difference of exact methods that is an error.")] = 1e-8,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE.png", help="Draw it: digits, and the V of the differences.")
+    ] = None,
     changes: Changes = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
     """Compare the gradients of independent methods; exit with an error if exact ones disagree."""
+    if output is not None:
+        refuse_no_picture(output)
     from toolkit.sensitivity.certificate import certify as compare
 
     described = read(scene, changes)
@@ -39,9 +44,11 @@ def certify(
         print_json(record_of(found))
     else:
         print_certificate(found)
+    if output is not None:
+        draw(found, output)
     found.check(tolerance)
     if not as_json:
-        typer.echo(f"All {len(names) * len(found.exact.gradients)} gradients agree to {digits(worst(found))} digits or more.")
+        typer.echo(f"All {len(names) * len(found.exact.gradients)} gradients agree to {digits_of(worst(found))} digits or more.")
 
 
 def record_of(found: Certificate) -> dict:
@@ -66,7 +73,9 @@ def print_certificate(found: Certificate) -> None:
     gradients = table("gradient", "by", "direct", "agreeing digits: adjoint", "complex step")
     for response, slopes in found.exact.gradients.items():
         for x, slope in slopes.items():
-            gradients.add_row(response, x, f"{slope:.10g}", *(digits(each[response][x]) for each in found.differences.values()))
+            gradients.add_row(
+                response, x, f"{slope:.10g}", *(digits_of(each[response][x]) for each in found.differences.values())
+            )
     console.print(gradients)
     rates = table("response", "Taylor rate (2 if smooth)")
     for response, rate in found.rates.items():
@@ -84,8 +93,32 @@ def worst(found: Certificate) -> float:
     return max(value for value in every if not math.isnan(value))
 
 
-def digits(difference: float) -> str:
+def digits_of(difference: float) -> str:
     """How many decimal digits agree; a dash where a method does not apply."""
-    if math.isnan(difference):
-        return "-"
-    return f"{min(MOST_DIGITS, -math.log10(difference)) if difference > 0 else MOST_DIGITS:.1f}"
+    from toolkit.sensitivity.certificate import digits
+
+    return "-" if math.isnan(difference) else f"{digits(difference):.1f}"
+
+
+def refuse_no_picture(path: Path) -> None:
+    """Refuse a file that cannot become a picture, before the long work begins.
+
+    Raises
+    ------
+    InputError
+        Its name ends otherwise, or its folder does not exist.
+    """
+    from toolkit.render.probe import require
+
+    require("matplotlib")
+    if path.suffix not in (".png", ".svg"):
+        raise InputError(f"{str(path)!r} is no picture's name. End it with .png or .svg.")
+    if not path.parent.is_dir():
+        raise InputError(f"the folder of {str(path)!r} does not exist. Make it first.")
+
+
+def draw(found: Certificate, path: Path) -> None:
+    """Write the picture."""
+    from toolkit.report.certificate_drawing import certificate_drawing
+
+    certificate_drawing(found).save_as(path)

@@ -45,6 +45,7 @@ def record_of(result: Result) -> dict[str, Any]:
         },
         "run": {
             "method": result.method,
+            "reason": result.reason,
             "steps": result.solution.load_steps or result.solution.steps,
             "newton_iterations": result.solution.newton_iterations,
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
@@ -95,9 +96,14 @@ def remarks(result: Result) -> list[str]:
     lines = [
         f"{name} {response.remark(solution)} {result.units[name]}."
         for name, response in solution.system.scene.responses.items()
-        if isinstance(response, KSStress)
+        if isinstance(response, KSStress) and solution.run_times is None
     ]
-    if solution.steps:
+    if solution.run_times is not None:
+        lines.append(
+            f"{solution.steps} steps, of which {len(solution.times)} states are kept: all exceed solver.memory. The joints are off by at "
+            f"most {solution.drift:.1e} of the scene's size."
+        )
+    elif solution.steps:
         lines.append(
             f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, "
             f"energy balance by {energy_balance(solution).relative_defect:.1e} of the largest energy or work."
@@ -114,7 +120,7 @@ def remarks(result: Result) -> list[str]:
     price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
-    return [*lines, f"{price}."]
+    return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]
 
 
 def print_frequencies(frequencies: list[float]) -> None:

@@ -15,7 +15,7 @@ from toolkit.command_line.report import print_json
 if TYPE_CHECKING:
     from toolkit.report.material import Material
 
-PARTS = ("forward-difference", "central-difference", "complex-step", "figures", "animation")
+PARTS = ("forward-difference", "central-difference", "complex-step", "certificate", "figures", "animation")
 """What a report's time goes to, in the order of the work."""
 
 

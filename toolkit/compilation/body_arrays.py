@@ -17,50 +17,59 @@ def constant_part(
 ) -> Constant:
     """Mass, damping, stiffness and weight that never change; `rows` are the entries' global rows and columns, body by body."""
 
-    def joined(source: Quantities, name: str) -> np.ndarray:
-        return np.concatenate([np.asarray(getattr(part, name)) for part in source.constant])
+    def joined(name: str) -> np.ndarray:
+        return np.concatenate([np.asarray(getattr(part, name)) for part in values.constant.values()])
 
     row = np.concatenate([r for r, _ in rows]).astype(np.int64)
     column = np.concatenate([c for _, c in rows]).astype(np.int64)
-    kinds = ("mass", "damping", "stiffness")
-    constants: list[np.ndarray] = [joined(values, kind).astype(dtype) for kind in kinds]
-    entry, variable, changes = [], [], []
-    for x, derivative in enumerate(derivatives):
-        change = np.stack([joined(derivative, kind) for kind in kinds])
-        changed = np.flatnonzero(np.any(change != 0, axis=0))
-        entry.append(changed)
-        variable.append(np.full(len(changed), x))
-        changes.append(change[:, changed])
-    mass_x, damping_x, stiffness_x = np.ascontiguousarray(np.concatenate([np.zeros((3, 0)), *changes], axis=1))
-    force_x = [np.zeros(numbering.n_q), *(joined(derivative, "force") for derivative in derivatives)]
+    entries, forces = _constant_changes(numbering, derivatives, starts([len(r) for r, _ in rows]))
     return Constant(
         row,
         column,
         pattern.find(row, column),
-        constants[0],
-        constants[1],
-        constants[2],
-        np.ascontiguousarray(joined(values, "force"), dtype),
-        ints(entry),
-        ints(variable),
-        mass_x,
-        damping_x,
-        stiffness_x,
-        np.ascontiguousarray(np.stack(force_x, axis=1)[:, 1:]),
+        joined("mass").astype(dtype),
+        joined("damping").astype(dtype),
+        joined("stiffness").astype(dtype),
+        np.ascontiguousarray(joined("force"), dtype),
+        entries[0].astype(np.int64),
+        entries[1].astype(np.int64),
+        entries[2].copy(),
+        entries[3].copy(),
+        entries[4].copy(),
+        forces[0].astype(np.int64),
+        forces[1].astype(np.int64),
+        forces[2].copy(),
     )
+
+
+def _constant_changes(
+    numbering: Numbering, derivatives: list[Quantities], first_entry: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What is not zero: rows (entry, variable, dM, dD, dK) and (coordinate, variable, df)."""
+    first = list(numbering.first.values())
+    entries, forces = [np.zeros((5, 0))], [np.zeros((3, 0))]
+    for x, derivative in enumerate(derivatives):
+        for b, part in derivative.constant.items():
+            change = np.stack([part.mass, part.damping, part.stiffness])
+            changed, moved = np.flatnonzero(np.any(change != 0, axis=0)), np.flatnonzero(part.force)
+            entries.append(np.vstack([first_entry[b] + changed, np.full(len(changed), x), change[:, changed]]))
+            forces.append(np.vstack([first[b] + moved, np.full(len(moved), x), part.force[moved]]))
+    return np.concatenate(entries, axis=1), np.concatenate(forces, axis=1)
 
 
 def floating_part(
     frames: list[int], values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> Floating:
     """Invariants of bodies with a moving frame and of their design derivatives; `frames` are the numbers of their r_x."""
-    blocks = [(b, -1, part) for b, part in enumerate(values.floating)]
-    places = {b: (part.row, part.column) for b, part in enumerate(values.floating)}
+    bodies, number = list(values.floating.values()), {b: k for k, b in enumerate(values.floating)}
+    blocks = [(k, -1, part) for k, part in enumerate(bodies)]
+    places = {k: (part.row, part.column) for k, part in enumerate(bodies)}
     for x, derivative in enumerate(derivatives):
-        blocks += [(b, x, part) for b, part in enumerate(derivative.floating) if _changes(part)]
-    n_f = [len(part.moment) - 1 for part in values.floating]
+        blocks += [(number[b], x, part) for b, part in derivative.floating.items() if _changes(part)]
+    falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
+    n_f = [len(part.moment) - 1 for part in bodies]
     positions, borders = [], []
-    for frame, part, n in zip(frames, values.floating, n_f, strict=True):
+    for frame, part, n in zip(frames, bodies, n_f, strict=True):
         positions.append(pattern.find(frame + 2 + part.row, frame + 2 + part.column))
         local = frame + np.arange(3 + n)
         borders.append(np.concatenate([pattern.find(*block(local[:3], local)), pattern.find(*block(local[3:], local[:3]))]))
@@ -81,7 +90,8 @@ def floating_part(
         starts([len(border) for border in borders])[:-1],
         ints(borders),
         np.asarray(values.gravity).astype(dtype),
-        np.stack([np.zeros(2), *(derivative.gravity for derivative in derivatives)], axis=1)[:, 1:].copy(),
+        ints([falling]),
+        np.array([derivatives[x].gravity for x in falling], float).reshape(-1, 2),
     )
 
 

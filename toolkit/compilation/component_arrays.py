@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from operator import itemgetter
+
 import numpy as np
 
+from toolkit.bodies.body import MarkerNumbers
 from toolkit.bodies.marker_kernel import Markers
 from toolkit.compilation.arrays import ints, starts
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, loads_of
 from toolkit.component import Component
+from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.joint_kernel import Joints
+from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.load_kernel import Loads
 from toolkit.scene import Scene
 
@@ -35,21 +40,16 @@ def marker_arrays(
     dtype: type,
 ) -> Markers:
     """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
-    active = [
-        (m, x, derivative.markers[m])
-        for m in range(len(columns))
-        for x, derivative in enumerate(derivatives)
-        if marker_changes(derivative, m)
-    ]
+    active = marker_changes(derivatives)
     frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, _ in numbering.markers]
-    shapes = [part.shape for part in values.markers]
+    shapes = [part.shape for part in values.markers.values()]
     return Markers(
         ints([frames]),
-        np.array([part.point for part in values.markers], dtype).reshape(-1, 3),
+        np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
         starts([len(c) for c in columns]),
         ints(columns),
         np.concatenate([np.zeros((0, 3)), *shapes]).astype(dtype),
-        starts([sum(m == k for m, _, _ in active) for k in range(len(columns))]),
+        starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
         ints([[x for _, x, _ in active]]),
         np.array([part.point for _, _, part in active], float).reshape(-1, 3),
         starts([len(part.shape) for _, _, part in active])[:-1],
@@ -57,9 +57,10 @@ def marker_arrays(
     )
 
 
-def marker_changes(derivative: Quantities, m: int) -> bool:
-    """Whether a design variable moves marker m."""
-    return bool(np.any(derivative.markers[m].point != 0) or np.any(derivative.markers[m].shape != 0))
+def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, MarkerNumbers]]:
+    """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
+    found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
+    return sorted((each for each in found if np.any(each[2].point) or np.any(each[2].shape)), key=itemgetter(0, 1))
 
 
 def joint_arrays(
@@ -74,7 +75,7 @@ def joint_arrays(
     """Joints of the scene, with the places of their local entries in the pattern."""
     joints = list(scene.joints.values())
     known = families(joints)
-    changes = [parameter_pairs([d.joints for d in derivatives], k) for k in range(len(joints))]
+    changes = parameter_changes([d.joints for d in derivatives], len(joints))
     positions, markers = [], []
     for name, joint in scene.joints.items():
         both, pair = gripped(numbering, columns, joint)
@@ -89,9 +90,9 @@ def joint_arrays(
         np.array(markers, np.int64).reshape(-1, 2),
         ints([[numbering.row[name] for name in scene.joints]]),
         ints([[len(joint.row_names) for joint in joints]]),
-        values.joints.astype(dtype),
+        np.array(list(values.joints.values()), dtype).reshape(-1, JOINT_ARGUMENTS - 6),
         curve_numbers(joints, 0),
-        designed(markers, values, derivatives, changes, curve_numbers(joints, 0)),
+        designed(markers, derivatives, changes, curve_numbers(joints, 0)),
         starts([len(pairs) for pairs in changes]),
         ints([[x for x, _, _ in flat]]),
         ints([[p for _, p, _ in flat]]),
@@ -113,7 +114,7 @@ def load_arrays(
     """Loads of the scene, with the places of their local entries in the pattern."""
     loads = loads_of(scene)
     known = families(loads)
-    changes = [parameter_pairs([d.loads for d in derivatives], k) for k in range(len(loads))]
+    changes = parameter_changes([d.loads for d in derivatives], len(loads))
     flat = [change for pairs in changes for change in pairs]
     both = [gripped(numbering, columns, load) for load in loads]
     positions = [pattern.find(*block(local, local)) for local, _ in both]
@@ -121,9 +122,9 @@ def load_arrays(
     return Loads(
         ints([[known.index(load.law()) for load in loads]]),
         np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
-        values.loads.astype(dtype),
+        np.array(list(values.loads.values()), dtype).reshape(-1, LOAD_ARGUMENTS - 7),
         curve_numbers(loads, before),
-        designed([pair for _, pair in both], values, derivatives, changes, curve_numbers(loads, before)),
+        designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
         starts([len(pairs) for pairs in changes]),
         ints([[x for x, _, _ in flat]]),
         ints([[p for _, p, _ in flat]]),
@@ -133,17 +134,21 @@ def load_arrays(
     )
 
 
-def designed(markers: list, values: Quantities, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
+def designed(markers: list, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
     """Whether any design variable matters to each component: through a marker, a parameter or its curve."""
-    active = {m for change in derivatives for m in range(len(values.markers)) if marker_changes(change, m)}
+    active = {m for m, _, _ in marker_changes(derivatives)}
     driven = set(curve_pairs(derivatives)[0])
     components = zip(markers, changes, curves, strict=True)
     return ints([[int(bool(active & set(pair) or change or curve in driven)) for pair, change, curve in components]])
 
 
-def parameter_pairs(table: list[np.ndarray], k: int) -> list[tuple[int, int, float]]:
-    """(variable, parameter, derivative) of component k."""
-    return [(x, int(p), change[k, p]) for x, change in enumerate(table) for p in np.flatnonzero(change[k])]
+def parameter_changes(tables: list[dict[int, np.ndarray]], count: int) -> list[list[tuple[int, int, float]]]:
+    """(variable, parameter, derivative) of each of `count` components."""
+    found: list[list[tuple[int, int, float]]] = [[] for _ in range(count)]
+    for x, table in enumerate(tables):
+        for k, change in table.items():
+            found[k] += [(x, int(p), change[p]) for p in np.flatnonzero(change)]
+    return found
 
 
 def curve_numbers(components: list, before: int) -> np.ndarray:
@@ -160,7 +165,7 @@ def curve_pairs(derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray]:
     pairs = [
         (c, x)
         for x, derivative in enumerate(derivatives)
-        for c, curve in enumerate(derivative.curves)
+        for c, curve in derivative.curves.items()
         if any(np.imag(value) != 0 for _, value in curve.numbers())
     ]
     return ints([[c for c, _ in pairs]]), ints([[x for _, x in pairs]])

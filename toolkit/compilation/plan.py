@@ -9,6 +9,7 @@ from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arr
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.pattern import Pattern, block, build_pattern
 from toolkit.compilation.quantities import Quantities, loads_of
+from toolkit.compilation.touched import touched
 from toolkit.equations import Plan
 from toolkit.scene import Scene
 
@@ -16,24 +17,28 @@ from toolkit.scene import Scene
 def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:
     """All arrays of the compiled scene; `derivatives` are those of the numbers by each design variable."""
     offsets = [numbering.first[name] for name in scene.all_bodies()]
-    frames = [numbering.first[name] for name, body in scene.all_bodies().items() if body.floating(scene) is not None]
-    constant_rows = [(offset + part.row, offset + part.column) for offset, part in zip(offsets, values.constant, strict=True)]
-    columns = [numbering.first[body] + part.columns for (body, _), part in zip(numbering.markers, values.markers, strict=True)]
+    frames = [offsets[b] for b in values.floating]
+    constant_rows = [(offsets[b] + part.row, offsets[b] + part.column) for b, part in values.constant.items()]
+    columns = [numbering.first[body] + values.markers[m].columns for m, (body, _) in enumerate(numbering.markers)]
     pattern = _pattern(scene, numbering, values, constant_rows, frames, columns)
     curve_index, curve_variable = curve_pairs(derivatives)
+    parts = (
+        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype),
+        floating_part(frames, values, derivatives, pattern, dtype),
+        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
+        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+    )
     return Plan(
         numbering.n_q,
         numbering.n,
         len(derivatives),
         pattern.indptr,
         pattern.indices,
-        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype),
-        floating_part(frames, values, derivatives, pattern, dtype),
-        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
-        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
-        load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        *parts,
         curve_index,
         curve_variable,
+        *touched(len(derivatives), *parts, curve_index, curve_variable),
     )
 
 
@@ -42,7 +47,7 @@ def _pattern(
 ) -> Pattern:
     """Union of what all parts of the scene fill."""
     entries = list(constant_rows)
-    for frame, part in zip(frames, values.floating, strict=True):
+    for frame, part in zip(frames, values.floating.values(), strict=True):
         local = frame + np.arange(2 + len(part.moment))
         entries += [block(local[:3], local)]
         inside = (part.row > 0) & (part.column > 0)

@@ -1,16 +1,19 @@
 """All numbers of a scene in the order of its numbering, real or complex: the construction formulas evaluated once.
 
-The compilation evaluates them at the scene's values, and with a complex step in every design variable. That is exact to round-off,
-and it happens before time starts to run.
+The compilation evaluates them at the scene's values, and with a complex step in every design variable what that variable may change.
+That is exact to round-off, and it happens before time starts to run.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import TypeVar
 
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers
+from toolkit.compilation.dependence import Item, affected_items, users_by_name
 from toolkit.compilation.numbering import Numbering
 from toolkit.component import Component
 from toolkit.errors import InputError
@@ -20,40 +23,50 @@ from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.profile import Curve
 from toolkit.scene import Scene
 
+T = TypeVar("T")
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
 
 
 @dataclass(frozen=True)
 class Quantities:
-    """Numbers of a scene; lists are in the order of bodies, markers, joints, loads."""
+    """Numbers of a scene, each under its number in the order of bodies, markers, joints, loads, curves.
 
-    q0: np.ndarray
-    v0: np.ndarray
-    constant: list[ConstantNumbers]
-    floating: list[FloatingNumbers]
-    markers: list[MarkerNumbers]
-    joints: np.ndarray  # (n_j, 6) parameters, padded with zeros
-    loads: np.ndarray  # (n_l, 5)
+    The values of a scene hold them all, their derivatives by one variable only those that the variable may change.
+    """
+
+    start: dict[int, tuple[np.ndarray, np.ndarray]]  # coordinates and velocities of each body
+    constant: dict[int, ConstantNumbers]
+    floating: dict[int, FloatingNumbers]  # of the bodies that have them
+    markers: dict[int, MarkerNumbers]
+    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros
+    loads: dict[int, np.ndarray]  # (5,)
     gravity: np.ndarray  # (2,)
-    curves: list[Curve]
+    curves: dict[int, Curve]
 
 
-def evaluate_quantities(scene: Scene, numbering: Numbering) -> Quantities:
-    """All numbers of a scene."""
-    bodies = scene.all_bodies()
-    starts = [body.initial_state(scene) for body in bodies.values()]
-    floating = [body.floating(scene) for body in bodies.values()]
+def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] | None = None) -> Quantities:
+    """All numbers of a scene, or those of some items and of the markers that need them."""
+
+    def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
+        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected}
+
+    everybody = scene.all_bodies()
+    bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
+    floating = {b: body.floating(scene) for b, body in bodies.items()}
     return Quantities(
-        np.concatenate([q for q, _ in starts]),
-        np.concatenate([v for _, v in starts]),
-        [body.constant(scene, scene.gravity) for body in bodies.values()],
-        [block for block in floating if block is not None],
-        [bodies[body].marker(scene, point, body) for body, point in numbering.markers],
-        _parameters(scene, list(scene.joints.values()), JOINT_ARGUMENTS - 6),
-        _parameters(scene, loads_of(scene), LOAD_ARGUMENTS - 7),
+        {b: body.initial_state(scene) for b, body in bodies.items()},
+        {b: body.constant(scene, scene.gravity) for b, body in bodies.items()},
+        {b: block for b, block in floating.items() if block is not None},
+        {
+            m: everybody[body].marker(scene, point, body)
+            for m, (body, point) in enumerate(numbering.markers)
+            if affected is None or ("bodies", body) in affected or ("points", point) in affected
+        },
+        {j: _parameters(scene, joint, JOINT_ARGUMENTS - 6) for j, joint in joints.items()},
+        {k: _parameters(scene, load, LOAD_ARGUMENTS - 7) for k, load in loads.items()},
         np.asarray(scene.gravity),
-        [component.time_curve for component in curved_components(scene) if component.time_curve is not None],
+        {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected},
     )
 
 
@@ -62,36 +75,40 @@ def loads_of(scene: Scene) -> list[Load]:
     return [load for load in scene.loads.values() if isinstance(load, Load)]
 
 
-def curved_components(scene: Scene) -> list[Component]:
-    """Joints, then loads, that follow a time curve."""
-    components: list[Component] = [*scene.joints.values(), *loads_of(scene)]
-    return [component for component in components if component.time_curve is not None]
+def named_loads(scene: Scene) -> dict[str, Load]:
+    """The same with their names."""
+    return {name: load for name, load in scene.loads.items() if isinstance(load, Load)}
 
 
-def _parameters(scene: Scene, components: list, width: int) -> np.ndarray:
-    rows = [component.parameters(scene) for component in components]
-    table = np.zeros((len(rows), width), np.result_type(float, *(type(value) for row in rows for value in row)))
-    for k, row in enumerate(rows):
-        if len(row) > width:
-            raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {components[k]!r}.")
-        table[k, : len(row)] = row
-    return table
+def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
+    """Time curves of joints, then of loads, and whose they are."""
+    components: list[tuple[str, Mapping[str, Component]]] = [("joints", scene.joints), ("loads", named_loads(scene))]
+    found = [((group, name), component.time_curve) for group, items in components for name, component in items.items()]
+    return [(item, curve) for item, curve in found if curve is not None]
 
 
-def derivative(scene: Scene, numbering: Numbering, path: str) -> Quantities:
-    """Derivative of all numbers by the number at one path; curves stay complex, they are differentiated where they are evaluated."""
-    stepped = evaluate_quantities(scene.with_number(path, scene.number(path) + 1j * STEP), numbering)
-    return Quantities(
-        **{
-            f.name: getattr(stepped, f.name) if f.name == "curves" else _imag(getattr(stepped, f.name))
-            for f in fields(Quantities)
-        }
-    )
+def _parameters(scene: Scene, component: Component, width: int) -> np.ndarray:
+    row = component.parameters(scene)
+    if len(row) > width:
+        raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {component!r}.")
+    return np.array([*row, *[0.0] * (width - len(row))])
+
+
+def derivatives(scene: Scene, numbering: Numbering, paths: list[str]) -> list[Quantities]:
+    """Derivative of all numbers by each number at a path; curves stay complex, they are differentiated where they are evaluated."""
+    users, found = users_by_name(scene), []
+    for path in paths:
+        moved = scene.with_number(path, scene.number(path) + 1j * STEP)
+        stepped = evaluate_quantities(moved, numbering, affected_items(scene, path, users))
+        parts = {f.name: getattr(stepped, f.name) for f in fields(Quantities)}
+        found.append(Quantities(**{name: part if name == "curves" else _imag(part) for name, part in parts.items()}))
+    return found
 
 
 def _imag(value):
-    if isinstance(value, list):
-        return [_imag(item) for item in value]
+    if isinstance(value, dict):
+        return {key: _imag(item) for key, item in value.items()}
     if isinstance(value, tuple):
-        return type(value)(*(_imag(item) for item in value))
+        items = (_imag(item) for item in value)
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
     return np.imag(value) / STEP

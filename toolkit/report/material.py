@@ -13,6 +13,7 @@ from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result
+from toolkit.sensitivity.certificate import Certificate, compare
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
 
@@ -28,11 +29,13 @@ class Material:
     """A motion and what was computed about it.
 
     judges : method -> result of the same gradients by other means; empty if nothing was run to compare
+    certificate : how far exact methods agree, where a complex step is affordable
     """
 
     solution: Solution
     results: Results
     judges: Mapping[str, Result] = field(default_factory=dict)
+    certificate: Certificate | None = None
 
     @property
     def scene(self) -> Scene:
@@ -72,4 +75,14 @@ def judge(material: Material, progress: Progress) -> Material:
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
     affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]
-    return Material(material.solution, material.results, {method: run(method) for method in affordable})
+    judges = {method: run(method) for method in affordable}
+    return Material(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
+
+
+def _certificate(material: Material, kind: Kind, judges: Mapping[str, Result], progress: Progress) -> Certificate | None:
+    """From the gradients at hand, if they come from direct differentiation and a complex step was affordable."""
+    results, stepped = material.results, judges.get("complex-step")
+    if stepped is None or results.method != "direct" or not results.gradients:
+        return None
+    exact = Result(results.responses, results.response_units, results.gradients, "direct", material.solution, 0.0, 0.0)
+    return compare(exact, kind, stepped.gradients, lambda done, total: progress("certificate", done, total))

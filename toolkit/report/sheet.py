@@ -42,16 +42,20 @@ class Drawing:
         """Write PNG and SVG, each in one stroke."""
         files = [folder / f"{self.name}.{kind}" for kind in ("png", "svg")]
         for path in files:
-            with replaced(path) as temporary, rc_context(_SETTINGS):
-                # without a date the same numbers give the same file
-                metadata = {"Date": None} if path.suffix == ".svg" else {}
-                self.figure.savefig(temporary, format=path.suffix[1:], dpi=180, metadata=metadata)
+            self.save_as(path)
         return files
+
+    def save_as(self, path: Path) -> None:
+        """Write one file, PNG or SVG by its name's end."""
+        with replaced(path) as temporary, rc_context(_SETTINGS):
+            # without a date the same numbers give the same file
+            metadata = {"Date": None} if path.suffix == ".svg" else {}
+            self.figure.savefig(temporary, format=path.suffix[1:], dpi=180, metadata=metadata)
 
 
 @contextmanager
 def sheet(height: float, rows: int = 1, columns: int = 1, **options: Any) -> Iterator[tuple[Figure, np.ndarray]]:
-    """A figure of a height in inches, and its axes (rows, columns)."""
+    """A figure of a height in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
     with rc_context(_SETTINGS):
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)

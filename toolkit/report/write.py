@@ -108,9 +108,7 @@ def _missing(material: Material) -> Section:
     if material.results.variables and not material.judges:
         lines.append("Gradients are not compared with other methods here: report the scene itself, without --no-judges.")
     if material.judges and "complex-step" not in material.judges:
-        lines.append(
-            "Gradients are not compared with a complex step, which would take minutes: ffrf sensitivity --method complex-step does it."
-        )
+        lines.append("Gradients are not compared with a complex step, which would take minutes: ffrf certify does it.")
     if not material.results.design:
         lines.append(
             "There are no derivatives of stress and shape: report the scene itself, or a file written by ffrf sensitivity with the "

@@ -41,7 +41,7 @@ class Instant(Response):
         InputError
             There is no step at that time; names the nearest.
         """
-        self._nearest(time_grid(scene.solver))
+        self.nearest(time_grid(scene.solver))
 
     @abstractmethod
     def at(self, solution: Solution, step: int) -> Partials:
@@ -55,9 +55,10 @@ class Instant(Response):
         InputError
             There is no step at that time; names the nearest.
         """
-        return self._nearest(solution.times)
+        return self.nearest(solution.times)
 
-    def _nearest(self, times: np.ndarray) -> int:
+    def nearest(self, times: np.ndarray) -> int:
+        """Number of the step at `time` among times; errors as `step`."""
         if self.time is None:
             return len(times) - 1
         step = int(np.argmin(np.abs(times - self.time)))
@@ -157,7 +158,9 @@ class TimeIntegral(Response):
         InputError
             The solution is static.
         """
-        if len(solution.times) < 2:
+        whole = solution.whole_run
+        if len(whole) < 2:
             raise InputError("an integral over time needs a transient solution. Use `simulate`, or another response.")
-        h = np.diff(solution.times)
-        return weighted(self.of, solution, (np.append(h, 0) + np.append(0, h)) / 2)
+        h, first = np.diff(whole), int(np.searchsorted(whole, solution.times[0]))
+        weights = (np.append(h, 0) + np.append(0, h)) / 2
+        return weighted(self.of, solution, weights[first : first + len(solution.times)])

@@ -39,6 +39,11 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
     solution, system = found.solution, found.solution.system
     if not system.compiled:
         raise InputError("a run with complex numbers is a means to a derivative and has no results to keep. Run real numbers.")
+    if solution.run_times is not None:
+        raise InputError(
+            f"the run kept {len(solution.times)} of {len(solution.run_times)} states, because all exceed solver.memory. Raise it, choose "
+            "a larger solver.step or a shorter time, or do without a results file."
+        )
     n_q, scene = system.n_q, system.scene
     variables = scene.design_variables(list(next(iter(found.gradients.values()), {})) or list(system.design.names))
     return Results(

@@ -26,7 +26,10 @@ REPEATS, WORTH_REPEATING = 5, 1.0
 
 @dataclass(frozen=True)
 class Result:
-    """Values, units and gradients of the responses; `solution` is the run that they come from, wall times in s."""
+    """Values, units and gradients of the responses; `solution` is the run that they come from, wall times in s.
+
+    `reason` says why the method was chosen, if nobody named one.
+    """
 
     values: dict[str, Any]
     units: dict[str, str]
@@ -35,6 +38,7 @@ class Result:
     solution: Solution
     wall_primal: float
     wall_sensitivity: float
+    reason: str = ""
 
 
 def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:

@@ -17,6 +17,7 @@ Gradients = dict[str, dict[str, float]]
 NEGLIGIBLE = 1e-6
 """Part of a response's largest change (by a variable's own size) below which a derivative is compared with that change instead:
 what is far smaller than its neighbours is made of their round-off."""
+MOST_DIGITS = 16.0
 UNSEEN = 1e-11
 """Part of a value below which a remainder is round-off of the run that computed it."""
 
@@ -78,16 +79,28 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
     if not exact.gradients or not design:
         raise InputError("there is nothing to compare: the scene needs a table [responses] and a design variable.")
     progress(1, 5)
-    system = exact.solution.system
-    backwards = _differences(scene, exact, by_name(system, *adjoint_gradients(system, exact.solution)))
+    stepped = numerical(scene, design, kind, "complex-step").gradients
     progress(2, 5)
-    stepped = _differences(scene, exact, numerical(scene, design, kind, "complex-step").gradients)
-    progress(3, 5)
-    rates = taylor_rates(scene, design, kind)
-    progress(4, 5)
-    curve = step_study(scene, design, kind)
-    progress(5, 5)
-    return Certificate(exact, {"adjoint": backwards, "complex-step": stepped}, rates, curve)
+    return compare(exact, kind, stepped, lambda done, total: progress(2 + done, 2 + total))
+
+
+def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None) -> Certificate:
+    """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
+    system = exact.solution.system
+    scene, design = system.scene, list(system.design.names)
+    backwards = by_name(system, *adjoint_gradients(system, exact.solution))
+    progress(1, 3)
+    rates = taylor_rates(scene, design, kind, exact=exact)
+    progress(2, 3)
+    curve = step_study(scene, design, kind, exact=exact)
+    progress(3, 3)
+    others = {"adjoint": backwards, "complex-step": stepped}
+    return Certificate(exact, {method: _differences(scene, exact, other) for method, other in others.items()}, rates, curve)
+
+
+def digits(difference: float) -> float:
+    """How many decimal digits agree, 16 at most; nan where there was nothing to compare."""
+    return float(min(MOST_DIGITS, -np.log10(difference))) if difference > 0 else (MOST_DIGITS if difference == 0 else np.nan)
 
 
 def _differences(scene: Scene, exact: Result, other: Gradients) -> Gradients:
@@ -107,8 +120,12 @@ def _differences(scene: Scene, exact: Result, other: Gradients) -> Gradients:
     return found
 
 
-def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4)) -> dict[str, float]:
+def taylor_rates(
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4), exact: Result | None = None
+) -> dict[str, float]:
     """Rate at which |f(x + h d) - f(x) - h g . d| vanishes, d = x (all variables by the same part h): 2 if g is the gradient.
+
+    `exact` is the result of direct differentiation, computed here if there is none.
 
     Returns
     -------
@@ -116,7 +133,7 @@ def taylor_rates(scene: Scene, design: list[str], kind: Kind, steps: Sequence[fl
         Response -> fitted rate; infinite where every remainder is round-off, so that nothing is left to vanish.
     """
     variables = scene.design_variables(design)
-    base = direct(scene, design, kind)
+    base = exact or direct(scene, design, kind)
     sizes = {variable.name: typical_size(scene, variable) for variable in variables}
     remainders: dict[str, list[float]] = {name: [] for name in base.values}
     for h in steps:
@@ -136,16 +153,22 @@ def _rate(steps: Sequence[float], remainders: list[float], value: float) -> floa
 
 
 def step_study(
-    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = tuple(10.0 ** np.arange(-2, -11, -1.0))
+    scene: Scene,
+    design: list[str],
+    kind: Kind,
+    steps: Sequence[float] = tuple(10.0 ** np.arange(-2, -11, -1.0)),
+    exact: Result | None = None,
 ) -> list[tuple[float, float]]:
     """Central differences against direct differentiation over relative steps: the V of truncation and round-off.
+
+    `exact` as for `taylor_rates`.
 
     Returns
     -------
     study : list of pairs
         Relative step and largest relative difference; a step so large that its runs fail is left out.
     """
-    exact, study = direct(scene, design, kind), []
+    exact, study = exact or direct(scene, design, kind), []
     for step in steps:
         try:
             found = numerical(scene, design, kind, "central-difference", None, step).gradients

@@ -2,31 +2,43 @@
 
 from __future__ import annotations
 
-from toolkit.errors import InputError
+from dataclasses import replace
+
+from toolkit.errors import NeedsDirectError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.analysis import Kind, Progress, Result, direct
-from toolkit.sensitivity.numerical import METHODS as NUMERICAL
+from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.numerical import numerical
 
-METHODS = ("direct", "adjoint", *NUMERICAL)
 
+def gradients_by(
+    method: str, scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, keep_states: bool = False
+) -> Result:
+    """Responses with gradients by a method of `method_names.METHODS`.
 
-def gradients_by(method: str, scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None) -> Result:
-    """Responses with gradients by a method of `METHODS`.
-
-    "direct" costs little per variable, "adjoint" little per variable but a backward run for all responses together; the numerical
-    methods run the whole analysis for every variable.
+    "direct" costs little per variable, "adjoint" next to nothing per variable but a backward run for all responses together, "auto" takes
+    the cheaper of the two and says why in the result's `reason`; the numerical methods run the whole analysis for every variable.
+    `keep_states`: "auto" shall provide derivatives of the states too.
 
     Raises
     ------
     InputError
         The method is unknown.
     """
-    if method not in METHODS:
-        raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
+    if method == "auto":
+        return _chosen(scene, design, kind, progress, keep_states)
     if method == "direct":
         return direct(scene, design, kind, progress)
     if method == "adjoint":
         return adjoint(scene, design, kind, progress)
     return numerical(scene, design, kind, method, progress)
+
+
+def _chosen(scene: Scene, design: list[str], kind: Kind, progress: Progress | None, keep_states: bool) -> Result:
+    """By the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
+    method, reason = choose(scene, design, kind, keep_states)
+    try:
+        return replace(gradients_by(method, scene, design, kind, progress), reason=reason)
+    except NeedsDirectError as refusal:
+        return replace(direct(scene, design, kind, progress), reason=f"direct differentiation, because {refusal.why}.")

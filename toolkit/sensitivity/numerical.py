@@ -10,7 +10,7 @@ With the step h:
 from __future__ import annotations
 
 import time as clock
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -19,9 +19,8 @@ from toolkit.design import DesignVariable
 from toolkit.errors import InputError
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, timed, values_of
+from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 
-Method = Literal["complex-step", "forward-difference", "central-difference"]
-METHODS = ("complex-step", "forward-difference", "central-difference")
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
 
 
@@ -35,8 +34,8 @@ def numerical(
     InputError
         The method is unknown.
     """
-    if method not in METHODS:
-        raise InputError(f"unknown method {method!r}; available: direct, {', '.join(METHODS)}.")
+    if method not in NUMERICAL:
+        raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
     variables = scene.design_variables(design)
     system = prepare(scene)
     primal, solution = timed(system, kind)

@@ -68,12 +68,11 @@ def add_transposed(plan, values, factor, block, out):
 @inner
 def add_design(plan, factor_i, factor_a, terms, block, gradient):
     """gradient += (factor_i I_x + factor_a A_x)^T block; gradient (n_x, n_r)."""
-    for i in range(plan.n):
-        for x in range(plan.n_x):
-            change = factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
-            if change != 0:
-                for r in range(block.shape[1]):
-                    gradient[x, r] += change * block[i, r]
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        change = factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
+        for r in range(block.shape[1]):
+            gradient[x, r] += change * block[i, r]
 
 
 @inner
@@ -138,9 +137,13 @@ def step_back(plan, scheme, memory):
 
 @kernel
 def integrate_backwards(
-    evaluator, plan, functions, curves, curves_x, levels, scheme, transposition, q, v, acc, by_q, by_v, by_acc, memory, gradient
-):
-    """Add to `gradient` (n_x, n_r) what the design does in all steps; leaves the derivatives by the start in `memory.bars`.
+    evaluator, plan, functions, curves, curves_x, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v, by_acc,
+    memory, gradient,
+):  # fmt: skip
+    """Add to `gradient` (n_x, n_r) what the design does in the steps to the given states.
+
+    The states are those of a window, or of the whole run: `begins` if its start is the first of them, `ends` if its end is the last.
+    `memory` carries what one window leaves to the one before, at last the derivatives by the start in `memory.bars`.
 
     With the bars b of q, v, acc, w at step n + 1 =: + (derivatives of the responses by them, everything else fixed), a step of
     `solvers.scheme` is differentiated backwards:
@@ -153,19 +156,20 @@ def integrate_backwards(
     Returns -1, or the number of the unknown that a step does not determine.
     """
     for step in range(len(q) - 1, -1, -1):
-        inputs = Inputs(curves[step], curves_x[step], 1.0, levels)
-        if step > 0 or carries(scheme):
+        inputs, is_start = Inputs(curves[step], curves_x[step], 1.0, levels), begins and step == 0
+        if carries(scheme) or not is_start:
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
-        if carries(scheme) and step < len(q) - 1:
+        if carries(scheme) and not (ends and step == len(q) - 1):
             add_carried(plan, scheme, memory, gradient)
         add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
-        if step > 0:
+        if not is_start:
             failed = solve_step(plan, scheme, transposition, memory)
             if failed >= 0:
                 return failed
             add_design(plan, scheme.weight_inertial, scheme.weight_applied, memory.terms, memory.multiplier, gradient)
             step_back(plan, scheme, memory)
-    for i in range(plan.n_q):
-        for r in range(gradient.shape[1]):
-            memory.bars.acc[i, r] += memory.bars.aux[i, r]
+    if begins:
+        for i in range(plan.n_q):
+            for r in range(gradient.shape[1]):
+                memory.bars.acc[i, r] += memory.bars.aux[i, r]
     return -1

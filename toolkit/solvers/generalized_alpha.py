@@ -47,10 +47,14 @@ def refresh(evaluator, plan, functions, inputs, scheme, q, v, acc, correction, m
 
 @kernel
 def integrate(
-    evaluator, plan, functions, curves, curves_x, levels, scheme, weights, tolerance, most, first, last, history, memory, outcome
-):
-    """Steps first ... last - 1; step n goes from time n to n + 1. Stops at the first step that fails."""
-    if first == 0:
+    evaluator, plan, functions, curves, curves_x, levels, scheme, weights, tolerance, most, begins, first, last, history, memory,
+    outcome,
+):  # fmt: skip
+    """Steps first ... last - 1; step n goes from time n to n + 1. Stops at the first step that fails.
+
+    `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left.
+    """
+    if begins:
         begin(evaluator, plan, functions, Inputs(curves[0], curves_x[0], 1.0, levels), scheme, history, memory)
     for step in range(first, last):
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels)

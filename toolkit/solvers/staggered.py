@@ -23,6 +23,14 @@ def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, ou
 
 
 @inner
+def add_design_change(plan, terms, factor_i, factor_a, out):
+    """out += factor_i I_x + factor_a A_x; out (n, n_x)."""
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        out[i, x] += factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
+
+
+@inner
 def sensitivity_step(plan, scheme, history, step, fresh, memory):
     """Total design derivatives at n + 1 from those at n, with the converged Jacobian; `fresh` if its factors are its own."""
     terms = memory.terms
@@ -36,7 +44,8 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
     load = memory.pseudo_load
     for i in range(plan.n):
         for x in range(plan.n_x):
-            load[i, x] = memory.dcarried[i, x] + w_i * terms.I_x[i, x] + w_a * terms.A_x[i, x]
+            load[i, x] = memory.dcarried[i, x]
+    add_design_change(plan, terms, w_i, w_a, load)
     add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
     solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
@@ -63,6 +72,7 @@ def carry_over(plan, scheme, memory, dq, dv, dacc):
     for i in range(plan.n):
         memory.carried[i] = c_i * terms.inertial[i] + c_a * terms.applied[i]
         for x in range(plan.n_x):
-            memory.dcarried[i, x] = c_i * terms.I_x[i, x] + c_a * terms.A_x[i, x]
+            memory.dcarried[i, x] = 0
     if plan.n_x > 0:
+        add_design_change(plan, terms, c_i, c_a, memory.dcarried)
         add_state_change(plan, terms, c_i, c_a, dq, dv, dacc, True, memory.dcarried)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from toolkit.report.figures.certificate import certificate
 from toolkit.report.figures.error_sensitivity import error_sensitivity
 from toolkit.report.figures.load_curves import load_curves
 from toolkit.report.figures.mechanism import mechanism
@@ -21,5 +22,6 @@ FIGURES: tuple[Callable[[Material], list[Drawing]], ...] = (
     skin_error,
     stress_sensitivity,
     error_sensitivity,
+    certificate,
     monitor_curves,
 )

@@ -1,0 +1,81 @@
+"""What gradients cost beside the run itself: `python -m tests.benchmarks.gradient_cost` prints a Markdown table for the README.
+
+(primal + gradient) / primal by direct differentiation and by the adjoint, over the number of design variables. The chain of 200 rods has
+600 numbers of its own: both coordinates of every point, and the density of every rod. Times are medians of interleaved repeats in one
+process, without the compilation of the scene; compare ratios, not times of different machines.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from statistics import median
+
+from tests.benchmarks.chain import chain
+from toolkit.responses.catalogue import Displacement, JointForce
+from toolkit.scene import Scene
+from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.analysis import prepare, responses_of
+from toolkit.solvers.transient import simulate
+from toolkit.system import System
+
+REPEATS = 5
+COUNTS = (1, 5, 20, 60, 600)
+
+
+def swinging_chain(n: int = 200, steps: int = 100) -> Scene:
+    """A chain with two responses: how far its end falls, and the force that holds it."""
+    scene = chain(n, steps=steps)
+    names = [f"{kind}{k}" for k in range(n) for kind in ("x", "y", "density")]
+    responses = {
+        "fall": Displacement(body=f"rod{n - 1}", point=f"P{n}", component="y"),
+        "force": JointForce(joint="J0", component="magnitude"),
+    }
+    return scene.model_copy(update={"design": {name: scene.design[name] for name in names}, "responses": responses})
+
+
+def run_direct(primal: System, system: System) -> None:
+    """Gradients along with the motion."""
+    solution = simulate(system)
+    for response in responses_of(system.scene).values():
+        response.evaluate(solution)
+
+
+def run_adjoint(primal: System, system: System) -> None:
+    """The motion, then backwards."""
+    adjoint_gradients(system, simulate(primal))
+
+
+def run_primal(primal: System, system: System) -> None:
+    """Values alone."""
+    solution = simulate(primal)
+    for response in responses_of(primal.scene).values():
+        response.value(solution)
+
+
+METHODS: dict[str, Callable[[System, System], None]] = {"primal": run_primal, "direct": run_direct, "adjoint": run_adjoint}
+
+
+def costs(scene: Scene, count: int, repeats: int = REPEATS) -> dict[str, float]:
+    """Median time in s of the run alone, and of the run with gradients by each method."""
+    primal, system = prepare(scene), prepare(scene, list(scene.design)[:count])
+    times: dict[str, list[float]] = {method: [] for method in METHODS}
+    for _ in range(repeats + 1):
+        for method, run in METHODS.items():
+            begun = time.perf_counter()
+            run(primal, system)
+            times[method].append(time.perf_counter() - begun)
+    return {method: median(each[1:]) for method, each in times.items()}  # the first loads compiled code
+
+
+def table(scene: Scene, counts: tuple[int, ...] = COUNTS) -> str:
+    """Markdown."""
+    found = {count: costs(scene, count) for count in counts}
+    head = f"| design variables | {' | '.join(map(str, counts))} |\n|---|{'---|' * len(counts)}"
+    ratios = {name: [f"{each[name] / each['primal']:.1f}" for each in found.values()] for name in ("direct", "adjoint")}
+    return "\n".join([head, *(f"| {name} | {' | '.join(cells)} |" for name, cells in ratios.items())])
+
+
+if __name__ == "__main__":
+    print("(primal + gradient) / primal of a chain of 200 rods (1000 unknowns, 100 steps, 2 responses):\n")
+    print(table(swinging_chain()))

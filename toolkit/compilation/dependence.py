@@ -1,0 +1,54 @@
+"""What a number of a scene can change: only the items that name its owner, directly or through others.
+
+A joint finds its bodies, a rod its points, a point its body by name, and by nothing else; gravity alone acts on all without being
+named. So a step in one number needs to evaluate those items only, which keeps the compilation of hundreds of variables short.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from toolkit.description import Description
+from toolkit.loads.gravity import Gravity
+from toolkit.scene import Scene
+
+Item = tuple[str, str]
+"""Group and name, for example ("points", "A")."""
+GROUPS = ("points", "bodies", "joints", "loads")
+
+
+def users_by_name(scene: Scene) -> dict[str, list[Item]]:
+    """Name -> items that name it, whatever they mean by it."""
+    found: dict[str, list[Item]] = {}
+    for group in GROUPS:
+        for name, item in getattr(scene, group).items():
+            for word in _words(item):
+                found.setdefault(word, []).append((group, name))
+    return found
+
+
+def affected_items(scene: Scene, path: str, users: dict[str, list[Item]]) -> set[Item] | None:
+    """Items that the number at a path may change; None if it may change all."""
+    group, name = path.split(".")[:2]
+    if isinstance(getattr(scene, group)[name], Gravity):
+        return None
+    found: set[Item] = set()
+    waiting: list[Item] = [(group, name)]
+    while waiting:
+        item = waiting.pop()
+        if item not in found:
+            found.add(item)
+            waiting += users.get(item[1], [])
+    return found
+
+
+def _words(value: Any) -> Iterator[str]:
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Description):
+        for _, below in value:
+            yield from _words(below)
+    elif isinstance(value, (tuple, list)):
+        for below in value:
+            yield from _words(below)

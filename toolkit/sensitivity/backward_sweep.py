@@ -1,0 +1,109 @@
+"""From partial derivatives of responses by the states of a run to their gradients by the design: backwards, window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.errors import SingularSystemError
+from toolkit.responses.response import Partials
+from toolkit.run_options import RunOptions
+from toolkit.solution import Solution
+from toolkit.solvers.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
+from toolkit.solvers.initial_conditions import consistent_start
+from toolkit.solvers.scheme import Scheme, generalized_alpha
+from toolkit.solvers.transient import constraint_levels
+from toolkit.system import System
+
+PIECE = 200
+"""Steps whose states are copied at once, and between two reports of progress."""
+
+
+class Sweep(NamedTuple):
+    """What all steps of a backward run share, what one leaves to the one before, and the gradient (n_x, n_r) that grows."""
+
+    system: System
+    options: RunOptions
+    levels: np.ndarray
+    scheme: Scheme
+    transposition: np.ndarray
+    memory: AdjointMemory
+    gradient: np.ndarray
+
+
+def begin_sweep(system: System, options: RunOptions, step: float, n_r: int) -> Sweep:
+    """Nothing swept yet; `step` is the length of the run's time steps."""
+    scheme = generalized_alpha(options.scheme, options.rho_inf, step)
+    memory = adjoint_memory(system.plan, system.lu_plan, system.weights, n_r)
+    return Sweep(system, options, constraint_levels(options), scheme, transposition(system), memory, np.zeros((system.n_x, n_r)))
+
+
+def sweep(
+    state: Sweep, window: Solution, first: int, found: Sequence[Partials], progress: Callable[[int], None] = lambda _: None
+) -> None:
+    """Go backwards through a window whose first state is that of step `first`; `found` are partials by the window's states.
+
+    `progress` is called with the step that is reached.
+
+    Raises
+    ------
+    SingularSystemError
+        A step's transposed equations have no unique solution.
+    """
+    for r, partials in enumerate(found):
+        state.gradient[:, r] += 0 if partials.design is None else partials.design
+    for high in range(len(window.times), 0, -PIECE):
+        piece = slice(max(0, high - PIECE), high)
+        _sweep_piece(state, window, piece, first + piece.start == 0, first + high == len(window.whole_run), found)
+        progress(first + piece.start)
+
+
+def _sweep_piece(state: Sweep, window: Solution, piece: slice, begins: bool, ends: bool, found: Sequence[Partials]) -> None:
+    system = state.system
+    by_q, by_v, by_acc = (_stacked(system, piece, found, name) for name in ("q", "v", "multipliers"))
+    curves, curves_x = system.curves(window.times[piece])
+    failed = system.run(
+        integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, state.levels, state.scheme,
+        state.transposition, begins, ends, *_padded(system, window, piece), by_q, by_v, by_acc, state.memory, state.gradient,
+    )  # fmt: skip
+    if failed >= 0:
+        raise SingularSystemError(
+            f"the transposed equations of a step do not determine {system.numbering.names[failed]}. Use the direct method, whose "
+            "solution the run has shown to exist, or remove redundant joints."
+        )
+
+
+def end_sweep(state: Sweep) -> np.ndarray:
+    """The start's part added: the gradient (n_x, n_r)."""
+    start = consistent_start(state.system, state.levels, options=state.options)
+    bars = state.memory.bars
+    for bar, change in zip((bars.q, bars.v, bars.acc), (start.dq, start.dv, start.dacc), strict=True):
+        state.gradient[:] += change.T @ bar
+    return state.gradient
+
+
+def _padded(system: System, window: Solution, piece: slice) -> np.ndarray:
+    """q, v and [a; lam] of some states, (3, n_t, n)."""
+    states, n_q = np.zeros((3, piece.stop - piece.start, system.n)), system.n_q
+    states[:, :, :n_q] = window.q[piece], window.v[piece], window.a[piece]
+    states[2, :, n_q:] = window.multipliers[piece]
+    return states
+
+
+def _stacked(system: System, piece: slice, found: Sequence[Partials], name: str) -> np.ndarray:
+    """One kind of partial derivatives of all responses, at its place among the unknowns: (n_t, n, n_r)."""
+    stacked = np.zeros((piece.stop - piece.start, system.n, len(found)))
+    where = slice(system.n_q, system.n) if name == "multipliers" else slice(0, system.n_q)
+    for r, partials in enumerate(found):
+        if getattr(partials, name) is not None:
+            stacked[:, where, r] = np.real(getattr(partials, name)[piece])
+    return stacked
+
+
+def transposition(system: System) -> np.ndarray:
+    """Place of the transposed entry of every entry of the pattern, which is symmetric: (n_entries,)."""
+    columns = system.plan.indices
+    rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
+    return np.lexsort((rows, columns))

@@ -1,0 +1,79 @@
+"""Which exact method is cheaper, by a model of what both cost per time step beside the run itself.
+
+    direct:   evaluation of the design partials, and per variable a solve and products with the derivatives by the state
+    adjoint:  the linearised equations again and their factors, evaluation of the design partials, and per response a transposed solve
+
+The work is counted from the compiled scene. Its price was measured on a wing and chains of 10 to 1000 unknowns, with 1 to 600 variables and
+1 to 20 responses, where the choice was the better method or at most a quarter slower, mostly equal. `python -m
+tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice stays.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Kind, prepare, responses_of
+from toolkit.solvers.transient import GIGABYTE
+from toolkit.system import System
+from toolkit.time_grid import time_grid
+
+DIRECT = np.array([3.8, 0.22, 0.0015, 0.0013])
+"""Price in us of the parts of `direct_work`."""
+ADJOINT = np.array([6.2, 0.45, 0.07, 0.0024])
+"""Price in us of the parts of `adjoint_work`."""
+
+
+class Choice(NamedTuple):
+    """A method and the sentence that says why."""
+
+    method: str
+    reason: str
+
+
+def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = False) -> Choice:
+    """The cheaper exact method for a run, or the only one that can do it.
+
+    Parameters
+    ----------
+    keep_states : bool
+        Whether derivatives of the states are wanted too, which only direct differentiation has.
+    """
+    if keep_states:
+        return Choice(
+            "direct", "direct differentiation, because derivatives of the states are to be kept, which the adjoint has not."
+        )
+    if kind == "static":
+        return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
+    system = prepare(scene, design)
+    needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
+    if needed > GIGABYTE * scene.solver.memory:
+        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {needed / GIGABYTE:.3g} GB.")
+    n_r = len(responses_of(scene))
+    by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT
+    method, name = ("adjoint", "the adjoint") if by_adjoint < by_direct else ("direct", "direct differentiation")
+    part = min(by_direct, by_adjoint) / max(by_direct, by_adjoint)
+    counts = f"{counted(len(design), 'design variable')} and {counted(n_r, 'response')}"
+    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.")
+
+
+def counted(number: int, word: str) -> str:
+    """A number and a word in its singular or plural."""
+    return f"{number} {word}{'s' * (number != 1)}"
+
+
+def direct_work(system: System, n_r: int) -> np.ndarray:
+    """What a step of direct differentiation visits: unknowns, equations per variable, and unknowns per variable and response."""
+    return np.array([1, system.n, system.n_x * _entries(system), n_r * system.n_x * system.n])
+
+
+def adjoint_work(system: System, n_r: int) -> np.ndarray:
+    """What a step of the adjoint visits: unknowns, design partials, and equations per response."""
+    return np.array([1, system.n, len(system.plan.touched_row), n_r * _entries(system)])
+
+
+def _entries(system: System) -> int:
+    """Entries of the equations' pattern and of their factors."""
+    return len(system.plan.indices) + int(system.lu_plan.row_start[-1])

@@ -1,0 +1,18 @@
+"""Names of the methods for gradients; the only list of them."""
+
+from enum import StrEnum
+
+
+class Method(StrEnum):
+    """How gradients are computed; `auto` takes the cheaper of the exact ones, direct and adjoint."""
+
+    auto = "auto"
+    direct = "direct"
+    adjoint = "adjoint"
+    complex_step = "complex-step"
+    forward_difference = "forward-difference"
+    central_difference = "central-difference"
+
+
+METHODS = tuple(method.value for method in Method)
+NUMERICAL = tuple(method.value for method in (Method.complex_step, Method.forward_difference, Method.central_difference))
