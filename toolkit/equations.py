@@ -61,6 +61,8 @@ class Work(NamedTuple):
 
     markers: MarkerState
     scratch: np.ndarray
+    rough: np.ndarray  # (1,) 1 where round-off of the elastic forces does not matter, set by the caller
+    halves: np.ndarray  # (2, n)
     joint: JointWork
     load: LoadWork
     floating: FloatingWork
@@ -86,6 +88,8 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
     return Work(
         marker_state(plan.markers, dtype),
         np.zeros((3, 3), dtype),
+        np.zeros(1, np.int64),
+        np.zeros((2, plan.n), dtype),
         joint_work(dtype),
         load_work(dtype),
         floating_work(int(max(plan.floating.n_f, default=0)), dtype),
@@ -98,7 +102,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     terms.inertial[:] = 0
     terms.applied[:] = 0
     update_markers(plan.markers, work.markers, q, v, acc, work.scratch)
-    constant_residual(plan.constant, q, v, acc, inputs.scale, terms.inertial, terms.applied)
+    constant_residual(plan.constant, q, v, acc, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied)
     floating_residual(plan.floating, q, v, acc, inputs.scale, work.floating, terms.inertial, terms.applied)
     if linearize:
         for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):

@@ -55,7 +55,7 @@ def certify(
     found.check(tolerance)
     check_afresh(afresh, found.exact)
     if not as_json:
-        typer.echo(f"All {len(names) * len(found.exact.gradients)} gradients agree to {digits_of(worst(found))} digits or more.")
+        typer.echo(verdict(found, tolerance))
 
 
 def record_of(found: Certificate) -> dict:
@@ -69,6 +69,7 @@ def record_of(found: Certificate) -> dict:
             method: {response: {x: finite_or_none(value) for x, value in slopes.items()} for response, slopes in each.items()}
             for method, each in found.differences.items()
         },
+        "round_off": {f: {x: finite_or_none(value) for x, value in limits.items()} for f, limits in found.limits.items()},
         "taylor_rates": {response: finite_or_none(rate) for response, rate in found.rates.items()},
         "central_differences": [{"relative_step": step, "largest_relative_difference": value} for step, value in found.curve],
     }
@@ -77,16 +78,20 @@ def record_of(found: Certificate) -> dict:
 def print_certificate(found: Certificate) -> None:
     """Gradients with the digits on which adjoint and complex step agree with them, Taylor rates, and the V of the differences."""
     console = Console(width=WIDE, highlight=False)
-    gradients = table("gradient", "by", "direct", "agreeing digits: adjoint", "complex step")
+    gradients = table("gradient", "by", "direct", "agreeing digits: adjoint", "complex step", "round-off leaves")
     for response, slopes in found.exact.gradients.items():
         for x, slope in slopes.items():
             gradients.add_row(
-                response, x, f"{slope:.10g}", *(digits_of(each[response][x]) for each in found.differences.values())
+                response,
+                x,
+                f"{slope:.10g}",
+                *(digits_of(each[response][x]) for each in found.differences.values()),
+                digits_of(found.limits[response][x]),
             )
     console.print(gradients)
     rates = table("response", "Taylor rate (2 if smooth)")
     for response, rate in found.rates.items():
-        rates.add_row(response, f"{rate:.2f}" if math.isfinite(rate) else "linear")
+        rates.add_row(response, "-" if math.isnan(rate) else f"{rate:.2f}" if math.isfinite(rate) else "linear")
     console.print(rates)
     curve = table("central difference, relative step", "largest relative difference")
     for step, value in found.curve:
@@ -94,10 +99,18 @@ def print_certificate(found: Certificate) -> None:
     console.print(curve)
 
 
-def worst(found: Certificate) -> float:
-    """Largest relative difference of exact methods."""
-    every = [value for each in found.differences.values() for slopes in each.values() for value in slopes.values()]
-    return max(value for value in every if not math.isnan(value))
+def verdict(found: Certificate, tolerance: float) -> str:
+    """One sentence on gradients that agree, and one on those that round-off leaves fewer digits than the tolerance asks for."""
+    worst = {(f, x): max(each[f][x] for each in found.differences.values()) for f, limits in found.limits.items() for x in limits}
+    limited = [pair for pair, value in worst.items() if value > tolerance]
+    agreeing = max((value for pair, value in worst.items() if pair not in limited), default=math.nan)
+    text = f"{len(worst) - len(limited)} gradients agree to {digits_of(agreeing)} digits or more."
+    if not limited:
+        return f"All {text}"
+    return (
+        f"{text} {len(limited)} more agree as far as round-off lets them: they are zero, or so small beside what they are made of, that "
+        "double precision leaves only the digits in the last column."
+    )
 
 
 def digits_of(difference: float) -> str:

@@ -10,26 +10,39 @@ from toolkit.compilation.arrays import ints, starts
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities
+from toolkit.compilation.stiff_entries import stiff_entries
 
 
 def constant_part(
-    numbering: Numbering, values: Quantities, derivatives: list[Quantities], rows: list, pattern: Pattern, dtype: type
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    rows: list,
+    pattern: Pattern,
+    dtype: type,
+    weights: np.ndarray,
 ) -> Constant:
-    """Mass, damping, stiffness and weight that never change; `rows` are the entries' global rows and columns, body by body."""
+    """Mass, damping, stiffness and weight that never change; `rows` are the entries' global rows and columns, body by body.
+
+    `weights` (n,) make coordinates comparable, see `numbering.weights`.
+    """
 
     def joined(name: str) -> np.ndarray:
         return np.concatenate([np.asarray(getattr(part, name)) for part in values.constant.values()])
 
     row = np.concatenate([r for r, _ in rows]).astype(np.int64)
     column = np.concatenate([c for _, c in rows]).astype(np.int64)
-    entries, forces = _constant_changes(numbering, derivatives, starts([len(r) for r, _ in rows]))
+    counts = [len(r) for r, _ in rows]
+    entries, forces = _constant_changes(numbering, derivatives, starts(counts))
+    stiffness: np.ndarray = joined("stiffness").astype(dtype)
     return Constant(
         row,
         column,
         pattern.find(row, column),
         joined("mass").astype(dtype),
         joined("damping").astype(dtype),
-        joined("stiffness").astype(dtype),
+        stiffness,
+        *stiff_entries(row, column, stiffness, weights, counts),
         np.ascontiguousarray(joined("force"), dtype),
         entries[0].astype(np.int64),
         entries[1].astype(np.int64),

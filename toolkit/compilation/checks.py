@@ -24,8 +24,11 @@ def check_numbers(scene: Scene) -> None:
         raise InputError("the scene has no body, so nothing can move. Add one to its table [bodies].")
     for name, body in scene.bodies.items():
         if isinstance(body, Flexible):
+            nominal = scene.model(body.model).nominal
             for parameter, value in body.model_values().items():
-                if not np.real(value) > 0:
+                if not np.real(value) > 0 and np.real(value) != nominal.get(
+                    parameter
+                ):  # damping or a shape mode that is not there
                     raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be a positive number.")
     size = scene.size
     for user, pair in pairs(scene).items():

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.compilation.body_arrays import constant_part, floating_part
 from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
-from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.numbering import Numbering, weights
 from toolkit.compilation.pattern import Pattern, block, build_pattern
 from toolkit.compilation.quantities import Quantities, loads_of
 from toolkit.compilation.touched import touched
@@ -23,7 +23,7 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
     pattern = _pattern(scene, numbering, values, constant_rows, frames, columns)
     curve_index, curve_variable = curve_pairs(derivatives)
     parts = (
-        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype),
+        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
         floating_part(frames, values, derivatives, pattern, dtype),
         marker_arrays(scene, numbering, values, derivatives, columns, dtype),
         joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),

@@ -10,7 +10,6 @@ from toolkit.equations import Inputs
 from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.elastic_force import elastic_force, without_stiffness
 from toolkit.system import System
 
 LEVELS = np.array([0.0, 0.0, 1.0])
@@ -60,12 +59,10 @@ def find_equilibrium(
         The equations have no unique solution.
     """
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
-    soft, stiffness = without_stiffness(system)
     moved, size = np.zeros_like(q), np.inf
     for iteration in range(options.max_iterations):
-        terms = soft.evaluate(inputs, q + moved, rest, acc)
-        residual = terms.inertial + terms.applied + elastic_force(system, q + moved)
-        terms.A_q[:] += stiffness
+        terms = system.evaluate(inputs, q + moved, rest, acc)
+        residual = terms.inertial + terms.applied
         correction = solve_linear(system, static_matrix(system, terms), residual, f"statics at load factor {factor:g}")
         moved[:n_q] -= correction[:n_q]
         acc = acc - np.where(np.arange(system.n) < n_q, 0, correction)

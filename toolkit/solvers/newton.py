@@ -37,7 +37,9 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, tolerance, most,
         q[i] = memory.q_predicted[i] + c_q * acc[i]
         v[i] = memory.v_predicted[i] + c_v * acc[i]
     for iteration in range(most):
+        memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
         evaluator(plan, functions, inputs, q, v, acc, True, False, terms, memory.work)
+        memory.work.rough[0] = 0
         newton_matrix(scheme, terms, memory.jacobian)
         for i in range(plan.n):
             total = scheme.weight_inertial * terms.inertial[i] + scheme.weight_applied * terms.applied[i]

@@ -1,0 +1,96 @@
+"""How much of a gradient is round-off: the spread of both exact methods under the scene's own last digits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from toolkit.scene import Scene
+from toolkit.sensitivity.adjoint import adjoint_gradients, by_name
+from toolkit.sensitivity.analysis import Kind, Result, prepare, responses_of, solve
+from toolkit.sensitivity.numerical import typical_size
+
+Gradients = dict[str, dict[str, float]]
+EPS = float(np.finfo(float).eps)
+LAST_DIGITS = 8 * EPS
+"""Relative change of the scene's numbers: enough to round everything anew, too little to change a gradient by itself."""
+SAMPLES, SAFETY = 4, 10.0
+"""Runs with other last digits, and how much further apart than those two methods may be: each is one more such sample, of a
+distribution with long tails."""
+
+
+def variable_sizes(scene: Scene, exact: Result) -> dict[str, float]:
+    """What a relative step of each variable refers to.
+
+    It is the value; for a zero of a point the scene's size; for another zero the change that moves no response further than the others
+    can, or than its value (one in the scene's units could be anything, as 1 mm/s, or 1 s of damping), and no body further than the
+    scene's size or by more than 1 rad.
+    """
+    variables = list(scene.design_variables(list(next(iter(exact.gradients.values()), {}))))
+    known = {v.name: typical_size(scene, v) for v in variables if v.value != 0 or v.path.startswith("points.")}
+    scales = response_scales(exact, known)
+    sizes = {}
+    for variable in variables:
+        slopes = {f: abs(slopes[variable.name]) for f, slopes in exact.gradients.items()}
+        allowed = [scales[f] / slope for f, slope in slopes.items() if slope > EPS * scales[f]]
+        sizes[variable.name] = known.get(variable.name, min([*allowed, _reach(scene, variable.path)]))
+    return sizes
+
+
+def _reach(scene: Scene, path: str) -> float:
+    """Largest sensible change of a place, angle, velocity or time; 1 in the scene's units for what is none of these."""
+    name, time = path.split(".")[2:], scene.solver.end_time
+    if name[:1] == ["velocity"]:
+        return (1.0 if name[1] == "2" else scene.size) / time
+    if name[:1] == ["position"]:
+        return scene.size
+    return time if name[-1] in ("start", "duration") else 1.0
+
+
+def response_scales(exact: Result, sizes: Mapping[str, float]) -> dict[str, float]:
+    """Response -> the largest of its value and of its changes by the variables that have a size."""
+    return {
+        f: max([abs(exact.values[f]), *(abs(slopes[x]) * size for x, size in sizes.items())], default=0.0)
+        for f, slopes in exact.gradients.items()
+    }
+
+
+def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
+    """Estimated round-off of each derivative, as an absolute number.
+
+    The scene is solved with other last digits of its own numbers, and differentiated directly and backwards. All that differs is
+    round-off; `SAFETY` times the largest difference seen is what two right methods may differ by, and at least one unit in the last
+    place of the response.
+    """
+    design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
+    sizes = variable_sizes(scene, exact)
+    scales = response_scales(exact, sizes)
+    found = {f: {x: EPS * scales[f] / sizes[x] for x in slopes} for f, slopes in exact.gradients.items()}
+    for _ in range(SAMPLES):
+        for sample in _both(rounded_anew(scene, rng), design, kind):
+            for f, slopes in sample.items():
+                for x, slope in slopes.items():
+                    found[f][x] = max(found[f][x], SAFETY * abs(slope - exact.gradients[f][x]))
+    return found
+
+
+def rounded_anew(scene: Scene, rng: np.random.Generator) -> Scene:
+    """The scene with other last digits of every number that is written in it; those of reduced models stay."""
+    given = scene.model_parameters()
+    for path, value in scene.numbers():
+        if path in scene.available_paths() and path not in given and value != 0:
+            scene = scene.with_number(path, value * (1 + LAST_DIGITS * rng.uniform(-1, 1)))
+    return scene
+
+
+def _both(scene: Scene, design: list[str], kind: Kind) -> tuple[Gradients, Gradients]:
+    """Gradients by direct differentiation and by the adjoint, from one run."""
+    system = prepare(scene, design)
+    solution = solve(system, kind)
+    names = system.design.names
+    direct = {
+        f: dict(zip(names, map(float, response.evaluate(solution)[1]), strict=True))
+        for f, response in responses_of(scene, kind == "transient").items()
+    }
+    return direct, by_name(system, *adjoint_gradients(system, solution))

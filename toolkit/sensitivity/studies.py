@@ -1,0 +1,126 @@
+"""Differences along one direction against a gradient: Taylor's remainder, and the V of truncation and round-off.
+
+All variables move at once, x + h d, so that a study takes as many runs for hundreds of variables as for one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from toolkit.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Kind, Result, direct, prepare, values_of
+from toolkit.sensitivity.round_off import response_scales, variable_sizes
+
+FAILURES = (ConvergenceError, InputError, SingularSystemError)
+UNSEEN = 1e-11
+"""Part of a response's scale below which a remainder is round-off of the run that computed it."""
+NEGLIGIBLE = 1e-6
+"""Part of a response's scale below which a directional derivative is compared with that instead of with itself."""
+TRIAL = 1e-3
+"""Relative step that tells whether a number can be moved at all."""
+
+
+def direction(scene: Scene, exact: Result) -> dict[str, float]:
+    """Variable -> its part of the direction: half to all of its size, up or down, so that changes do not cancel by symmetry.
+
+    Numbers that only preprocessing can change (or that are zero and cannot be negative) stay.
+    """
+    rng, sizes, given = np.random.default_rng(0), variable_sizes(scene, exact), scene.model_parameters()
+    found = {}
+    for variable in scene.design_variables(list(sizes)):
+        part = float(rng.choice([-1, 1]) * rng.uniform(0.5, 1) * sizes[variable.name])
+        if variable.path not in given or _can_move(scene, variable.name, part):
+            found[variable.name] = part
+    return found
+
+
+def _can_move(scene: Scene, name: str, part: float) -> bool:
+    try:
+        for step in (TRIAL, -TRIAL):
+            prepare(moved(scene, {name: part}, step))
+    except InputError:
+        return False
+    return True
+
+
+def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:
+    """The scene at x + step d."""
+    for variable in scene.design_variables(list(along)):
+        scene = scene.with_number(variable.path, variable.value + step * along[variable.name])
+    return scene
+
+
+def slopes_along(exact: Result, along: dict[str, float]) -> dict[str, float]:
+    """Response -> its derivative along the direction."""
+    return {f: sum(slopes[x] * part for x, part in along.items()) for f, slopes in exact.gradients.items()}
+
+
+def taylor_rates(
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = (2e-3, 1e-3, 5e-4), exact: Result | None = None
+) -> dict[str, float]:
+    """Rate at which |f(x + h d) - f(x) - h g . d| vanishes along `direction`: 2 if g is the gradient.
+
+    `exact` is the result of direct differentiation, computed here if there is none.
+
+    Returns
+    -------
+    rates : dict
+        Response -> fitted rate; infinite where every remainder is round-off, so that nothing is left to vanish; nan where the run fails at
+        all but one of the steps.
+    """
+    base = exact or direct(scene, design, kind)
+    along = direction(scene, base)
+    slopes, scales = slopes_along(base, along), response_scales(base, variable_sizes(scene, base))
+    remainders: dict[float, dict[str, Any]] = {}
+    for h in steps:
+        try:
+            values = values_of(moved(scene, along, h), kind)
+        except FAILURES:
+            continue
+        remainders[h] = {f: abs(value - base.values[f] - h * slopes[f]) for f, value in values.items()}
+    return {f: _rate(list(remainders), [found[f] for found in remainders.values()], scales[f]) for f in base.values}
+
+
+def _rate(steps: Sequence[float], remainders: list[float], scale: float) -> float:
+    if len(steps) < 2:
+        return np.nan
+    if max(remainders) <= UNSEEN * scale or min(remainders) == 0:
+        return np.inf
+    return float(np.polyfit(np.log(steps), np.log(remainders), 1)[0])
+
+
+def step_study(
+    scene: Scene,
+    design: list[str],
+    kind: Kind,
+    steps: Sequence[float] = tuple(10.0 ** np.arange(-2, -11, -1.0)),
+    exact: Result | None = None,
+) -> list[tuple[float, float]]:
+    """Central differences along `direction` against the gradient, over steps h: the V of truncation and round-off.
+
+    `exact` as for `taylor_rates`.
+
+    Returns
+    -------
+    study : list of pairs
+        Relative step and largest relative difference; a step so large that its runs fail is left out.
+    """
+    base = exact or direct(scene, design, kind)
+    along = direction(scene, base)
+    slopes, scales = slopes_along(base, along), response_scales(base, variable_sizes(scene, base))
+    study = []
+    for h in steps:
+        try:
+            up, down = (values_of(moved(scene, along, step), kind) for step in (h, -h))
+        except FAILURES:
+            continue
+        errors = [
+            abs((up[f] - down[f]) / (2 * h) - slope) / max(abs(slope), NEGLIGIBLE * scales[f], np.finfo(float).tiny)
+            for f, slope in slopes.items()
+        ]
+        study.append((h, float(max(errors, default=0.0))))
+    return study
