@@ -18,17 +18,19 @@ from toolkit.sensitivity.round_off import can_move, response_scales, variable_si
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
 UNSEEN = 1e-11
 """Part of a response's scale below which a remainder is round-off of the run that computed it."""
+GOLDEN = 0.6180339887498949
 NEGLIGIBLE = 1e-6
 """Part of a response's scale below which a directional derivative is compared with that instead of with itself."""
 
 
 def direction(scene: Scene, exact: Result) -> dict[str, float]:
-    """Variable -> its part of the direction: its size, so that all grow by the same part.
+    """Variable -> its part of the direction: half to all of its size, evenly spread so that changes do not cancel by symmetry.
 
     Numbers that only preprocessing can change (or that are zero and cannot be negative) stay.
     """
     sizes, variables = variable_sizes(scene, exact), scene.design_variables(list(next(iter(exact.gradients.values()), {})))
-    return {variable.name: sizes[variable.name] for variable in variables if can_move(scene, variable.path)}
+    parts = {variable.name: 1 - 0.5 * (k * GOLDEN % 1) for k, variable in enumerate(variables)}
+    return {v.name: parts[v.name] * sizes[v.name] for v in variables if can_move(scene, v.path)}
 
 
 def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:
