@@ -18,6 +18,7 @@ from toolkit.command_line.announcements import kernel_of
 from toolkit.command_line.report import record_of, undefined_numbers
 from toolkit.kernel import is_on_disk
 from toolkit.scene_file import read_scene
+from toolkit.sensitivity import certificate
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
 
 ROOT = Path(__file__).parents[1]
@@ -292,11 +293,13 @@ def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
     assert 1e-7 < best["relative_step"] < 1e-2  # truncation on one side, round-off on the other
 
 
-def test_certify_ends_with_an_error_where_exact_methods_disagree():
-    done = CliRunner().invoke(app, ["certify", str(SCENE), "--static", "--variables", "t_w", "--tolerance", "0"])
+def test_certify_ends_with_an_error_where_exact_methods_disagree(monkeypatch):
+    right = certificate.adjoint_gradients
+    monkeypatch.setattr(certificate, "adjoint_gradients", lambda *run: (right(*run)[0], (1 + 1e-6) * right(*run)[1]))
+    done = CliRunner().invoke(app, ["certify", str(MODELS / "slider_crank" / "scene.toml"), "--variables", "k", *SHORT])
     assert done.exit_code == 1
     assert "agreeing digits: adjoint" in done.stdout
-    assert re.search(r"direct differentiation and (adjoint|complex-step) disagree on d \w+ / d t_w", done.stderr)
+    assert re.search(r"direct differentiation and adjoint disagree on d \w+ / d k", done.stderr)
 
 
 MODELS = ROOT / "models"
@@ -327,8 +330,9 @@ def test_certify_takes_every_number_of_a_scene():
     for method in ("adjoint", "complex-step"):
         for response, differences in found["relative_differences"][method].items():
             assert set(differences) == set(scene.available_paths())
-            assert max(differences.values()) < 1e-9, (method, response)  # round-off, as wherever exact methods are compared
-    assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.05)  # not quite asymptotic
+            for x, difference in differences.items():  # round-off, as wherever exact methods are compared, or as much as it leaves
+                assert difference < max(1e-9, found["round_off"][response][x]), (method, response, x)
+    assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.2)  # not quite asymptotic
 
 
 def test_certify_draws_its_certificate_and_refuses_what_is_no_picture_before_the_work(tmp_path):

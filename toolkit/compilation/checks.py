@@ -26,9 +26,8 @@ def check_numbers(scene: Scene) -> None:
         if isinstance(body, Flexible):
             nominal = scene.model(body.model).nominal
             for parameter, value in body.model_values().items():
-                if not np.real(value) > 0 and np.real(value) != nominal.get(
-                    parameter
-                ):  # damping or a shape mode that is not there
+                absent = np.real(value) == nominal.get(parameter)  # damping, or a shape mode, that may be zero in the file
+                if not np.real(value) > 0 and not absent:
                     raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be a positive number.")
     size = scene.size
     for user, pair in pairs(scene).items():

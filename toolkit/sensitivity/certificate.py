@@ -106,7 +106,7 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
 def digits(difference: float) -> float:
     """How many decimal digits agree, 0 to 16; nan where there was nothing to compare."""
     return (
-        float(np.clip(-np.log10(difference), 0.0, MOST_DIGITS))
+        float(np.clip(-np.log10(difference), 0.0, MOST_DIGITS) + 0.0)
         if difference > 0
         else (MOST_DIGITS if difference == 0 else np.nan)
     )

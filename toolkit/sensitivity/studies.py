@@ -12,39 +12,25 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result, direct, prepare, values_of
-from toolkit.sensitivity.round_off import response_scales, variable_sizes
+from toolkit.sensitivity.analysis import Kind, Result, direct, values_of
+from toolkit.sensitivity.round_off import can_move, response_scales, variable_sizes
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
 UNSEEN = 1e-11
 """Part of a response's scale below which a remainder is round-off of the run that computed it."""
+GOLDEN = 0.6180339887498949
 NEGLIGIBLE = 1e-6
 """Part of a response's scale below which a directional derivative is compared with that instead of with itself."""
-TRIAL = 1e-3
-"""Relative step that tells whether a number can be moved at all."""
 
 
 def direction(scene: Scene, exact: Result) -> dict[str, float]:
-    """Variable -> its part of the direction: half to all of its size, up or down, so that changes do not cancel by symmetry.
+    """Variable -> its part of the direction: half to all of its size, evenly spread so that changes do not cancel by symmetry.
 
     Numbers that only preprocessing can change (or that are zero and cannot be negative) stay.
     """
-    rng, sizes, given = np.random.default_rng(0), variable_sizes(scene, exact), scene.model_parameters()
-    found = {}
-    for variable in scene.design_variables(list(sizes)):
-        part = float(rng.choice([-1, 1]) * rng.uniform(0.5, 1) * sizes[variable.name])
-        if variable.path not in given or _can_move(scene, variable.name, part):
-            found[variable.name] = part
-    return found
-
-
-def _can_move(scene: Scene, name: str, part: float) -> bool:
-    try:
-        for step in (TRIAL, -TRIAL):
-            prepare(moved(scene, {name: part}, step))
-    except InputError:
-        return False
-    return True
+    sizes, variables = variable_sizes(scene, exact), scene.design_variables(list(next(iter(exact.gradients.values()), {})))
+    parts = {variable.name: 1 - 0.5 * (k * GOLDEN % 1) for k, variable in enumerate(variables)}
+    return {v.name: parts[v.name] * sizes[v.name] for v in variables if can_move(scene, v.path)}
 
 
 def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:
