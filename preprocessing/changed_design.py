@@ -44,6 +44,8 @@ def changed(file: SkinFile, values: Mapping[str, float]) -> SkinFile:
         keys = _place(file, name)
         if keys and keys[0] == "interface_points":
             content["interface_points"][keys[1]] = {"arc_length": value}
+        elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
+            raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
         elif keys:
             *tables, last = keys
             table: Any = content
@@ -70,7 +72,7 @@ def _place(file: SkinFile, name: str) -> tuple[str, ...]:
         owner = name.removeprefix(f"{quantity}_")
         if owner != name and owner in file.groups and quantity in file.groups[owner].values:
             return ("groups", owner, quantity)
-        if owner.isdecimal() and quantity in file.skin.separate and int(owner) < file.skin.elements:
+        if owner in map(str, range(file.skin.elements)) and quantity in file.skin.separate:
             return ()
     raise InputError(
         f"skin.toml has no parameter {name!r}; there are {', '.join(_KEYS)}, shape modes ({', '.join(file.shape) or 'none'}), "

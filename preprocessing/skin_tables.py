@@ -147,6 +147,12 @@ class ElementGroup(Table):
     damping_mass: NonNegative | None = None  # 1 / time
     damping_stiffness: NonNegative | None = None  # time
 
+    @model_validator(mode="after")
+    def _has_values(self) -> ElementGroup:
+        if not self.values:
+            raise ValueError("a group needs a quantity of its own, for example thickness")
+        return self
+
     @property
     def values(self) -> dict[str, float]:
         """The quantities that are given."""

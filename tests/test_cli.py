@@ -330,7 +330,10 @@ def test_certify_takes_every_number_of_a_scene():
     for method in ("adjoint", "complex-step"):
         for response, differences in found["relative_differences"][method].items():
             assert set(differences) == set(scene.available_paths())
-            for x, difference in differences.items():  # round-off, as wherever exact methods are compared, or as much as it leaves
+            for (
+                x,
+                difference,
+            ) in differences.items():  # round-off, as wherever exact methods are compared, or as much as it leaves
                 assert difference < max(1e-9, found["round_off"][response][x]), (method, response, x)
     assert found["taylor_rates"] == pytest.approx({"angle": 2, "kinetic": 2, "height": 2}, abs=0.2)  # not quite asymptotic
 

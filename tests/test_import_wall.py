@@ -29,7 +29,18 @@ SHARED = tuple(
 )
 
 LAYERS = [
-    ("errors", "kernel", "planar", "units", "design", "replaced_file", "hdf5", "toml_file"),
+    (
+        "errors",
+        "kernel",
+        "planar",
+        "units",
+        "design",
+        "replaced_file",
+        "hdf5",
+        "toml_file",
+        "preprocessing_process",
+        "listed_names",
+    ),
     ("description", "validation_messages", "run_options", "time_grid", "profile"),
     ("dependence", "reduced_model", "reduced_model_check", "reduced_model_file", "design_point", "linear"),
     ("point", "component", "bodies"),

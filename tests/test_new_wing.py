@@ -139,7 +139,7 @@ def assert_matches(message: str, text: str) -> None:
 
 def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
     code = (
-        "import importlib.util, sys, toolkit.command_line.new_project as new; new.find_spec = lambda name: None;"
+        "import importlib.util, sys, toolkit.preprocessing_process as new; new.find_spec = lambda name: None;"
         f"from toolkit.cli import app; sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)

@@ -11,6 +11,7 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, scattered
 from toolkit.errors import InputError
+from toolkit.listed_names import listed
 from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, Shape
 
 NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
@@ -41,7 +42,7 @@ class DesignPoint:
                 continue
             raise InputError(
                 f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
-                f"{', '.join(self.model.parameters) or 'none'}. Use one of these names, or state it in the skin file and run "
+                f"{listed(self.model.parameters)}. Use one of these names, or state it in the skin file and run "
                 "preprocessing again."
             )
 
@@ -129,6 +130,10 @@ class DesignPoint:
         linear = tangent.renumbered(wanted)
         self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
         return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
+
+    def moves(self, item: str) -> bool:
+        """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
+        return any(self._depends(item, k) for k in self._steps)
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""

@@ -56,9 +56,21 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
         if len(own) < len(ATTRIBUTES):
             raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
         maps: dict[str, Any] = {name: content.attributes(name) for name in MAPS}
+        _check_complete(str(attributes.get("contents", "")), found)
     model = ReducedModel(**own, **maps, **found, path=path)
     check(model, path)
     return model
+
+
+def _contents(model: Mapping[str, Any]) -> list[str]:
+    """Names of all named objects: without one of them a model would be read as one that does not depend on a parameter."""
+    return [f"{part}/{name}" for part in _NAMED for name in model.get(part) or {}]
+
+
+def _check_complete(contents: str, found: Mapping[str, Any]) -> None:
+    wanted = {name for name in contents.splitlines() if found.get(name.split("/")[0]) is not None}
+    if lacking := sorted(wanted ^ set(_contents(found))):
+        raise ValueError(f"its list of contents and its groups differ by {', '.join(lacking)}")
 
 
 def is_reduced_model(path: str | Path) -> bool:
@@ -139,6 +151,7 @@ def save(model: ReducedModel, path: str | Path) -> None:
     check(model, path)
     with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
+        file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
             if item.name != "path":
                 _write(file, item.name, getattr(model, item.name))

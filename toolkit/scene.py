@@ -16,6 +16,7 @@ from toolkit.description import Description, Registered, numbers_below
 from toolkit.design import Design, DesignVariable
 from toolkit.errors import InputError
 from toolkit.joints.joint import Joint
+from toolkit.listed_names import listed
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.planar import rotation
@@ -23,7 +24,7 @@ from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
-from toolkit.scene_names import check_names, known, listed
+from toolkit.scene_names import check_names, known
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -138,9 +139,25 @@ class Scene(Description):
         return model
 
     def arc_lengths(self, body: Body) -> dict[str, Any]:
-        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length."""
-        mine = [p for p in self.points.values() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body]
-        return {point.interface: point.arc_length for point in mine if point.arc_length is not None}
+        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.
+
+        Raises
+        ------
+        InputError
+            Another point sits at the same interface point of a body whose shapes follow its place.
+        """
+        mine = {name: p for name, p in self.points.items() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body}
+        found = {}
+        for name, point in mine.items():
+            if point.arc_length is not None:
+                twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
+                if twin and isinstance(body, Flexible) and place_parameter(point.interface) in self.model(body.model).nominal:
+                    raise InputError(
+                        f"points.{name} and points.{twin} sit at the same interface point, whose place the shapes of body "
+                        f"{point.body!r} follow: one cannot move without the other. Use one of them."
+                    )
+                found[point.interface] = point.arc_length
+        return found
 
     def extrapolated(self) -> dict[str, list[str]]:
         """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
@@ -243,7 +260,8 @@ class Scene(Description):
         InputError
             A name or path is unknown, or leads to a number without derivative; lists those that are possible.
         """
-        variables, available = [], dict.fromkeys(self.available_paths())
+        variables: list[DesignVariable] = []
+        available = dict.fromkeys(self.available_paths())
         for name in self.design if names is None else names:
             path = self.design.get(name, name)
             if path.split(".")[0] in NOT_DESIGN:
@@ -262,6 +280,8 @@ class Scene(Description):
                 raise InputError(
                     f"{which}; short names of the scene: {', '.join(self.design) or 'none'}; paths: {listed(available)}."
                 )
+            if (twin := next((other.name for other in variables if other.path == path), None)) is not None:
+                raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping
-from itertools import groupby
 from typing import Any
 
 from toolkit.component import Component
@@ -12,7 +10,6 @@ from toolkit.errors import InputError
 from toolkit.point import BodyPoint
 from toolkit.validation_messages import SHORT
 
-NUMBERED = re.compile(r"(.*?)(\d+)$")
 PLURAL = {"body": "bodies", "point": "points", "joint": "joints"}
 
 
@@ -63,15 +60,6 @@ def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
         raise InputError(
             f"{user} names {kind} {name!r}, which does not exist; {PLURAL[kind]} of the scene: {', '.join(existing) or 'none'}."
         )
-
-
-def listed(names: Iterable[str]) -> str:
-    """Names for a message; of a numbered family, such as the thickness of every element, only the first and the last."""
-    shown: list[str] = []
-    for _, family in groupby(names, lambda name: found[1] if (found := NUMBERED.match(name)) else name):
-        members = list(family)
-        shown += members if len(members) < 4 else [f"{members[0]} ... {members[-1]}"]
-    return ", ".join(shown) or "none"
 
 
 def _legal(group: str, name: str) -> None:

@@ -15,6 +15,9 @@ from toolkit.errors import InputError
 from toolkit.planar import rotation
 from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths, place_parameter
 
+MEAN_AXES = "mean axes"
+"""Beginning of the reference condition of a body whose frame is held by none of its points."""
+
 
 class Flexible(Body):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
@@ -69,10 +72,23 @@ class Flexible(Body):
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         """The reduced model at the scene's parameter values; `parts` as of `Scene.model`."""
-        model = scene.model(self.model, *parts)
-        places = {place_parameter(name): s for name, s in scene.arc_lengths(self).items()}
-        follows = {parameter: s for parameter, s in places.items() if parameter in model.nominal}
-        return DesignPoint(model, {**self.model_values(), **follows}, self.extrapolation == "first-order")
+        model, first_order = scene.model(self.model, *parts), self.extrapolation == "first-order"
+        if not self.has_frame and model.reference_condition.startswith(MEAN_AXES):
+            raise InputError(
+                f"the reduced model {self.model!r} floats about mean axes, so that no point of it stays where it is: a grounded body "
+                'cannot be made of it. Write frame = "moving" and hold the body by joints, or preprocess with boundary = "clamped".'
+            )
+        places = {name: s for name, s in scene.arc_lengths(self).items() if place_parameter(name) in model.nominal}
+        design = DesignPoint(model, self.model_values(), first_order)
+        for name in places:
+            if design.moves(f"interfaces.{name}.arc_length"):
+                raise InputError(
+                    f"the scene writes an arc length of interface point {name!r}, which the shape moves along the skin, and the body's "
+                    "shapes follow it: their derivative at a fixed arc length is unknown. Leave arc_length out of the scene, or give the "
+                    "point by its arc length in the skin file."
+                )
+        follows = {place_parameter(name): s for name, s in places.items()}
+        return DesignPoint(model, {**self.model_values(), **follows}, first_order) if follows else design
 
     def invariants(self, scene: Placed) -> Invariants:
         """Invariants at the scene's parameter values."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.errors import InputError
-from toolkit.scene_names import listed
+from toolkit.listed_names import listed
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene

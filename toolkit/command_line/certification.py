@@ -49,7 +49,8 @@ def certify(
         print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh)})
     else:
         print_certificate(found)
-        print_afresh(afresh, found.exact)
+        if fresh:
+            print_afresh(afresh, found.exact)
     if output is not None:
         draw(found, output)
     found.check(tolerance)

@@ -8,6 +8,11 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.errors import InputError
 from toolkit.scene import Scene
 
+TINY = np.finfo(float).tiny
+LEAST = {
+    "youngs_modulus": TINY, "density": TINY, "thickness": TINY, "width": TINY, "chord": TINY, "y_scale": TINY, "damping": 0.0,
+}  # fmt: skip
+"""Least value of parameters of reduced models by the beginnings of their names; others, such as the height of a bump, have none."""
 SAME_PLACE = 1e-12
 """Distance of two points, relative to the scene's size, below which no direction leads from one to the other."""
 
@@ -24,11 +29,11 @@ def check_numbers(scene: Scene) -> None:
         raise InputError("the scene has no body, so nothing can move. Add one to its table [bodies].")
     for name, body in scene.bodies.items():
         if isinstance(body, Flexible):
-            nominal = scene.model(body.model).nominal
             for parameter, value in body.model_values().items():
-                absent = np.real(value) == nominal.get(parameter)  # damping, or a shape mode, that may be zero in the file
-                if not np.real(value) > 0 and not absent:
-                    raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be a positive number.")
+                least = LEAST.get(next((known for known in LEAST if parameter.startswith(known)), ""), -np.inf)
+                if not np.real(value) > 0 and (least > 0 or np.real(value) < least):
+                    right = "a positive number" if least > 0 else "zero or positive"
+                    raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be {right}.")
     size = scene.size
     for user, pair in pairs(scene).items():
         first, second = (np.real(scene.position(point)) for point in pair)

@@ -1,0 +1,18 @@
+"""Names listed in a message, however many there are."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from itertools import groupby
+
+NUMBERED = re.compile(r"(.*?)(\d+)$")
+
+
+def listed(names: Iterable[str]) -> str:
+    """Names for a message; of a numbered family, such as the thickness of every element, only the first and the last."""
+    shown: list[str] = []
+    for _, family in groupby(names, lambda name: found[1] if (found := NUMBERED.match(name)) else name):
+        members = list(family)
+        shown += members if len(members) < 4 else [f"{members[0]} ... {members[-1]}"]
+    return ", ".join(shown) or "none"
