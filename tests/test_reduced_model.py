@@ -318,7 +318,16 @@ def test_attributes_that_cannot_be_meant_are_refused(path, group, name, value, m
 def test_names_that_mean_nothing_are_refused(path, old, new, message):
     with h5py.File(path, "a") as file:
         file.move(old, new)
+        file.attrs["contents"] = np.bytes_(file.attrs["contents"].replace(old.encode(), new.encode()))
     with pytest.raises(ModelFileError, match=message):
+        load(path)
+
+
+@pytest.mark.parametrize("name", ["affine/stiffness", "affine/stress_operator", "derivatives/shape.target", "interfaces/C"])
+def test_a_part_that_got_lost_is_not_taken_for_independence(path, name):
+    with h5py.File(path, "a") as file:
+        del file[name]
+    with pytest.raises(ModelFileError, match=rf"its list of contents and its groups differ by {name}"):
         load(path)
 
 

@@ -247,7 +247,7 @@ def test_an_unknown_design_variable_lists_the_available_ones(file, name):
 
 def test_a_design_entry_that_leads_nowhere_is_refused(file):
     with pytest.raises(
-        InputError, match=r"unknown design variable 'M': its path 'loads\.motor\.torque' leads nowhere.*loads\.drive\.torque"
+        InputError, match=r"the path 'loads\.motor\.torque' of design variable 'M' leads nowhere.*loads\.drive\.torque"
     ):
         read_scene(file('M = "loads.drive.torque"', 'M = "loads.motor.torque"'))
 
