@@ -57,7 +57,7 @@ def test_derivatives_that_do_not_fit_into_memory_leave_the_adjoint():
 
 def test_a_length_that_starts_at_zero_falls_to_direct_differentiation_with_the_reason():
     """Many variables, so that the adjoint is tried first."""
-    paths = [path for path in hanging_skin().available_paths() if path.startswith(("points.", "bodies.block."))] * 8
+    paths = hanging_skin().available_paths()
     scene = hanging_skin(responses=ZERO_LENGTH, design={f"x{k}": path for k, path in enumerate(paths)})
     assert choose(scene, list(scene.design), "transient").method == "adjoint"
     found = gradients_by("auto", scene, list(scene.design), "transient")
