@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 from toolkit.cli import app
-from toolkit.command_line.announcements import kernel_of
+from toolkit.command_line.announcements import compile_formulas, kernel_of
 from toolkit.command_line.report import record_of, undefined_numbers
 from toolkit.kernel import is_on_disk
 from toolkit.scene_file import read_scene
@@ -361,6 +361,12 @@ def test_a_run_that_keeps_checkpoints_only_says_so_and_has_no_results_to_write(t
     assert done.exit_code == 1
     assert "kept 6 of 25 states" in done.stderr
     assert "drive_angle" in done.stdout
+
+
+def test_the_first_run_on_a_machine_compiles_with_memory_of_its_own():
+    """What a scene allows its states must not stop the two states that compilation needs."""
+    scene = read_scene(SCENE, {"solver.memory": "1e-9"})
+    compile_formulas(prepare(scene, list(scene.design)), "transient")
 
 
 def test_certify_without_responses_says_what_is_missing(tmp_path):

@@ -53,6 +53,7 @@ def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
 
 def compile_formulas(system: System, kind: Kind) -> None:
     """Compile what an analysis calls, by one equilibrium or one time step."""
+    from toolkit.run_options import RunOptions
     from toolkit.solvers.energy_balance import energy_balance
     from toolkit.solvers.statics import solve_statics
     from toolkit.solvers.transient import simulate
@@ -61,7 +62,8 @@ def compile_formulas(system: System, kind: Kind) -> None:
     if kind == "static":
         solve_statics(system, options)
     else:
-        energy_balance(simulate(system, options.model_copy(update={"end_time": options.step})))
+        short = options.model_copy(update={"end_time": options.step, "memory": RunOptions().memory})  # two states fit anywhere
+        energy_balance(simulate(system, short))
 
 
 def kernel_of(kind: Kind) -> CPUDispatcher:
