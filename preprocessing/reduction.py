@@ -17,9 +17,9 @@ from preprocessing.mode_count import count_by_frequency, count_by_static_error
 from preprocessing.normal_modes import NormalModes, normal_modes
 from preprocessing.subspace_rates import refuse_cut_cluster
 from toolkit.errors import InputError
+from toolkit.reduced_model import MEAN_AXES
 
 IDENTITY = "differentiated: identity on the free coordinates, the same at every design"
-MEAN_AXES = "mean axes (Buckens)"
 
 DEPENDENT = 1e-11
 """Smallest eigenvalue of the mass matrix of frame and basis, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""

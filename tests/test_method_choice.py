@@ -39,7 +39,8 @@ def test_one_variable_and_many_responses_take_direct_differentiation():
 
 def test_derivatives_of_states_that_are_to_be_kept_need_direct_differentiation():
     scene = chain(20, steps=20).model_copy(update={"responses": forces(1)})
-    method, reason = choose(scene, list(scene.design), "transient", keep_states=True)
+    choice = choose(scene, list(scene.design), "transient", keep_states=True)
+    method, reason = choice.method, choice.reason
     assert (method, "derivatives of the states are to be kept" in reason) == ("direct", True)
 
 
@@ -51,7 +52,8 @@ def test_an_equilibrium_takes_direct_differentiation():
 def test_derivatives_that_do_not_fit_into_memory_leave_the_adjoint():
     scene = chain(20, steps=20).model_copy(update={"responses": forces(20)})
     scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"memory": 1e-4})})
-    method, reason = choose(scene, ["density3"], "transient")
+    choice = choose(scene, ["density3"], "transient")
+    method, reason = choice.method, choice.reason
     assert (method, "would take" in reason) == ("adjoint", True)
 
 

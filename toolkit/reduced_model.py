@@ -11,6 +11,9 @@ import numpy as np
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import InputError
 
+MEAN_AXES = "mean axes (Buckens)"
+"""The reference condition of a body whose frame is held by none of its points."""
+
 
 @dataclass(frozen=True)
 class Invariants:

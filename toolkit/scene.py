@@ -165,14 +165,6 @@ class Scene(Description):
         found = {name: body.design_point(self).extrapolated() for name, body in bodies.items()}
         return {name: parameters for name, parameters in found.items() if parameters}
 
-    def with_tangents(self) -> Self:
-        """A copy in which all flexible bodies follow the tangent where their files hold no more."""
-        bodies = {
-            name: body.model_copy(update={"extrapolation": "first-order"}) if isinstance(body, Flexible) else body
-            for name, body in self.bodies.items()
-        }
-        return self.model_copy(update={"bodies": bodies})
-
     @property
     def gravity(self) -> np.ndarray:
         """Sum of all gravity loads, shape (2,), length/time^2."""

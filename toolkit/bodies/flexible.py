@@ -13,10 +13,7 @@ from toolkit.description import Number, Pair
 from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
 from toolkit.planar import rotation
-from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, generalized_lengths, place_parameter
-
-MEAN_AXES = "mean axes"
-"""Beginning of the reference condition of a body whose frame is held by none of its points."""
+from toolkit.reduced_model import MEAN_AXES, Invariants, ReducedModel, generalized_lengths, place_parameter
 
 
 class Flexible(Body):
@@ -73,7 +70,7 @@ class Flexible(Body):
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         """The reduced model at the scene's parameter values; `parts` as of `Scene.model`."""
         model, first_order = scene.model(self.model, *parts), self.extrapolation == "first-order"
-        if not self.has_frame and model.reference_condition.startswith(MEAN_AXES):
+        if not self.has_frame and model.reference_condition == MEAN_AXES:
             raise InputError(
                 f"the reduced model {self.model!r} floats about mean axes, so that no point of it stays where it is: a grounded body "
                 'cannot be made of it. Write frame = "moving" and hold the body by joints, or preprocess with boundary = "clamped".'
@@ -109,7 +106,7 @@ class Flexible(Body):
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
-        find_interface(model, written.interface, name)
+        refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
         moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
         return interface.at(written.arc_length) if moved else interface.here
@@ -174,21 +171,19 @@ class Flexible(Body):
         return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])
 
 
-def find_interface(model: ReducedModel, interface: str, body: str) -> InterfacePoint:
-    """The interface point of that name, or an error that lists those that exist.
+def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:
+    """Refuse an interface point that does not exist, and list those that do.
 
     Raises
     ------
     InputError
         There is none of that name.
     """
-    found = (model.interfaces or {}).get(interface)
-    if found is None:
+    if interface not in (model.interfaces or {}):
         raise InputError(
             f"flexible body {body!r} has no interface point {interface!r}; available: {_names(model)}. "
             "Add it to the interface points of the skin file and run preprocessing again."
         )
-    return found
 
 
 def _names(model: ReducedModel) -> str:

@@ -72,7 +72,7 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] 
 
 def loads_of(scene: Scene) -> list[Load]:
     """Loads that grip markers; gravity does not."""
-    return [load for load in scene.loads.values() if isinstance(load, Load)]
+    return list(named_loads(scene).values())
 
 
 def named_loads(scene: Scene) -> dict[str, Load]:

@@ -16,7 +16,7 @@ from toolkit.responses.stress import flexible_body, stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Result, moving, responses_of, result
+from toolkit.sensitivity.analysis import Result, by_name, moving, responses_of, result
 from toolkit.solution import Solution
 
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
@@ -79,7 +79,7 @@ def _result(solution: Solution) -> Result:
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
     found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
     values = {name: value for name, (value, _) in found.items()}
-    gradients = {name: dict(zip(names, map(float, slopes), strict=True)) for name, (_, slopes) in found.items() if names}
+    gradients = by_name(solution.system.design, found, (slopes for _, slopes in found.values())) if names else {}
     method = "direct" if names else "none"
     return result(scene, solution, values, gradients, method, wall.get("run", 0.0), wall.get("sensitivity", 0.0))
 

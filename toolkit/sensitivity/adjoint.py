@@ -7,7 +7,6 @@ Worth it where variables are many and responses few; `sensitivity.analysis` and 
 
 from __future__ import annotations
 
-import time as clock
 from dataclasses import replace
 
 import numpy as np
@@ -15,7 +14,7 @@ import numpy as np
 from toolkit.errors import NeedsDirectError
 from toolkit.responses.response import Partials
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import WORTH_REPEATING, Kind, Progress, Result, moving, prepare, responses_of, result, timed
+from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, moving, prepare, repeated, responses_of, result, timed
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.checkpointed import checkpointed_adjoint, fits
 from toolkit.solution import Solution
@@ -24,7 +23,9 @@ from toolkit.solvers.equilibrium import inputs_at, static_matrix
 from toolkit.system import System
 
 
-def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None) -> Result:
+def adjoint(
+    scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, system: System | None = None
+) -> Result:
     """Responses with gradients by the discrete adjoint; parameters and errors as `sensitivity.analysis.direct`.
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
@@ -33,22 +34,10 @@ def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | No
     if kind == "transient" and not fits(scene, primal_system):
         return checkpointed_adjoint(scene, design, progress)
     primal, solution = timed(primal_system, kind, progress)
-    system = prepare(scene, design)
-    extra = np.inf
-    for again in (progress, None):  # the first time also loads compiled code
-        begun = clock.perf_counter()
-        found, gradient = adjoint_gradients(system, solution, again)
-        extra = min(extra, clock.perf_counter() - begun)
-        if extra > WORTH_REPEATING:
-            break
+    compiled = system or prepare(scene, design)
+    extra, (found, gradient) = repeated(lambda told: adjoint_gradients(compiled, solution, told), progress)
     values = {name: partials.value for name, partials in found.items()}
-    return result(scene, solution, values, by_name(system, found, gradient), "adjoint", primal, extra)
-
-
-def by_name(system: System, found: dict[str, Partials], gradient: np.ndarray) -> dict[str, dict[str, float]]:
-    """What `adjoint_gradients` returns, as response -> variable -> derivative."""
-    columns = zip(found, gradient.T, strict=True)
-    return {name: dict(zip(system.design.names, map(float, column), strict=True)) for name, column in columns}
+    return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra)
 
 
 def adjoint_gradients(

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from statistics import median
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
 
+from toolkit.design import Design
 from toolkit.responses.response import Response
 from toolkit.scene import Scene
 from toolkit.solution import Solution
@@ -17,6 +18,7 @@ from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
 
+T = TypeVar("T")
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
 
@@ -75,16 +77,16 @@ def values_of(scene: Scene, kind: Kind) -> dict[str, Any]:
     return evaluate_responses(solve(prepare(scene), kind))
 
 
-def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None) -> Result:
-    """Responses with gradients by direct differentiation.
+def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, system: System | None = None) -> Result:
+    """Responses with gradients by direct differentiation; `system` is the scene with these design variables, if it is compiled already.
 
     The scene is solved without derivatives too, so that the price of the gradients is measured and not guessed.
     """
-    system, primal_system = prepare(scene, design), prepare(scene)
+    system, primal_system = system or prepare(scene, design), prepare(scene)
     primal, _ = timed(primal_system, kind)
     total, solution = timed(system, kind, progress)
     found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
-    gradients = {name: dict(zip(system.design.names, map(float, slopes), strict=True)) for name, (_, slopes) in found.items()}
+    gradients = by_name(system.design, found, (slopes for _, slopes in found.values()))
     extra = solution.wall.get("sensitivity", max(total - primal, 0.0))
     return result(scene, solution, {name: value for name, (value, _) in found.items()}, gradients, "direct", primal, extra)
 
@@ -94,18 +96,29 @@ def timed(system: System, kind: Kind, progress: Progress | None = None) -> tuple
 
     The first run also loads compiled code, so a short one is repeated and the median of the repetitions taken.
     """
-    first, solution = _clocked(system, kind, progress)
+    return repeated(lambda told: solve(system, kind, told), progress)
+
+
+def repeated(work: Callable[[Progress | None], T], progress: Progress | None = None) -> tuple[float, T]:
+    """Time of some work, measured as `timed` does, and what it returned; its first repetition reports progress."""
+    first, found = _clocked(work, progress)
     times: list[float] = []
     while len(times) < REPEATS and first + sum(times) < WORTH_REPEATING:
-        seconds, solution = _clocked(system, kind, None)
+        seconds, found = _clocked(work, None)
         times.append(seconds)
-    return median(times or [first]), solution
+    return median(times or [first]), found
 
 
-def _clocked(system: System, kind: Kind, progress: Progress | None) -> tuple[float, Solution]:
+def _clocked(work: Callable[[Progress | None], T], progress: Progress | None) -> tuple[float, T]:
     begun = clock.perf_counter()
-    solution = solve(system, kind, progress)
-    return clock.perf_counter() - begun, solution
+    found = work(progress)
+    return clock.perf_counter() - begun, found
+
+
+def by_name(design: Design, responses: Iterable[str], slopes: Iterable[np.ndarray]) -> dict[str, dict[str, float]]:
+    """Derivatives (n_x,) of each response as response -> variable -> derivative."""
+    pairs = zip(responses, slopes, strict=True)
+    return {name: dict(zip(design.names, map(float, each), strict=True)) for name, each in pairs}
 
 
 def result(

@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.errors import InputError, ToolkitError
 from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients, by_name
-from toolkit.sensitivity.analysis import Kind, Progress, Result, direct
+from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.round_off import Gradients, round_off
 from toolkit.sensitivity.studies import step_study, taylor_rates
@@ -89,7 +89,8 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system
     scene, design = system.scene, list(system.design.names)
-    others = {"adjoint": by_name(system, *adjoint_gradients(system, exact.solution)), "complex-step": stepped}
+    found, gradient = adjoint_gradients(system, exact.solution)
+    others = {"adjoint": by_name(system.design, found, gradient.T), "complex-step": stepped}
     progress(1, 4)
     floors = round_off(scene, exact, kind)
     limits = {

@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Progress, Result, prepare, responses_of, result
+from toolkit.sensitivity.analysis import Progress, Result, by_name, prepare, responses_of, result
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep
 from toolkit.solution import Solution
 from toolkit.solvers.checkpoints import Checkpoint, checkpoint_states, solve_window, solve_windows, window_bounds
@@ -52,8 +52,7 @@ def checkpointed_adjoint(scene: Scene, design: list[str], progress: Progress | N
     forwards = run_forwards(scene, tell)
     turned = clock.perf_counter()
     system = prepare(scene, design)
-    columns = zip(forwards.values, run_backwards(scene, system, forwards, tell).T, strict=True)
-    gradients = {name: dict(zip(system.design.names, map(float, column), strict=True)) for name, column in columns}
+    gradients = by_name(system.design, forwards.values, run_backwards(scene, system, forwards, tell).T)
     primal, extra = turned - begun, clock.perf_counter() - turned
     return result(scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
 

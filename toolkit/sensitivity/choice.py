@@ -4,13 +4,14 @@
     adjoint:  the linearised equations again and their factors, evaluation of the design partials, and per response a transposed solve
 
 The work is counted from the compiled scene. Its price was measured on a wing and chains of 10 to 1000 unknowns, with 1 to 600 variables and
-1 to 20 responses, where the choice was the better method or at most a quarter slower, mostly equal. `python -m
-tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice stays.
+1 to 20 responses, where the choice was the better method or at most a quarter slower, mostly equal; on a loaded machine up to 1.6 times
+slower. `python -m tests.benchmarks.method_choice` measures it again; on another machine all prices change together, so that the choice
+stays.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -26,11 +27,13 @@ ADJOINT = np.array([6.2, 0.45, 0.07, 0.0024])
 """Price in us of the parts of `adjoint_work`."""
 
 
-class Choice(NamedTuple):
-    """A method and the sentence that says why."""
+@dataclass(frozen=True)
+class Choice:
+    """A method, the sentence that says why, and the compiled scene, if the choice needed it."""
 
     method: str
     reason: str
+    system: System | None = None
 
 
 def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = False) -> Choice:
@@ -50,13 +53,13 @@ def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = Fals
     system = prepare(scene, design)
     needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
     if needed > GIGABYTE * scene.solver.memory:
-        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
+        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.", system)
     n_r = len(responses_of(scene))
     by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT
     method, name = ("adjoint", "the adjoint") if by_adjoint < by_direct else ("direct", "direct differentiation")
     part = min(by_direct, by_adjoint) / max(by_direct, by_adjoint)
     counts = f"{counted(len(design), 'design variable')} and {counted(n_r, 'response')}"
-    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.")
+    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.", system)
 
 
 def counted(number: int, word: str) -> str:

@@ -37,8 +37,10 @@ def gradients_by(
 
 def _chosen(scene: Scene, design: list[str], kind: Kind, progress: Progress | None, keep_states: bool) -> Result:
     """By the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
-    method, reason = choose(scene, design, kind, keep_states)
+    choice = choose(scene, design, kind, keep_states)
+    method = adjoint if choice.method == "adjoint" else direct
     try:
-        return replace(gradients_by(method, scene, design, kind, progress), reason=reason)
+        return replace(method(scene, design, kind, progress, choice.system), reason=choice.reason)
     except NeedsDirectError as refusal:
-        return replace(direct(scene, design, kind, progress), reason=f"direct differentiation, because {refusal.why}.")
+        reason = f"direct differentiation, because {refusal.why}."
+        return replace(direct(scene, design, kind, progress, choice.system), reason=reason)

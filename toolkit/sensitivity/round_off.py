@@ -11,8 +11,8 @@ from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.errors import InputError
 from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients, by_name
-from toolkit.sensitivity.analysis import Kind, Result, prepare, responses_of, solve
+from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.analysis import Kind, Result, by_name, prepare, responses_of, solve
 from toolkit.sensitivity.numerical import typical_size
 
 Gradients = dict[str, dict[str, float]]
@@ -72,9 +72,8 @@ def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
     response is or does.
     """
     design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
-    given = (
-        scene.model_parameters()
-    )  # stay: other last digits of a thin body's matrices would be another body, not other round-off
+    # parameters of reduced models stay: other last digits of a thin body's matrices would be another body, not other round-off
+    given = scene.model_parameters()
     paths = [path for path in scene.available_paths() if path not in given]
     sizes = variable_sizes(scene, exact)
     scales = response_scales(exact, sizes)
@@ -112,9 +111,9 @@ def _both(scene: Scene, design: list[str], kind: Kind) -> tuple[Gradients, Gradi
     """Gradients by direct differentiation and by the adjoint, from one run."""
     system = prepare(scene, design)
     solution = solve(system, kind)
-    names = system.design.names
-    direct = {
-        f: dict(zip(names, map(float, response.evaluate(solution)[1]), strict=True))
-        for f, response in responses_of(scene, kind == "transient").items()
-    }
-    return direct, by_name(system, *adjoint_gradients(system, solution))
+    responses = responses_of(scene, kind == "transient")
+    direct = (response.evaluate(solution)[1] for response in responses.values())
+    return (
+        by_name(system.design, responses, direct),
+        by_name(system.design, responses, adjoint_gradients(system, solution)[1].T),
+    )
