@@ -30,6 +30,11 @@ class BasisChoice:
     static_error: float | None = None  # relative error of the compliance at the interface points
     derivative: str = "differentiated"  # or "frozen": the shapes stay what they are when the design changes
 
+    @property
+    def follows_places(self) -> bool:
+        """Whether the shapes change with the places of the interface points."""
+        return self.kind in ("craig-bampton", "static") and self.derivative == "differentiated"
+
     def __post_init__(self) -> None:
         for name, allowed in (("kind", KINDS), ("boundary", BOUNDARIES), ("derivative", DERIVATIVES)):
             if getattr(self, name) not in allowed:

@@ -17,14 +17,13 @@ from preprocessing.changed_design import changed
 from preprocessing.discretisation import DesignSpace, Discretisation, positions
 from preprocessing.geometry import Geometry, Remark, read_geometry
 from preprocessing.gmsh_session import load_gmsh
-from preprocessing.interface import interface_point
 from preprocessing.patches import distribute
 from preprocessing.reduced import reduce
 from preprocessing.shape_parameters import shape_parameters
 from preprocessing.skin_file import SkinFile, read_skin_file
 from preprocessing.skin_tables import Place
 from toolkit.errors import InputError
-from toolkit.reduced_model import Mesh, ReducedModel, Shape, place_parameter
+from toolkit.reduced_model import Mesh, ReducedModel, Shape
 from toolkit.reduced_model_file import SCHEMA_VERSION
 
 WRITER_VERSION = "0.1.0"
@@ -97,7 +96,7 @@ def _reduced_model(
         found = reduce(space, file.basis.choice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
     mesh, z = geometry.mesh, found.basis.z
     return ReducedModel(
-        **found.fields(space, file.units),
+        **found.fields(file.units),
         input_hash=input_hash(path, file, values),
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
         shape=Shape(positions(z), geometry.target, geometry.arc_lengths),
@@ -120,30 +119,16 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
     shape = shape_parameters(file)
     strain = {"poisson_ratio": file.material.poisson_ratio or 0.0} if file.material.state == "plane-strain" else {}
 
-    free = _movable(path, file, geometry)
-
     def discretise(design: Mapping[str, Any]) -> Discretisation:
         moved = {name: design[name] for name in shape if design[name] != shape[name]}
         at = geometry.moved(moved) if moved else geometry
         factor = 1 / (1 - design["poisson_ratio"] ** 2) if strain else 1.0
         places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
-        places |= {name: places[name] + design[place_parameter(name)] - s for name, s in free.items()}
         return Discretisation(at.mesh, at.arc_lengths, assemble(at.mesh, parameters.patches, factor), places, at.target)
 
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
-    along = {place_parameter(name): s for name, s in free.items()}
-    quantities = {**parameters.quantities, **dict.fromkeys(strain, "none"), **lengths, **dict.fromkeys(along, "length")}
-    return DesignSpace({**section, **strain, **shape, **along}, quantities, frozenset(section), discretise)
-
-
-def _movable(path: Path, file: SkinFile, geometry: Geometry) -> dict[str, float]:
-    """Interface points, with their arc lengths, whose places the shapes of the basis follow; a node has no derivative."""
-    if file.basis.kind not in ("craig-bampton", "static") or file.basis.derivative == "frozen":
-        return {}
-    places = {name: _arc_length(path, name, place, geometry) for name, place in file.interface_points.items()}
-    empty = np.zeros((3 * len(geometry.mesh.nodes), 1))
-    ranges = {n: interface_point(geometry.mesh, geometry.arc_lengths, empty, s).arc_length_range for n, s in places.items()}
-    return {name: places[name] for name, (low, high) in ranges.items() if low < high}
+    quantities = {**parameters.quantities, **dict.fromkeys(strain, "none"), **lengths}
+    return DesignSpace({**section, **strain, **shape}, quantities, frozenset(section), discretise)
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:

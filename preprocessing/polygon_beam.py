@@ -54,7 +54,7 @@ def polygon_beam(
     found = reduce(space, basis, 0, "the first node")
     inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), asdict(basis), WRITER_VERSION))
     return ReducedModel(
-        **found.fields(space, units),
+        **found.fields(units),
         input_hash=hashlib.sha256(inputs.encode()).hexdigest(),
         writers={"ffrf-toolkit": WRITER_VERSION, "numpy": np.__version__},
         mesh=Mesh(nodes, mesh.connectivity, found.basis.z, nodes, np.zeros((0, 2))),

@@ -9,7 +9,8 @@ import numpy as np
 
 from preprocessing.basis import Basis
 from preprocessing.basis_choice import BasisChoice
-from preprocessing.discretisation import STEP, Change, DesignSpace, Discretisation, derivative_of
+from preprocessing.discretisation import STEP, Change, DesignSpace, derivative_of
+from preprocessing.following_places import with_places
 from preprocessing.invariants import contract, contract_derivative, listed, polynomials
 from preprocessing.reduction import reduced_basis
 from preprocessing.stress import stress_points
@@ -22,7 +23,7 @@ from toolkit.units import unit
 class Reduced:
     """What `reduce` found; the fields of `ReducedModel` bear the same names."""
 
-    discretisation: Discretisation
+    space: DesignSpace  # with all parameters of the model
     basis: Basis
     invariants: Invariants
     derivatives: dict[str, Derivatives]
@@ -30,15 +31,15 @@ class Reduced:
     interfaces: dict[str, InterfacePoint]
     stress: StressPoints
 
-    def fields(self, space: DesignSpace, units: str) -> dict[str, Any]:
+    def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
         return {
             "dimension": 2,
             "units": units,
             "reference_condition": self.basis.reference_condition,
             "basis": self.basis.description,
-            "nominal": {name: float(np.real(value)) for name, value in space.values.items()},
-            "nominal_units": {name: unit(units, quantity) for name, quantity in space.quantities.items()},
+            "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
+            "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
         }
 
@@ -58,6 +59,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: st
     InputError
         The basis cannot be had, see `reduced_basis`.
     """
+    space = with_places(space) if choice.follows_places else space
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
     basis = reduced_basis(
@@ -72,7 +74,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: st
     }
     constant = polynomials(nominal.parts, list(space.values), basis.z) if exact else {}
     return Reduced(
-        nominal,
+        space,
         basis,
         contract(matrices, basis.z),
         listed(rates, list(space.values)),

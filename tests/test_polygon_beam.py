@@ -5,9 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from preprocessing.basis_choice import BasisChoice
 from preprocessing.polygon_beam import polygon_beam
 from preprocessing.section import Section
+from toolkit.dependence import scattered
+from toolkit.design_point import DesignPoint
 from toolkit.errors import InputError
+from toolkit.reduced_model import ReducedModel
 
 SECTION = Section(youngs_modulus=2.0, density=3.0, thickness=0.1, width=0.5)
 ELBOW = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
@@ -45,3 +49,30 @@ def test_units_are_those_of_the_system():
 def test_wrong_inputs_are_refused(nodes, interfaces, units, message):
     with pytest.raises(InputError, match=message):
         polygon_beam(nodes, SECTION, interfaces, units=units)
+
+
+def test_shapes_of_a_beam_follow_the_place_of_an_interface_point():
+    """As those of a skin: stiffness and interface by the arc length, against beams that are built with the point elsewhere."""
+    choice = BasisChoice("craig-bampton", count=2)
+
+    def built(tip: float) -> ReducedModel:
+        return polygon_beam(ELBOW, SECTION, {"tip": tip}, basis=choice)
+
+    model = built(1.2)
+    design, h = DesignPoint(model), 1e-3
+    assert "arc_length_tip" in model.nominal
+    spread = [
+        (np.linalg.eigvalsh(each.invariants.stiffness), each.interfaces["tip"].position[0])
+        for each in (built(1.2 + h), built(1.2 - h))
+    ]
+    (up, place_up), (down, place_down) = spread
+    values, vectors = np.linalg.eigh(model.invariants.stiffness)
+    rate = scattered(*design.rates("stiffness", {"arc_length_tip": 0}).by(0), values.size**2).reshape(values.size, -1)
+    # constraint modes have unit columns at the point and so no freedom; differences of second order in a step of 1e-3
+    np.testing.assert_allclose(np.diag(vectors.T @ rate @ vectors), (up - down) / (2 * h), atol=1e-5 * np.abs(up).max())
+    moved = scattered(
+        *design.rates("interfaces.tip.position", {"arc_length_tip": 0}).by(0), model.interfaces["tip"].position.size
+    )
+    np.testing.assert_allclose(
+        moved.reshape(model.interfaces["tip"].position.shape)[0, :, 0], (place_up - place_down)[:, 0] / (2 * h), atol=1e-9
+    )
