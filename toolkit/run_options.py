@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
+DAMPED = 0.9
+"""Largest rho_inf of index-3 steps of changing length: at 1 their joint forces grow without bound."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -102,5 +104,10 @@ class RunOptions(Description):
             raise ValueError(
                 'scheme = "paper" is of index 1, and has no estimate of its local error; take scheme = "arnold-bruels", or leave out '
                 "formulation and local_error"
+            )
+        if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
+            raise ValueError(
+                f'formulation = "index-3" with steps of changing length needs rho_inf below {DAMPED:g}: nothing else damps '
+                "the joint forces, which every change of length excites"
             )
         return self
