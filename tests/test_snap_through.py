@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.cli import app
-from toolkit.errors import BifurcationError, ConvergenceError, CriticalStateError, LimitPointError
+from toolkit.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.point_force import PointForce
@@ -125,6 +125,13 @@ def test_gradients_at_a_limit_point_are_refused_but_not_the_state(distance):
         solve_statics(compile_scene(given, [FORCE]))
     with pytest.raises(CriticalStateError):
         solve_statics(compile_scene(given.with_number(FORCE, given.number(FORCE) + 1e-30j)))
+
+
+@pytest.mark.parametrize("distance", [1e-14, 1e-15, 0.0, -1e-15, -1e-14])
+def test_a_load_that_is_the_limit_load_to_round_off_is_refused_as_such(distance):
+    with pytest.raises(CriticalPointError, match="limit point") as error:
+        solve_statics(compile_scene(truss((1 - distance) * LIMIT)))
+    assert error.value.load_factor == pytest.approx(1, abs=1e-12)
 
 
 @pytest.mark.parametrize("distance", [1e-5, 1e-3])

@@ -36,6 +36,7 @@ class StaticPath:
 
     load_factors: np.ndarray  # (n_p,)
     q: np.ndarray  # (n_p, n_q)
+    multipliers: np.ndarray  # (n_p, n_lam)
     limit_points: tuple[LimitPoint, ...] = ()
     unstable_crossings: int = 0
 

@@ -27,19 +27,18 @@ def bifurcation(system: System, options: RunOptions, path: StaticPath) -> Bifurc
     while the load goes on, the load does no work on the motion: other branches of equilibria begin there.
     """
     end = path.limit_points[0].place if path.limit_points else len(path.q)
-    visited = [
-        (factor, _found_again(system, options, factor, q)) for factor, q in zip(path.load_factors[:end], path.q, strict=False)
-    ]
+    visited = [(float(path.load_factors[k]), _found_again(system, options, path, k)) for k in range(end)]
     for (low, before), (high, after) in pairwise(visited):
         if not is_stable(system, options, after, high):
             return _error(system, *_bisect(system, options, before, low, high))
     return None
 
 
-def _found_again(system: System, options: RunOptions, factor: float, q: np.ndarray) -> Equilibrium:
-    """Joint forces follow from the coordinates; Newton finds them at once."""
-    full: np.ndarray = np.append(q, np.zeros(system.n - system.n_q)).astype(system.dtype)
-    return find_equilibrium(system, options, factor, full, np.zeros_like(full), NEAR)[0]
+def _found_again(system: System, options: RunOptions, path: StaticPath, place: int) -> Equilibrium:
+    """A point of the path with its tangent."""
+    q: np.ndarray = np.append(path.q[place], np.zeros(system.n - system.n_q)).astype(system.dtype)
+    acc: np.ndarray = np.append(np.zeros(system.n_q), path.multipliers[place]).astype(system.dtype)
+    return find_equilibrium(system, options, float(path.load_factors[place]), q, acc, NEAR)[0]
 
 
 def _bisect(system: System, options: RunOptions, state: Equilibrium, low: float, high: float) -> tuple[float, np.ndarray]:

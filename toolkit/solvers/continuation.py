@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.errors import ConvergenceError, LimitPointError
+from toolkit.errors import ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.arc_length import Arc, PathPoint, arcs, fastest, first_point
 from toolkit.solvers.bifurcation import bifurcation
@@ -43,9 +43,9 @@ class Trail:
 
     def path(self, system: System, *end: PathPoint) -> StaticPath:
         """The points so far, and an end."""
-        points = [*self.points, *end]
-        q = np.array([point.q[: system.n_q] for point in points])
-        return StaticPath(np.array([point.factor for point in points]), q, tuple(self.limits), self.unstable)
+        points, n_q = [*self.points, *end], system.n_q
+        q, multipliers = np.array([point.q[:n_q] for point in points]), np.array([point.acc[n_q:] for point in points])
+        return StaticPath(np.array([point.factor for point in points]), q, multipliers, tuple(self.limits), self.unstable)
 
 
 def to_full_load(
@@ -89,7 +89,10 @@ def _stable_end(system: System, options: RunOptions, trail: Trail, point: PathPo
     """A point of the path under the full load, to round-off, if it is stable; a path that lost its stability without limit is refused."""
     q: np.ndarray = point.q.astype(system.dtype)
     acc: np.ndarray = point.acc.astype(system.dtype)
-    state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    try:
+        state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    except (ConvergenceError, SingularSystemError) as error:
+        raise _critical_full_load(system, point, error) from error
     trail.iterations += count
     if is_stable(system, options, state, 1.0):
         return state
@@ -125,6 +128,16 @@ def _end_of_path(limit: LimitPoint) -> LimitPointError:
         'fine steps, or follow the path past it with solver.continuation = "arc-length" (ffrf statics --past-limit).',
         limit.load_factor,
         limit.coordinate,
+    )
+
+
+def _critical_full_load(system: System, point: PathPoint, error: Exception) -> CriticalPointError:
+    coordinate = system.numbering.names[fastest(system, point.direction)]
+    return CriticalPointError(
+        f"the full load is that of a limit point or bifurcation to round-off, where nothing holds {coordinate} ({error}). Use a little "
+        "less load.",
+        point.factor,
+        coordinate,
     )
 
 

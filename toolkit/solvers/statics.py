@@ -98,14 +98,18 @@ def _last_stretch(system: System, options: RunOptions, visited: Visited, error: 
         raise critical from error
     except ConvergenceError as further:
         raise _lost(factor, further) from error
-    factors = np.concatenate([path.load_factors[:-1], rest.path.load_factors])
-    joined = StaticPath(factors, np.concatenate([path.q[:-1], rest.path.q]))
+    load_factors, q, multipliers = (
+        np.concatenate([getattr(path, name)[:-1], getattr(rest.path, name)]) for name in ("load_factors", "q", "multipliers")
+    )
+    joined = StaticPath(load_factors, q, multipliers)
     return rest._replace(path=joined, steps=len(visited) - 1 + rest.steps)
 
 
 def _path(system: System, visited: Visited) -> StaticPath:
     factors, states = zip(*visited, strict=True)
-    return StaticPath(np.array(factors), np.real([state.q[: system.n_q] for state in states]))
+    n_q = system.n_q
+    q, multipliers = np.real([state.q[:n_q] for state in states]), np.real([state.acc[n_q:] for state in states])
+    return StaticPath(np.array(factors), q, multipliers)
 
 
 def _nothing_near(error: Exception) -> ConvergenceError:
