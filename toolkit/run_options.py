@@ -73,6 +73,11 @@ class RunOptions(Description):
     memory
         GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
         refuse.
+    continuation
+        How statics follows the path of equilibria: "load" up to the first limit point (snap-through), where it stops with an error;
+        "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
+    path_steps
+        Most steps along the path of equilibria, by its arc length.
     """
 
     end_time: Positive = 1.0
@@ -91,6 +96,8 @@ class RunOptions(Description):
     drift_tolerance: Positive = 1e-3
     assemble: bool = False
     memory: Positive = 8.0
+    continuation: Literal["load", "arc-length"] = "load"
+    path_steps: Count = 1000
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:
