@@ -13,6 +13,7 @@ from rich.table import Table
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.analysis import Result
+    from toolkit.solution import Solution
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
@@ -121,6 +122,24 @@ def print_tables(result: Result) -> None:
         console.print(line, markup=False)
 
 
+COARSE = 1e-3
+"""Local error of a step, a part of the scene's size (or rad), above which a run says that its steps are coarse."""
+
+
+def coarseness(solution: Solution) -> list[str]:
+    """What the steps' length does, and a warning where one of them left the motion unresolved."""
+    error, options = solution.local_error, solution.options or solution.system.scene.solver
+    if error is None or options.quasi_static or options.scheme == "paper":  # whose accelerations lag behind
+        return []
+    lines = [f"The largest error that a step is estimated to make is {error:.1e} of the scene's size."]
+    if error > COARSE:
+        lines.append(
+            f"Warning: steps are coarse for this motion (more than {COARSE:g}), so that peaks and vibrations may be wrong. Try a smaller "
+            f'solver.step, or let the run choose: --set solver.local_error={COARSE / 10:g}, with solver.scheme = "arnold-bruels".'
+        )
+    return lines
+
+
 def remarks(result: Result) -> list[str]:
     """Remarks of the responses, drift of the joints, iterations, wall times."""
     from toolkit.responses.stress import KSStress
@@ -146,6 +165,7 @@ def remarks(result: Result) -> list[str]:
             f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, "
             f"energy balance by {energy_balance(solution).relative_defect:.1e} of the largest energy or work."
         )
+        lines += coarseness(solution)
         if solution.correction > solution.system.scene.solver.tolerance:
             lines.append(
                 f"Newton was content with a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance."
