@@ -17,9 +17,11 @@ from scipy.sparse.linalg import splu
 from preprocessing.corotational import Corotational
 from toolkit.errors import InputError
 
-SMALLEST_STEP = 1e-3
-"""Part of the load below which a step is not halved any more."""
+FIRST_STEP, SMALLEST_STEP = 0.1, 1e-3
+"""Parts of the load: the steps, halved where Newton fails or finds an unstable state, and where they are not halved any more."""
 ITERATIONS = 40
+HOLD = 1e3
+"""Stiffness of a held direction, in parts of that of the stiffest: its square is far from round-off and from any of the body."""
 EXACT, ROUND_OFF = 1e-10, 1e-6
 """Corrections, in parts of the body's size, that Newton is content with: at once; or when they shrink no more."""
 
@@ -36,8 +38,8 @@ def solve_corotational(frame: Corotational, loads: np.ndarray, held: np.ndarray)
     InputError
         No equilibrium is found up to the full load: the body buckles or snaps through before.
     """
-    u, factor, step = np.zeros(len(loads)), 0.0, 1.0
-    while factor < 1:
+    u, factor, step = np.zeros(len(loads)), 0.0, FIRST_STEP
+    while factor < 1 - 1e-12:
         target = min(1.0, factor + step)
         found = _newton(frame, target * loads, held, u)
         if found is None:
@@ -53,7 +55,7 @@ def solve_corotational(frame: Corotational, loads: np.ndarray, held: np.ndarray)
 
 
 def _newton(frame: Corotational, loads: np.ndarray, held: np.ndarray, u: np.ndarray) -> np.ndarray | None:
-    """The equilibrium next to u; None if the iteration does not find it."""
+    """The equilibrium next to u; None if the iteration does not find it, or it is unstable."""
     size, before = np.ptp(frame.mesh.nodes, axis=0).max(), np.inf
     for _ in range(ITERATIONS):
         try:
@@ -63,16 +65,33 @@ def _newton(frame: Corotational, loads: np.ndarray, held: np.ndarray, u: np.ndar
         u = u + correction
         change = np.hypot(correction[0::3], correction[1::3]).max()
         if change <= EXACT * size or (change <= ROUND_OFF * size and change > before / 2):
-            return u
+            return u if _stable(frame.tangent(u), held) else None
         if not change < 1e3 * size:
             return None
         before = change
     return None
 
 
+def _stable(stiffness: Any, held: np.ndarray) -> bool:
+    """Whether K is positive definite in all directions that the rows C leave free: K + C^T C is, with C made stiff."""
+    scale = _scale(stiffness)
+    border = held * scale
+    stiff = HOLD * border / np.linalg.norm(border, axis=1)[:, None]
+    try:
+        np.linalg.cholesky(scale[:, None] * stiffness.toarray() * scale + stiff.T @ stiff)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _scale(stiffness: Any) -> np.ndarray:
+    """Scales of the unknowns that make the diagonal of K one: a skin is far stiffer in tension than in bending."""
+    return 1 / np.sqrt(np.abs(stiffness.diagonal()))
+
+
 @dataclass(frozen=True)
 class Bordered:
-    """Factors of [K C^T; C 0], scaled to a unit diagonal of K: a skin is far stiffer in tension than in bending."""
+    """Factors of [K C^T; C 0] in scaled unknowns."""
 
     factors: Any
     scale: np.ndarray
@@ -80,7 +99,7 @@ class Bordered:
     @classmethod
     def of(cls, stiffness: Any, held: np.ndarray) -> Bordered:
         """Factor a symmetric K (n, n) held by the rows C (m, n)."""
-        scale = 1 / np.sqrt(np.abs(stiffness.diagonal()))
+        scale = _scale(stiffness)
         border = held * scale
         border = sparse.csc_array(border / np.linalg.norm(border, axis=1)[:, None])
         spread = sparse.diags_array(scale)

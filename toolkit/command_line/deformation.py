@@ -45,8 +45,9 @@ def watched_speed(scene: Scene, quiet: bool) -> Iterator[None]:
 def too_fast(body: str, speed: float, critical: float) -> str:
     """The warning of a body that spins beyond its critical speed."""
     return (
-        f"warning: {body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks centrifugal "
-        "stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, or make several bodies in a row of it."
+        f"warning: {body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
+        "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, or make several bodies "
+        "in a row of it."
     )
 
 
@@ -59,10 +60,10 @@ def warn_of_deformations(solution: Solution, found: Deformations) -> None:
     for body, each in found.items():
         if each is not None and each.exceeded:
             typer.echo(
-                f"warning: {body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and elements "
-                f"that turn with it would be off by about {each.error:.2g} {unit(scene.units, 'length')} under the same forces, "
-                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer body, or "
-                "several bodies in a row instead of one, make it smaller.",
+                f"warning: {body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
+                f"elements that turn with it would be off by about {each.error:.2g} {unit(scene.units, 'length')} under the same "
+                f"forces, {each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a "
+                "stiffer body, or several bodies in a row instead of one, make it smaller.",
                 err=True,
             )
     told = dict(too_fast_at_start(scene))
@@ -97,7 +98,12 @@ def print_deformations(solution: Solution, found: Deformations) -> None:
         return
     length = unit(solution.system.scene.units, "length")
     rows = table(
-        "deformation of", "largest rotation, rad", f"displacement, {length}", f"geometric error, {length}", "of displacement", "of size"
+        "deformation of",
+        "largest rotation, rad",
+        f"displacement, {length}",
+        f"geometric error, {length}",
+        "of displacement",
+        "of size",
     )
     for body, each in found.items():
         numbers = each and (each.rotation, each.displacement, each.error, each.relative, each.error / each.size)

@@ -1,4 +1,4 @@
-"""The truth that the small-deformation meter estimates: the same forces on the same elements, solved corotationally by the preprocessing."""
+"""The truth that the small-deformation meter estimates: the same elements under the same forces, solved corotationally."""
 
 from __future__ import annotations
 

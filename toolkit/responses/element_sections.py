@@ -22,7 +22,7 @@ BENDING = np.array([[4.0, 2.0], [2.0, 4.0]])
 """Moments at both ends, times L / EI, per rotation of the ends against the chord."""
 
 ROUND_OFF = 1e-10
-"""Part of the largest strain of an element below which that of another is round-off: no shape of the basis reaches it."""
+"""Strain of an element, in parts of its displacement over its length, below which it is round-off: no shape of the basis strains it."""
 WEAK = 1e-6
 """Part of the largest below which a combination of widths is left at their mean: the basis does not tell it."""
 
@@ -94,9 +94,10 @@ def sections(mesh: Mesh, places: StressPoints, operator: np.ndarray, stiffness: 
 
     In each element, with the strain eps = a / L and the curvature kappa of all shapes of the basis,
 
-        (B_outer + B_inner) / 2 = E eps,    B_outer - B_inner = E t kappa,    K = sum_e b_e (E t L eps^T eps + E t^3 / 12 L int kappa^T kappa)
+        (B_outer + B_inner) / 2 = E eps,    B_outer - B_inner = E t kappa
+        K = sum_e b_e (E t L eps^T eps + E t^3 / 12 L int kappa^T kappa)
 
-    of which the first two give E and t, and the third, by least squares, the widths.
+    of which the first two give E and t, and the third, by least squares, the widths b.
 
     Parameters
     ----------
@@ -110,21 +111,24 @@ def sections(mesh: Mesh, places: StressPoints, operator: np.ndarray, stiffness: 
     stress = np.zeros((len(eps), 2, 2, operator.shape[1]))
     stress[places.element, places.end, (1 - places.fibre) // 2] = operator
     mean, difference = stress.mean(axis=(1, 2)), stress[:, :, 0] - stress[:, :, 1]
-    found = _ratio(mean, eps)
+    least = ROUND_OFF * np.linalg.norm(mesh.recovery[elements.dofs, 1:].reshape(len(eps), -1), axis=1) / elements.lengths
+    found = _ratio(mean, eps, least)
     found = np.where(np.isnan(found), modulus, found)
-    thickness = _ratio(difference.reshape(len(eps), -1), kappa.reshape(len(eps), -1)) / found
+    thickness = _ratio(difference.reshape(len(eps), -1), kappa.reshape(len(eps), -1), least / elements.lengths) / found
     thickness = np.where(np.isnan(thickness), np.nanmean(thickness), thickness)
     return Sections(found, thickness, _widths(elements.lengths, shapes[:, [0, 2, 3]], found, thickness, stiffness))
 
 
-def _ratio(stress: np.ndarray, strain: np.ndarray) -> np.ndarray:
-    """Stress per strain of each element, (n_e,), over all shapes (n_e, n); nan where they strain the element by round-off only."""
+def _ratio(stress: np.ndarray, strain: np.ndarray, least: np.ndarray) -> np.ndarray:
+    """Stress per strain of each element, (n_e,), over all shapes (n_e, n); nan where they strain the element less than `least`."""
     squares = np.einsum("ef,ef->e", strain, strain)
-    known = squares > ROUND_OFF**2 * squares.max()
+    known = squares > least**2
     return np.where(known, np.einsum("ef,ef->e", stress, strain) / np.where(known, squares, 1.0), np.nan)
 
 
-def _widths(lengths: np.ndarray, shapes: np.ndarray, modulus: np.ndarray, thickness: np.ndarray, stiffness: np.ndarray) -> np.ndarray:
+def _widths(
+    lengths: np.ndarray, shapes: np.ndarray, modulus: np.ndarray, thickness: np.ndarray, stiffness: np.ndarray
+) -> np.ndarray:
     """Least squares of K = sum_e b_e sum_i r_ei^T r_ei by its normal equations, as deviations from one common width.
 
     `r` are the rows (n_e, 3, n_f) whose squares are the energies of an element of unit width.

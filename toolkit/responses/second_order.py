@@ -49,7 +49,7 @@ def second_order_forces(elements: Elements, made_of: Sections, u: np.ndarray) ->
     force = axial[:, :, None] * elements.along + shear[:, :, None] * elements.across
     each = np.concatenate([-force, m_2[:, :, None] / 2, force, m_2[:, :, None] / 2], axis=2)
     found = np.zeros_like(u)
-    np.add.at(found, (slice(None), dofs), each)
+    np.add.at(found.T, dofs, np.moveaxis(each, 0, -1))
     return found
 
 
