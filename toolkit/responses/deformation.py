@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.reduced_model import MEAN_AXES
 from toolkit.responses.element_sections import Elements, Sections, sections
-from toolkit.responses.second_order import held_rows, second_order_displacement
+from toolkit.responses.second_order import clamped_rows, mean_rows, second_order_displacement
 from toolkit.responses.stress import design_point, elastic_coordinates
 from toolkit.scene import Scene
 from toolkit.solution import Solution
@@ -79,7 +80,9 @@ def chain(scene: Scene, body: str) -> Chain | None:
     modulus = next((value for name, value in design.model.nominal.items() if name.startswith("youngs_modulus")), 1.0)
     operator, stiffness = (np.real(design.value(item)) for item in ("stress_operator", "stiffness"))
     elements, shapes = Elements(mesh.nodes, mesh.connectivity), mesh.recovery[:, 1:]
-    return Chain(elements, sections(mesh, places, operator, stiffness, modulus), shapes, held_rows(elements, shapes))
+    free = design.model.reference_condition == MEAN_AXES
+    held = mean_rows(elements) if free else clamped_rows(elements, shapes)
+    return Chain(elements, sections(mesh, places, operator, stiffness, modulus), shapes, held)
 
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:

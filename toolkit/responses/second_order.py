@@ -69,19 +69,17 @@ def second_order_displacement(elements: Elements, made_of: Sections, held: np.nd
     return (scale[:, None] * solved[: len(scale)]).T
 
 
-def held_rows(elements: Elements, recovery: np.ndarray) -> np.ndarray:
-    """Rows (3, n) of displacements that the body's frame does not feel.
+def clamped_rows(elements: Elements, shapes: np.ndarray) -> np.ndarray:
+    """Rows (3, n) of the node that a tangent frame is tied to: the one that the shapes (n, n_f) of the basis do not move."""
+    node = int(np.argmin(np.abs(shapes).reshape(len(elements.nodes), -1).max(axis=1)))
+    return np.eye(3, shapes.shape[0], 3 * node)
 
-    Three nodal coordinates that no shape of the basis (n, n_f) moves, where the frame is tied to a node; else the mean displacement
-    and rotation, weighted by the lengths of the elements at each node.
-    """
-    still = np.flatnonzero(~recovery.reshape(len(elements.nodes), -1).any(axis=1))
-    found = np.zeros((3, 3 * len(elements.nodes)))
-    if len(still):
-        found[np.arange(3), 3 * still[0] + np.arange(3)] = 1
-        return found
+
+def mean_rows(elements: Elements) -> np.ndarray:
+    """Rows (3, n) of mean displacement and rotation, which a frame on mean axes does not feel; nodes weigh as the elements beside them."""
     weight = np.bincount(elements.connectivity.ravel(), np.repeat(elements.lengths / 2, 2), len(elements.nodes))
     arm = elements.nodes - weight @ elements.nodes / weight.sum()
+    found = np.zeros((3, 3 * len(elements.nodes)))
     found[0, 0::3], found[1, 1::3] = weight, weight
     found[2, 0::3], found[2, 1::3] = -weight * arm[:, 1], weight * arm[:, 0]
     return found
