@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
 from toolkit.errors import InputError
 from toolkit.preprocessing_process import run
-from toolkit.responses.deformation import Deformation, chain, deformation
+from toolkit.responses.deformation import Deformation, chain, deformation, flexible_bodies
 from toolkit.responses.stress import elastic_coordinates
 from toolkit.solution import Solution
 
@@ -71,7 +70,7 @@ def flexible_of(solution: Solution) -> list[str]:
     InputError
         There is none.
     """
-    found = [name for name, body in solution.system.scene.bodies.items() if isinstance(body, Flexible)]
+    found = flexible_bodies(solution.system.scene)
     if not found:
         raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
     return found
