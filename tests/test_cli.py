@@ -64,7 +64,7 @@ def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_not
     output, errors = process.communicate()
     assert process.returncode == 0, errors
     found = json.loads(output)  # fails on anything before or after the object
-    assert set(found) == {"responses", "gradients", "run"}
+    assert set(found) == {"responses", "gradients", "run", "deformation"}
     assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
     assert all(isinstance(each["value"], float) for each in found["responses"].values())
     assert set(found["run"]) == {"method", "reason", "steps", "newton_iterations", "wall_s"}

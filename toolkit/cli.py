@@ -21,6 +21,8 @@ from toolkit.command_line.arguments import (
     read,
 )
 from toolkit.command_line.certification import certify
+from toolkit.command_line.deformation import watched_speed
+from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
@@ -67,7 +69,7 @@ def simulate(
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
-    with at_work("time steps", described, "transient", quiet=quiet) as progress:
+    with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
         seconds, solution = timed(prepare(described), "transient", progress)
     found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
     keep(found, output, text, changes, quiet)
@@ -118,7 +120,7 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("gradients", described, kind, names, quiet) as progress:
+    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -188,6 +190,7 @@ def render(
 
 
 app.command()(certify)
+app.command()(check_deformation)
 app.command()(export)
 app.command()(report)
 

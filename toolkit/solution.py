@@ -19,9 +19,8 @@ class Solution:
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
     largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
-    `options` are those of the run; `own_start` says that it did not
-    begin at the scene's start; `run_times` are all times of the run, where the solution holds the states of some alone;
-    `path` is the way of a static solution from the unloaded state.
+    `options` are those of the run; `own_start` says that it did not begin at the scene's start; `run_times` are all times of the run,
+    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state.
     """
 
     system: System

@@ -27,15 +27,25 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
-    """Print values, units and gradients of all responses, and what the run cost."""
+    """Print values, units and gradients of all responses, how far flexible bodies deform, and what the run cost."""
+    from toolkit.command_line.deformation import print_deformations, record_of_deformations, warn_of_deformations
+    from toolkit.responses.deformation import deformations
+
     for undefined in [] if quiet else undefined_numbers(result):
         typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
-    if not quiet and beyond_limits(result):
-        typer.echo(f"warning: {beyond_limits(result)}", err=True)
+    found = deformations(result.solution)
+    if not quiet:
+        warn_of_deformations(result.solution, found)
+        if beyond_limits(result):
+            typer.echo(f"warning: {beyond_limits(result)}", err=True)
     if as_json:
-        print_json(record_of(result))
-    else:
-        print_tables(result)
+        deformed = {"deformation": record_of_deformations(result.solution, found)} if found else {}
+        print_json(record_of(result) | deformed)
+        return
+    print_tables(result)
+    print_deformations(result.solution, found)
+    for line in remarks(result):
+        Console(width=WIDE, highlight=False).print(line, markup=False)
 
 
 def record_of(result: Result) -> dict[str, Any]:
@@ -104,7 +114,7 @@ def undefined_numbers(result: Result) -> list[str]:
 
 
 def print_tables(result: Result) -> None:
-    """Values and gradients as tables, then what has to be known about them."""
+    """Values and gradients as tables."""
     console = Console(width=WIDE, highlight=False)
     values = table("response", "value", "unit")
     for name, value in result.values.items():
@@ -118,8 +128,6 @@ def print_tables(result: Result) -> None:
             slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
             gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes))
         console.print(gradients)
-    for line in remarks(result):
-        console.print(line, markup=False)
 
 
 COARSE = 1e-3
