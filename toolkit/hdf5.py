@@ -52,6 +52,8 @@ class Content:
     def __init__(self, file: h5py.File, size: int) -> None:
         self._file = file
         self._left = SQUEEZED * size
+        self.bytes_read: dict[str, int] = {}
+        """Group -> bytes of its arrays that were read, as they are stored in the file."""
 
     def group(self, name: str) -> list[str]:
         """Names in a group."""
@@ -69,6 +71,8 @@ class Content:
             raise ValueError(f"{name} is {data.dtype} instead of numbers")
         self._pay(name, data)
         values = np.asarray(data[()])
+        group = name.split("/")[0]
+        self.bytes_read[group] = self.bytes_read.get(group, 0) + data.id.get_storage_size()
         return values if kind == "S" else values.astype(float if kind == "f" else np.int64, copy=False)
 
     def attributes(self, name: str = "/") -> dict[str, str | int | float]:
