@@ -52,7 +52,7 @@ LAYERS = [
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema"),
     ("results",),
-    ("studies",),
+    ("studies", "receipt"),
     ("render",),
     ("report",),
     ("cli", "command_line"),

@@ -7,9 +7,16 @@ import numpy as np
 import pytest
 
 from tests.scenes import HANGING_DESIGN, MODELS, hanging_skin
+from toolkit.bodies.flexible import FRAME, Flexible
+from toolkit.joints.revolute import Revolute
+from toolkit.point import BodyPoint
+from toolkit.receipt.cost import costs
+from toolkit.receipt.everything import prepare_everything, with_frames
+from toolkit.receipt.receipt import receipt
 from toolkit.reduced_model_file import load
+from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
+from toolkit.sensitivity.analysis import evaluate_responses, prepare, responses_of, solve
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
 
@@ -105,3 +112,113 @@ def test_entries_that_only_variables_fill_change_no_residual(path, rng):
     one, other = (system.evaluate(system.inputs(0.005, np.ones(3)), q, v, acc) for system in (alone, varied))
     for a, b in ((one.inertial, other.inertial), (one.applied, other.applied)):
         assert a == pytest.approx(b, rel=1e-12, abs=1e-12 * np.abs(a).max())  # round-off of sums over 90 coordinates
+
+
+def clamped_skin() -> Scene:
+    """The skin stands clamped at a place and angle of its own, falls, and is pushed by an arm; no loop of rods drives it."""
+    loose = hanging_skin()
+    skin = Flexible(model="skin.h5", frame="grounded", position=(3.0, 5.0), angle=0.1)
+    joints = {name: joint for name, joint in loose.joints.items() if name in ("C", "guide")}
+    responses = {name: each for name, each in loose.responses.items() if name != "rod_force"}
+    return loose.model_copy(update={"bodies": {**loose.bodies, "skin": skin}, "joints": joints, "responses": responses})
+
+
+def rotating_beam() -> Scene:
+    """The spinning beam, for some steps."""
+    return read_scene(MODELS.parent / "rotating_beam" / "scene.toml", {"solver.end_time": "0.02"})
+
+
+SCENES = {"wing": lambda: read_scene(MODELS / "scene.toml"), "clamped skin": clamped_skin, "rotating beam": rotating_beam}
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_everything_put_back_changes_no_response(name):
+    """Newton stops at corrections of 1e-10 of the scene's size, so that two ways to the same motion agree to some of these."""
+    scene = SCENES[name]()
+    lean, whole = (evaluate_responses(simulate(system)) for system in (prepare(scene), prepare_everything(scene)))
+    for response, value in lean.items():
+        assert whole[response] == pytest.approx(value, rel=1e-8), response
+
+
+@pytest.mark.parametrize("name", ["wing", "clamped skin"])
+def test_everything_put_back_changes_no_gradient(name):
+    """Gradients are judged to 1e-9 of the largest; blocks of right-hand sides are not refined below 1e-11."""
+    scene = SCENES[name]()
+    variables = list(scene.design.values()) or ["bodies.skin.thickness", "bodies.skin.position.x", "bodies.skin.angle"]
+    lean, whole = simulate(prepare(scene, variables)), simulate(prepare_everything(scene))
+    where = [list(whole.system.design.names).index(path) for path in variables]
+    for response, each in responses_of(scene).items():
+        gradient, complete = each.gradient(lean), each.gradient(whole)
+        assert complete[where] == pytest.approx(gradient, rel=1e-7, abs=1e-9 * np.abs(complete).max()), response
+
+
+def test_frames_put_back_stay_where_they_are():
+    solution = simulate(prepare(with_frames(clamped_skin())))
+    frame = solution.q[:, solution.coordinates("skin")][:, :3]
+    assert frame == pytest.approx(np.tile([3.0, 5.0, 0.1], (len(frame), 1)), rel=1e-10)
+
+
+def test_a_joint_can_grip_the_origin_of_a_frame():
+    """The beam's frame is tied to its hub: holding one is holding the other."""
+    beam = rotating_beam()
+    held = beam.model_copy(
+        update={
+            "points": {**beam.points, "origin": BodyPoint(body="beam", interface=FRAME)},
+            "joints": {"hub": Revolute(bodies=("beam", "ground"), point="origin")},
+        }
+    )
+    first, second = (evaluate_responses(solve(prepare(scene), "transient")) for scene in (beam, held))
+    for name, value in first.items():
+        assert second[name] == pytest.approx(value, rel=1e-9), name  # Newton's tolerance of 1e-10, some times
+
+
+def total(lines: list[dict], key: str) -> int:
+    """Sum over a section of the receipt."""
+    return sum(line[key] for line in lines)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_receipt_counts_what_the_compiled_scene_holds(name):
+    scene = SCENES[name]()
+    variables = list(scene.design) or ["bodies.skin.thickness"]
+    system, found = prepare(scene, variables), receipt(scene, variables, measured=False)
+    assert total(found["coordinates"], "kept") == system.n_q
+    assert total(found["constraint rows"], "kept") == system.n - system.n_q
+    assert total(found["derivative blocks (rows of the residual)"], "kept") == len(system.plan.touched_row)
+    assert total(found["markers"], "kept") == len(system.numbering.markers)
+    assert found["matrix (entries)"][0]["kept"] == len(system.plan.indices)
+    assert all(line["why"] for lines in found.values() for line in lines if line.get("dropped"))
+
+
+def test_the_receipt_states_the_bytes_that_were_read_and_all_of_the_file(wing, read):
+    found = receipt(read_scene(wing), ["M_t"], measured=False)["bytes of skin.h5"]
+    read.clear()
+    prepare(read_scene(wing), ["M_t"])  # nothing is read twice in one program
+    assert not read
+    assert total(found, "kept") + total(found, "dropped") == (wing.parent / "skin.h5").stat().st_size
+    kept = {line["what"]: line["kept"] for line in found if line["kept"]}
+    assert kept.keys() == {"invariants", "interfaces", "shape"}
+    load(wing.parent / "skin.h5", ("interfaces", "shape"))
+    assert sum(kept.values()) == sum(size for _, size in read)
+
+
+def test_with_everything_kept_the_receipt_drops_nothing_that_could_be_put_back(wing):
+    found = receipt(read_scene(wing), [], keep_all=True, measured=False)
+    assert total(found["coordinates"], "dropped") == total(found["constraint rows"], "dropped") == 0
+    assert total(found["derivative blocks (rows of the residual)"], "dropped") == 0
+    assert [line["what"] for line in found["bytes of skin.h5"] if line["dropped"]] == ["names, attributes, tables of HDF5"]
+
+
+def test_whatever_is_put_back_costs_more_by_every_count(wing):
+    """Counts, not times: the same on every machine."""
+    lean, gradients, frames, whole = costs(read_scene(wing), ["t_w"], measured=False)
+    for key in ("coordinates", "rows", "jacobian", "factorization", "solution"):
+        assert getattr(lean, key) == getattr(gradients, key) < getattr(frames, key) == getattr(whole, key)
+    assert lean.variables < gradients.variables < whole.variables
+    assert lean.bytes_read == frames.bytes_read < gradients.bytes_read < whole.bytes_read
+
+
+def test_a_time_of_every_way_is_measured_or_the_reason_is_stated(wing):
+    assert all(each.step_us and not each.reason for each in costs(read_scene(wing), ["t_w"]))
+    torn = costs(read_scene(wing, {"points.A.x": "75.0", "solver.drift_tolerance": "1e-12"}), ["t_w"])
+    assert all(each.step_us is None and "the joints came apart" in each.reason for each in torn)

@@ -72,6 +72,20 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     return model
 
 
+def stored_bytes(path: str | Path) -> dict[str, int]:
+    """Bytes that the arrays of each group take in the file, without reading them.
+
+    Raises
+    ------
+    ModelFileError
+        The file is missing or damaged.
+    """
+    path = Path(path)
+    _check_signature(path)
+    with reading(path, partial(_damaged, path)) as content:
+        return {name: content.stored_bytes(name) for name in PARTS if content.has(name)}
+
+
 def _contents(model: Mapping[str, Any]) -> list[str]:
     """Names of all named objects: without one of them a model would be read as one that does not depend on a parameter."""
     return [f"{part}/{name}" for part in _NAMED for name in model.get(part) or {}]

@@ -288,6 +288,11 @@ def _with_extra(body: Body, key: str, value: Any) -> Body:
     return changed
 
 
+def forget_models() -> None:
+    """Read every reduced model anew from here on, so that what a run reads can be counted."""
+    _read_before.cache_clear()
+
+
 @lru_cache(maxsize=32)
 def _read_before(_path: Path, _changed: int) -> dict[Path, ReducedModel]:
     """Where the parts of a file that were read stay, as long as the file is the same."""

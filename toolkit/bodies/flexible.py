@@ -18,6 +18,9 @@ from toolkit.reduced_model import MEAN_AXES, Invariants, ReducedModel, generaliz
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""
 
+FRAME = "(frame)"
+"""In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
+
 
 class Flexible(Body):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
@@ -100,7 +103,7 @@ class Flexible(Body):
         return self.design_point(scene).invariants()
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points.
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points, or its frame.
 
         Raises
         ------
@@ -114,6 +117,8 @@ class Flexible(Body):
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
+        if written.interface == FRAME and FRAME not in (model.interfaces or {}):
+            return np.zeros((2, 1 + model.n_f)), np.zeros(1 + model.n_f)
         refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
         moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal

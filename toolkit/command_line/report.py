@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
+LEFT = ("unit", "by", "why")
+"""Columns of words."""
 MOST_COLUMNS = 8
 """More design variables than this stand one below the other."""
 
@@ -146,5 +148,5 @@ def table(first: str, *others: str) -> Table:
     made = Table(box=SIMPLE)
     made.add_column(first)
     for name in others:
-        made.add_column(name, justify="left" if name in ("unit", "by") else "right")
+        made.add_column(name, justify="left" if name in LEFT else "right")
     return made
