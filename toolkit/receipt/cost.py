@@ -7,6 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from statistics import median
 
+import numpy as np
+
 from toolkit.errors import ToolkitError
 from toolkit.receipt.everything import grounded_bodies, prepare_everything, with_frames
 from toolkit.receipt.files import bytes_read
@@ -18,13 +20,16 @@ from toolkit.solvers.transient import simulate
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 
-STEPS, REPEATS, PATIENCE = 50, 9, 5.0
-"""Most steps of a measured run; rounds of all runs, as long as they have taken less than this, in s."""
+FIRST, LONG = 16, 0.05
+"""Least steps of a measured run, and the time that the dearest one shall take, in s."""
+
+REPEATS, PATIENCE = 9, 3.0
+"""Rounds of all runs, as long as they have taken less than this, in s."""
 
 
 @dataclass(frozen=True)
 class Cost:
-    """What one way to compile the scene costs; `step_us` is the time of a step, None if it was not measured, and then `reason`.
+    """What one way to compile the scene costs; `step_us` is the processor time of a step, None if it was not measured, and then `reason`.
 
     `factorization` and `solution` are multiplications, see `unknowns.multiplications`.
     """
@@ -80,27 +85,43 @@ def _cost(what: str, system: System, read: int, seconds: float | None, reason: s
 def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[str, float], str]:
     """Time of a step of each system, in s, and why there is none.
 
-    Median of the differences between a longer and a shorter run, so that the start, which is no step, does not count.
+    Median difference of a longer and a shorter run, so that the start, which is no step, does not count. A run with error control is
+    measured by steps of the greatest length.
     """
-    steps = min(STEPS, len(time_grid(options)) - 1)
-    few = max(1, steps // 10)
-    long, short = (options.model_copy(update={"end_time": n * time_grid(options)[1]}) for n in (steps, few))
+    times = time_grid(options)
     found: dict[str, list[float]] = {what: [] for what in systems}
     try:
         for system in systems.values():
-            simulate(system, short)
+            _seconds(system, _until(times, 1, options))
+        count = _enough_steps(list(systems.values())[-1], times, options)
+        long, short = (_until(times, n, options) for n in (count, max(1, count // 10)))
         begun = clock.perf_counter()
         for repeat in range(REPEATS):
             if repeat and clock.perf_counter() - begun > PATIENCE:
                 break
             for what, system in systems.items():
-                found[what].append((_seconds(system, long) - _seconds(system, short)) / (steps - few or 1))
+                found[what].append((_seconds(system, long) - _seconds(system, short)) / max(1, count - count // 10))
     except ToolkitError as error:
         return {}, str(error)
     return {what: median(seconds) for what, seconds in found.items()}, ""
 
 
+def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> int:
+    """So many steps that their time can be measured, or all."""
+    count = min(FIRST, len(times) - 1)
+    while count < len(times) - 1 and _seconds(dearest, _until(times, count, options)) < LONG:
+        count = min(2 * count, len(times) - 1)
+    return count
+
+
+def _until(times: np.ndarray, count: int, options: RunOptions) -> RunOptions:
+    """The first steps of a run."""
+    first = tuple(float(time) for time in times[: count + 1])
+    return options.model_copy(update={"times": first, "end_time": first[-1], "local_error": None})
+
+
 def _seconds(system: System, options: RunOptions) -> float:
-    begun = clock.perf_counter()
+    """Processor time: other programs on the machine slow a run down, but do not make it work more."""
+    begun = clock.process_time()
     simulate(system, options)
-    return clock.perf_counter() - begun
+    return clock.process_time() - begun

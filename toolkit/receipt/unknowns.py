@@ -48,7 +48,10 @@ def matrix(system: System) -> list[Line]:
 def multiplications(plan: LUPlan) -> tuple[int, int]:
     """Multiplications of one factorization, and of one solution of the factored equations.
 
-    factorization: sum of u_k^2 + u_k        solution: sum of 2 u_k + 1        with u_k entries of U in row k off the diagonal
+        factorization: sum_k u_k^2 + u_k
+        solution:      sum_k 2 u_k + 1
+
+    with u_k entries of U in row k beside the diagonal.
     """
     upper = plan.row_start[1:] - plan.diagonal - 1
     return int(np.sum(upper**2 + upper)), int(np.sum(2 * upper + 1))
