@@ -14,7 +14,7 @@ from toolkit.receipt.cost import costs
 from toolkit.receipt.everything import prepare_everything, with_frames
 from toolkit.receipt.receipt import receipt
 from toolkit.reduced_model_file import load
-from toolkit.scene import Scene
+from toolkit.scene import Scene, forget_models
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, responses_of, solve
 from toolkit.solvers.transient import simulate
@@ -200,6 +200,18 @@ def test_the_receipt_states_the_bytes_that_were_read_and_all_of_the_file(wing, r
     assert kept.keys() == {"invariants", "interfaces", "shape"}
     load(wing.parent / "skin.h5", ("interfaces", "shape"))
     assert sum(kept.values()) == sum(size for _, size in read)
+
+
+@pytest.mark.parametrize("variables", [[], ["t_w"]])
+def test_the_bytes_of_the_receipt_are_those_that_a_whole_run_reads(wing, read, variables):
+    scene = read_scene(wing)
+    stated = costs(scene, variables, measured=False)[len(variables)].bytes_read
+    forget_models()
+    read.clear()
+    solution = simulate(prepare(scene, variables))
+    for response in responses_of(scene).values():
+        response.evaluate(solution)
+    assert sum(size for _, size in read) == stated
 
 
 def test_with_everything_kept_the_receipt_drops_nothing_that_could_be_put_back(wing):

@@ -57,7 +57,9 @@ def _costs(costs: list[dict[str, Any]]) -> Any:
 
 def remarks(costs: list[dict[str, Any]]) -> list[str]:
     """What the numbers mean, and what dropping gains."""
-    lines = ["factorization, solution: multiplications of one Newton iteration; bytes read: of the arrays in the files; us: processor time."]
+    lines = [
+        "factorization, solution: multiplications of one Newton iteration; bytes read: of the arrays in the files; us: processor time."
+    ]
     lean, whole = costs[0], costs[-1]
     if not (lean["step_us"] and whole["step_us"]):
         return [*lines, f"The time of a step was not measured: {lean['reason']}."]

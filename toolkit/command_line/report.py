@@ -127,7 +127,9 @@ def remarks(result: Result) -> list[str]:
         left_out = [name for name in solution.system.scene.responses if name not in result.values]
         if left_out:
             lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
-    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
+    whole = solution.system.n_x > 0 and not result.gradients
+    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms "
+    price += "with everything kept" if whole else "without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
     return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]
