@@ -234,3 +234,8 @@ def test_a_time_of_every_way_is_measured_or_the_reason_is_stated(wing):
     assert all(each.step_us and not each.reason for each in costs(read_scene(wing), ["t_w"]))
     torn = costs(read_scene(wing, {"points.A.x": "75.0", "solver.drift_tolerance": "1e-12"}), ["t_w"])
     assert all(each.step_us is None and "the joints came apart" in each.reason for each in torn)
+
+
+def test_a_run_of_one_step_has_no_time_of_a_step():
+    short = read_scene(MODELS / "scene.toml", {"solver.end_time": "0.05"})
+    assert {each.reason for each in costs(short, [])} == {"a run of one step is mostly its start"}

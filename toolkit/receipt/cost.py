@@ -15,7 +15,7 @@ from toolkit.receipt.files import bytes_read
 from toolkit.receipt.unknowns import multiplications
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene, forget_models
-from toolkit.sensitivity.analysis import prepare, responses_of
+from toolkit.sensitivity.analysis import prepare
 from toolkit.solvers.transient import simulate
 from toolkit.system import System
 from toolkit.time_grid import time_grid
@@ -64,16 +64,9 @@ def costs(scene: Scene, design: list[str], measured: bool = True) -> list[Cost]:
     for what, compiled in ways.items():
         forget_models()
         found[what] = compiled()
-        _look(found[what])
         read[what] = bytes_read(found[what])
     times, reason = _step_times(found, scene.solver) if measured else ({}, "not asked for")
     return [_cost(what, system, read[what], times.get(what), reason) for what, system in found.items()]
-
-
-def _look(system: System) -> None:
-    """Let the responses read what they need, as after a run."""
-    for response in responses_of(system.scene).values():
-        response.check(system.scene)
 
 
 def _cost(what: str, system: System, read: int, seconds: float | None, reason: str) -> Cost:
@@ -89,21 +82,25 @@ def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[s
     measured by steps of the greatest length.
     """
     times = time_grid(options)
+    if len(times) < 3:
+        return {}, "a run of one step is mostly its start"
     found: dict[str, list[float]] = {what: [] for what in systems}
     try:
         for system in systems.values():
             _seconds(system, _until(times, 1, options))
         count = _enough_steps(list(systems.values())[-1], times, options)
-        long, short = (_until(times, n, options) for n in (count, max(1, count // 10)))
+        few = max(1, count // 10)
+        long, short = (_until(times, n, options) for n in (count, few))
         begun = clock.perf_counter()
         for repeat in range(REPEATS):
             if repeat and clock.perf_counter() - begun > PATIENCE:
                 break
             for what, system in systems.items():
-                found[what].append((_seconds(system, long) - _seconds(system, short)) / max(1, count - count // 10))
+                found[what].append((_seconds(system, long) - _seconds(system, short)) / (count - few))
     except ToolkitError as error:
         return {}, str(error)
-    return {what: median(seconds) for what, seconds in found.items()}, ""
+    medians = {what: median(seconds) for what, seconds in found.items()}
+    return {what: seconds for what, seconds in medians.items() if seconds > 0}, "its runs are too short for the clock"
 
 
 def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> int:
