@@ -40,6 +40,7 @@ LAYERS = [
         "toml_file",
         "preprocessing_process",
         "listed_names",
+        "static_path",
     ),
     ("description", "validation_messages", "run_options", "time_grid", "profile"),
     ("dependence", "reduced_model", "reduced_model_check", "reduced_model_file", "design_point", "linear"),
