@@ -204,6 +204,30 @@ def test_inspect_shows_the_paths_of_a_scene():
     assert found["responses"]["max_stress"] == {"type": "ks-stress", "unit": "MPa"}
 
 
+def test_inspect_prints_the_receipt_of_a_scene():
+    found = record("inspect", SCENE, "--variables", "t_w", "--no-measure")["receipt"]
+    assert found["coordinates"][0] == {
+        "what": "skin", "kept": 90, "dropped": 3, "why": "grounded frame: it neither moves nor turns",
+    }  # fmt: skip
+    assert [line["what"] for line in found["derivative blocks (rows of the residual)"]] == ["t_w", "other numbers of the scene"]
+    text = run("inspect", SCENE).stdout
+    assert "Everything put back takes" in text
+    assert "zero damping" in text
+
+
+def test_inspect_shows_a_scene_that_cannot_be_compiled():
+    done = run("inspect", SCENE, "--set", "bodies.skin.thickness=-1")
+    assert done.exit_code == 0
+    assert "points.A.x: 72.5" in done.stdout
+    assert "no receipt: bodies.skin.thickness = -1 must be a positive number" in done.stdout
+
+
+def test_keep_all_puts_everything_back_and_gives_the_same_motion():
+    lean, whole = record("simulate", SCENE), record("simulate", SCENE, "--keep-all")
+    for name, response in lean["responses"].items():
+        assert whole["responses"][name]["value"] == pytest.approx(response["value"], rel=1e-8)  # Newton stops at 1e-10
+
+
 def test_inspect_refuses_what_is_neither(tmp_path):
     foreign = tmp_path / "skin.h5"
     foreign.write_text("no HDF5")

@@ -53,7 +53,7 @@ LAYERS = [
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema"),
     ("results",),
-    ("studies",),
+    ("studies", "receipt"),
     ("render",),
     ("report",),
     ("cli", "command_line"),

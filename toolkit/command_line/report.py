@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
+LEFT = ("unit", "by", "why")
+"""Columns of words."""
 MOST_COLUMNS = 8
 """More design variables than this stand one below the other."""
 
@@ -184,7 +186,9 @@ def remarks(result: Result) -> list[str]:
         left_out = [name for name in solution.system.scene.responses if name not in result.values]
         if left_out:
             lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
-    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
+    whole = solution.system.n_x > 0 and not result.gradients
+    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms "
+    price += "with everything kept" if whole else "without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
     return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]
@@ -205,5 +209,5 @@ def table(first: str, *others: str) -> Table:
     made = Table(box=SIMPLE)
     made.add_column(first)
     for name in others:
-        made.add_column(name, justify="left" if name in ("unit", "by") else "right")
+        made.add_column(name, justify="left" if name in LEFT else "right")
     return made
