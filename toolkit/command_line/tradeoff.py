@@ -90,6 +90,8 @@ def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
 def _draw(found: Tradeoff, folder: Path, quiet: bool) -> list[Path]:
     from toolkit.render.probe import RenderError, require
 
+    if len(found.failed) == len(found.settings):
+        return []
     try:
         require("matplotlib")
     except RenderError as error:

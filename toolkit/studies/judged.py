@@ -28,6 +28,7 @@ class Judged:
     errors: dict[Quantity, float]
     ratio: float
     worst: Quantity | None
+    budgeted: frozenset[Quantity] = frozenset()
 
     @property
     def price(self) -> float:
@@ -40,8 +41,8 @@ class Judged:
         return self.ratio <= 1
 
     def largest(self, derived: bool) -> float:
-        """Largest error of all responses, or of all their gradients."""
-        return max((error for quantity, error in self.errors.items() if quantity.derived == derived), default=math.nan)
+        """Largest error of all responses that have a budget, or of all such gradients."""
+        return max((self.errors[quantity] for quantity in self.budgeted if quantity.derived == derived), default=math.nan)
 
 
 def judge(setting: Setting, record: Record, reference: Reference, budget: dict[Quantity, float]) -> Judged:
@@ -51,7 +52,7 @@ def judge(setting: Setting, record: Record, reference: Reference, budget: dict[Q
     found = errors(reference, record)
     ratios = {quantity: (found[quantity] + reference.error(quantity)) / limit for quantity, limit in budget.items()}
     worst = max(ratios, key=lambda quantity: ratios[quantity])
-    return Judged(setting, record, found, ratios[worst], worst)
+    return Judged(setting, record, found, ratios[worst], worst, frozenset(budget))
 
 
 def cheapest(settings: Sequence[Judged]) -> Judged | None:

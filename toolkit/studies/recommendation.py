@@ -19,7 +19,8 @@ def solver_fragment(case: Case, setting: Setting) -> str:
 
 def changes(case: Case, setting: Setting) -> dict[str, str]:
     """The same as changes of single values, `ffrf ... --set PATH=VALUE`, of those that differ from the scene's."""
-    mine, theirs = (options_with(case.scene(), each).model_dump(exclude_unset=True) for each in ({}, setting.solver))
+    scene = case.scene()
+    mine, theirs = scene.solver.model_dump(), options_with(scene, setting.solver).model_dump(exclude_unset=True)
     return {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from toolkit.errors import ConvergenceError
@@ -27,6 +27,9 @@ PATIENCE = 60.0
 """Largest time in s that a run of the reference is expected to take; the limit to its refinement."""
 TOLERANCE = 1e-12
 """Of Newton's iteration, so that its error is none of the reference."""
+
+SEEN = 1e-7
+"""Relative error of a response below which it is not worth a remark."""
 
 Measure = Callable[[list[Setting]], list[Record]]
 
@@ -64,7 +67,7 @@ class Reference:
 
 
 def find_reference(scene: Scene, axes: dict[str, list[Choice]], budget: dict[Quantity, float], measure: Measure) -> Reference:
-    """Refine until the reference's own error is `SHARE` of every budget, or the next run would take longer than `PATIENCE`.
+    """Refine in time until that error is `SHARE` of every budget, or the next run would take longer than `PATIENCE`.
 
     Raises
     ------
@@ -77,17 +80,19 @@ def find_reference(scene: Scene, axes: dict[str, list[Choice]], budget: dict[Qua
     in_mesh = [_setting(scene, axes, finest, [n]) for n in meshes] if meshes else []
     records = _measured(measure, [*in_time, *in_mesh[:-1]])
     times, others = records[:3], records[3:]
-    while True:
-        found = _reference(times, [*others, times[0]] if meshes else [], in_time, in_mesh)
-        enough = all(found.error(quantity) <= SHARE * each for quantity, each in budget.items())
-        if enough or 2 * times[-1].first > PATIENCE:
-            return Reference(**{**vars(found), "enough": enough})
+    while not _exact(_reference(times, [], in_time, []), budget) and 2 * times[-1].first < PATIENCE:
         finer = _setting(scene, axes, in_time[-1].solver["step"] / 2, meshes[-1:])
         try:
             times += _measured(measure, [finer])
         except ConvergenceError:  # so fine that round-off or memory end it: what there is has to do
-            return found
+            break
         in_time.append(finer)
+    found = _reference(times, [*others, times[0]] if meshes else [], in_time, in_mesh)
+    return replace(found, enough=_exact(found, budget))
+
+
+def _exact(found: Reference, budget: dict[Quantity, float]) -> bool:
+    return all(found.error(quantity) <= SHARE * each for quantity, each in budget.items())
 
 
 def _whole(scene: Scene, step: float) -> float:
@@ -144,7 +149,7 @@ def _reference(times: list[Record], meshes: list[Record], in_time: list[Setting]
 
 
 def described(found: Reference) -> Iterator[str]:
-    """What the reference is, in words."""
+    """What the reference is, and what it does not tell, in words."""
     steps = [setting.solver["step"] for setting in found.in_time[-3:]]
     yield (
         f"Errors are relative to a reference: scheme arnold-bruels with steps {', '.join(f'{step:.4g}' for step in steps)}, extrapolated."
@@ -152,3 +157,9 @@ def described(found: Reference) -> Iterator[str]:
     if found.in_mesh:
         counts = [str(setting.skin["skin.elements"]) for setting in found.in_mesh]
         yield f"So are meshes of {', '.join(counts)} elements: errors contain that of the mesh."
+    restless = [name for name, each in found.limits.items() if each.stalled and each.error > SEEN * abs(each.value)]
+    if restless:
+        yield (
+            f"{', '.join(restless)}: every halving of the step changes it as much as the one before. It may depend on the number of time "
+            "steps, as a smooth (KS) maximum over all of them does; errors are against the finest run."
+        )

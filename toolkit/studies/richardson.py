@@ -14,19 +14,25 @@ NEAR = 0.3
 """How far an observed order may be from the known one: the next power of h still counts where this one is seen."""
 ORDERS = (0.8, 6.0)
 """Observed orders that can be believed where none is known."""
+STALLED = 0.5
+"""Observed orders below, of either sign, are no convergence."""
 
 
 @dataclass(frozen=True)
 class Limit:
-    """A value, how far off it may be, and the observed order; nan if the runs show none, so that nothing was extrapolated."""
+    """A value, how far off it may be, and the observed order; nan if the runs show none, so that nothing was extrapolated.
+
+    `stalled`: the last halving changed as much as the one before, so that more of them may change it without end.
+    """
 
     value: float
     error: float
     order: float
+    stalled: bool = False
 
     def plus(self, other: Limit, at: float) -> Limit:
         """Both corrections of a value `at` at which both sequences meet; their errors add up."""
-        return Limit(self.value + other.value - at, self.error + other.error, self.order)
+        return Limit(self.value + other.value - at, self.error + other.error, self.order, self.stalled)
 
 
 def limit(runs: list[float], order: int | None) -> Limit:
@@ -45,7 +51,7 @@ def limit(runs: list[float], order: int | None) -> Limit:
     if order is None and ORDERS[0] <= observed <= ORDERS[1]:
         correction = (f_3 - f_2) / (2**observed - 1)
         return Limit(f_3 + correction, abs(correction), observed)
-    return Limit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan)
+    return Limit(f_3, max(abs(f_3 - f_2), abs(f_2 - f_1)), math.nan, abs(observed) < STALLED)
 
 
 def _observed(before: float, after: float) -> float:

@@ -133,7 +133,10 @@ def _why_none(found: Tradeoff) -> str:
         f"{own:.1e}, and the budget {budget[quantity]:.1e}. "
     )
     if own > budget[quantity] / 2:
-        return text + "The reference itself is that uncertain: try a larger budget, or smaller steps, from which it starts."
+        return text + (
+            f"The reference itself is that uncertain about {quantity}: give it a larger budget, or name the budgets of the others alone"
+            + (", or try finer meshes." if found.reference.in_mesh else ", or begin with smaller steps, --set solver.step.")
+        )
     if "step" in best.setting.choices:
         half = min(float(each.setting.solver["step"]) for each in worked) / 2
         return text + f"Try smaller steps, --axes step={half:.4g}/{half / 2:.4g}/{half / 4:.4g}, or a larger budget."
