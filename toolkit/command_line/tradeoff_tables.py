@@ -71,7 +71,10 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
     for each in [each for each in worked if any(each is other for other in chosen)]:
         rows.add_row(_mark(found, each, id(each) in best), *_cells(each, axes))
     console.print(rows)
-    note = "Errors are the largest of those with a budget. >: recommended, *: Pareto set (no other setting is both faster and nearer to the budget), o: the scene as it stands"
+    note = (
+        "Errors are the largest of those with a budget. >: recommended, *: Pareto set (no other setting is both faster and nearer to the "
+        "budget), o: the scene as it stands"
+    )
     if len(chosen) < len(worked):
         note += f"; {len(worked) - len(chosen)} more settings are in the JSON file"
     console.print(f"{note}.", markup=False)
