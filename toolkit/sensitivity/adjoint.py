@@ -74,7 +74,7 @@ def adjoint_gradients(
 def _through_time(system: System, solution: Solution, found: list[Partials], progress: Progress | None) -> np.ndarray:
     """Backwards through all steps, then through the consistent start."""
     last = solution.steps
-    state = begin_sweep(system, solution.options or system.scene.solver, solution.times[1] - solution.times[0], len(found))
+    state = begin_sweep(system, solution.options or system.scene.solver, solution.times, len(found))
     sweep(state, solution, 0, found, (lambda step: progress(last - step, last)) if progress else lambda _: None)
     return end_sweep(state)
 
