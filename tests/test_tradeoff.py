@@ -10,7 +10,6 @@ import signal
 import subprocess
 import sys
 import time
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -42,20 +41,13 @@ SHORT = {"solver.end_time": "2.0", "solver.step": "0.02"}
 SET = [f"--set={path}={value}" for path, value in SHORT.items()]
 
 
-@contextmanager
-def quiet(_: str):
-    yield lambda done, total: None
-
-
 def study(folder: Path, path: Path = PENDULUM, changes: dict | None = None, **wanted) -> Tradeoff:
     """A study in this process, timed by two runs each."""
-    return tradeoff(planned(folder, path, changes, **wanted), quiet, repeats=2)
+    return tradeoff(planned(folder, path, changes, **wanted), repeats=2)
 
 
 def planned(folder: Path, path: Path = PENDULUM, changes: dict | None = None, **wanted) -> Plan:
-    changes = SHORT if changes is None else changes
-    scene = read_scene(path, changes)
-    return plan(path, changes, scene, wanted.pop("names", list(scene.design)), folder, **wanted)
+    return plan(path, folder, SHORT if changes is None else changes, **wanted)
 
 
 @pytest.fixture(scope="module")

@@ -64,7 +64,7 @@ def tradeoff(
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     folder = prepare_folder(output)
-    planned = study.plan(scene, pairs, described, names, folder, axes, budget or [], gradient_budget or [])
+    planned = study.plan(scene, folder, pairs, names, axes, budget or [], gradient_budget or [])
     with at_work("preparing", described, "transient", names, quiet):
         pass  # formulas are compiled once, before several processes would do it
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from toolkit.studies.judged import Judged
     from toolkit.studies.tradeoff import Tradeoff
 
+DISTURBED, BUSY = 1.5, ": the machine is busy with something else, and times that differ by less say nothing"
 SHOWN = 30
 """Rows of the table of settings; of more, the Pareto set, those that keep the budget, and the scene's own are shown first."""
 
@@ -22,10 +23,23 @@ def print_tradeoff(found: Tradeoff) -> None:
     console = Console(width=WIDE, highlight=False)
     _print_reference(console, found)
     _print_settings(console, found)
-    for each in found.failed:
-        console.print(f"failed: {each.setting}: {each.record.failure}", markup=False)
+    for line in failures(found):
+        console.print(line, markup=False)
     if found.recommended:
         _print_recommendation(found, found.recommended)
+
+
+def failures(found: Tradeoff) -> list[str]:
+    """One line for every reason why settings failed, with what these have in common."""
+    reasons: dict[str, list[dict[str, str]]] = {}
+    for each in found.failed:
+        reasons.setdefault(each.record.failure, []).append(each.setting.labels)
+    lines = []
+    for reason, all_labels in reasons.items():
+        shared = {axis: label for axis, label in all_labels[0].items() if all(labels[axis] == label for labels in all_labels)}
+        words = ", ".join(f"{axis} {label}" for axis, label in shared.items())
+        lines.append(f"failed: {words}{f' ({len(all_labels)} settings)' if len(all_labels) > 1 else ''}: {reason}")
+    return lines
 
 
 def _print_reference(console: Console, found: Tradeoff) -> None:
@@ -57,7 +71,7 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
     rows = table(
         "",
         *axes,
-        "coordinates",
+        *["coordinates"] * _reduced(found),
         "steps",
         "Newton",
         "values, ms",
@@ -69,7 +83,7 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
     best, worked = {id(each) for each in found.pareto}, [each for each in found.settings if not each.record.failure]
     chosen = sorted(worked, key=lambda each: not (id(each) in best or each.setting.own or each is found.recommended))[:SHOWN]
     for each in [each for each in worked if any(each is other for other in chosen)]:
-        rows.add_row(_mark(found, each, id(each) in best), *_cells(each, axes))
+        rows.add_row(_mark(found, each, id(each) in best), *_cells(each, axes, _reduced(found)))
     console.print(rows)
     note = (
         "Errors are the largest of those with a budget. >: recommended, *: Pareto set (no other setting is both faster and nearer to the "
@@ -78,19 +92,27 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
     if len(chosen) < len(worked):
         note += f"; {len(worked) - len(chosen)} more settings are in the JSON file"
     console.print(f"{note}.", markup=False)
+    repeats = max((len(each.record.whole) for each in worked), default=0)
+    note = f"Times are medians of {repeats} runs, one setting at a time; repeated runs differ by a factor of {found.spread:.2g}"
+    console.print(f"{note}{BUSY if found.spread > DISTURBED else ''}.", markup=False)
 
 
 def _mark(found: Tradeoff, each: Judged, best: bool) -> str:
     return (">" if each is found.recommended else "") + "*" * best + "o" * each.setting.own
 
 
-def _cells(each: Judged, axes: list[str]) -> list[str]:
+def _reduced(found: Tradeoff) -> bool:
+    """Whether settings have other reduced models, and so other numbers of coordinates."""
+    return any(each.setting.skin for each in found.settings)
+
+
+def _cells(each: Judged, axes: list[str], reduced: bool) -> list[str]:
     record, (primal, whole) = each.record, each.record.seconds
     errors = [
         f"{each.largest(derived):.1e}" if each.largest(derived) == each.largest(derived) else "-" for derived in (False, True)
     ]
     labels = [each.setting.labels[axis] for axis in axes]
-    counts = [str(record.coordinates), str(record.steps), str(record.newton_iterations)]
+    counts = [*[str(record.coordinates)] * reduced, str(record.steps), str(record.newton_iterations)]
     return [*labels, *counts, f"{1e3 * primal:.3g}", f"{1e3 * whole:.3g}", *errors, f"{each.ratio:.2g}"]
 
 

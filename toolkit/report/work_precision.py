@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from toolkit.report.sheet import COLORS, Drawing, sheet
 from toolkit.studies.judged import Judged
 from toolkit.studies.pareto import pareto
+from toolkit.studies.setting import Setting
 from toolkit.studies.tradeoff import Tradeoff
 
 LEAST = 1e-15
@@ -39,14 +40,24 @@ def work_precision(found: Tradeoff) -> Drawing:
 
 
 def _series(found: Tradeoff) -> dict[str, list[Judged]]:
-    """Settings that differ in their step alone, by what they have in common, in the order of the axes."""
+    """Settings that differ in their step, or local error, alone, by what they have in common, in the order of the axes."""
     places = {id(setting): k for k, setting in enumerate(found.plan.settings)}
     series: dict[str, list[Judged]] = {}
     for each in sorted(found.settings, key=lambda each: places[id(each.setting)]):
         if not each.record.failure:
-            rest = [f"{axis} {label}" for axis, label in each.setting.labels.items() if axis != "step"]
-            series.setdefault(", ".join(rest) or "steps", []).append(each)
+            series.setdefault(_shared_words(each.setting), []).append(each)
     return series
+
+
+def _shared_words(setting: Setting) -> str:
+    words = {"false": "", "true": "{axis}"}
+    parts = [
+        words.get(label, "{axis} {label}").format(axis=axis, label=label)
+        for axis, label in setting.labels.items()
+        if axis not in ("step", "local_error")
+    ]
+    adaptive = ["adaptive steps"] if setting.solver.get("local_error") else []
+    return ", ".join([part for part in parts if part] + adaptive) or "equal steps"
 
 
 def _named(found: Tradeoff, series: dict[str, list[Judged]]) -> list[str]:
@@ -74,7 +85,7 @@ def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named:
 
 
 def _points(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named: list[str], derived: bool) -> None:
-    """A dotted line joins settings that differ in their step alone, from the coarsest to the finest."""
+    """A dotted line joins settings that differ in their steps alone, from the coarsest to the finest."""
     rest = "other settings"
     for name in sorted(series, key=lambda name: name in named):  # colours above grey
         look = {"color": "0.75", "marker": "."}
@@ -123,7 +134,7 @@ def _window(panel: Axes, points: Sequence[Point], budget: float) -> None:
     panel.set_ylim(min(seen) / 4, 4 * max(seen))
     low, high = min(times) / 1.2, max(times) * 1.2
     panel.set_xlim(low, high)
-    digits = (1, 1.5, 2, 3, 4, 5, 7) if high < 10 * low else (1, 2, 5) if high < 100 * low else (1,)
+    digits = (1, 1.5, 2, 3, 4, 5, 7) if high < 10 * low else (1, 2, 5) if high < 300 * low else (1,)
     ticks = [digit * 10.0**power for power in range(-4, 8) for digit in digits if low <= digit * 10.0**power <= high]
     panel.minorticks_off()
     panel.set_xticks(ticks, [f"{tick:g}" for tick in ticks])

@@ -6,7 +6,7 @@ An option of the solver becomes an axis by one line in `SOLVER_AXES`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, get_args
 
 from toolkit.errors import InputError
 from toolkit.run_options import RunOptions
@@ -17,27 +17,27 @@ from toolkit.toml_file import parse_toml
 
 STEP_FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
 """Steps by default, in units of the scene's."""
-LEFT_OUT = "default"
-"""Label of an option that is not given, where its default is no value."""
+LEFT_OUT = ("off", "default")
+"""Words for an option that is not given: what it switches on is off, or what it sets has its default."""
 SOLVER_AXES: dict[str, tuple[Any, ...]] = {
     "step": (),  # `STEP_FACTORS`
-    "scheme": ("arnold-bruels", "paper"),
+    "scheme": (),
     "rho_inf": (0.0, 0.5, 0.8, 1.0),
     "tolerance": (1e-4, 1e-6, 1e-8, 1e-10),
-    "formulation": ("index-1", "index-3", "ggl"),
-    "newton": ("full", "modified"),
+    "formulation": (),
+    "newton": (),
     "quasi_static": (False, True),
     "local_error": (None, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
     "baumgarte": (None, 10.0, 100.0, 1000.0),
 }
-"""Option of the solver -> its values by default, besides the scene's own."""
-DEFAULT = ("step", "scheme", "formulation", "newton", "quasi_static")
+"""Option of the solver -> its values by default, besides the scene's own; if none are named, all words that it can be."""
+DEFAULT = ("step", "scheme", "newton", "quasi_static", "local_error")
 """Axes that are varied if nobody says which."""
 
 
 def available() -> list[str]:
     """Names of all axes."""
-    return [name for name in SOLVER_AXES if name in RunOptions.model_fields] + list(skin_axes.AXES)
+    return [*SOLVER_AXES, *skin_axes.AXES]
 
 
 def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
@@ -48,7 +48,7 @@ def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
     InputError
         An axis is unknown or named twice, or there is nothing to vary in this scene.
     """
-    wanted = [name for name in DEFAULT if name in available()] if text is None else text.split(",")
+    wanted = DEFAULT if text is None else text.split(",")
     found: dict[str, list[Choice]] = {}
     for part in filter(None, (each.strip() for each in wanted)):
         name, equals, values = (piece.strip() for piece in part.partition("="))
@@ -83,8 +83,8 @@ def unlike(choices: list[Choice]) -> list[Choice]:
 
 
 def _value(text: str) -> Any:
-    """A value as TOML has it; bare words are texts, numbers are floats, `default` is none."""
-    if text == LEFT_OUT:
+    """A value as TOML has it; bare words are texts, numbers are floats, `off` and `default` are none."""
+    if text in LEFT_OUT:
         return None
     try:
         value = parse_toml(f"value = {text}")["value"]
@@ -95,15 +95,15 @@ def _value(text: str) -> Any:
 
 def _options(scene: Scene, name: str, given: Sequence[Any] | None) -> list[Choice]:
     own = getattr(scene.solver, name)
-    values = [own, *SOLVER_AXES[name]] if given is None else given
-    return [Choice(label(value), {name: value}, own=value == own) for value in values]
+    values = [own, *(SOLVER_AXES[name] or get_args(RunOptions.model_fields[name].annotation))] if given is None else given
+    return [Choice(LEFT_OUT[0] if value is None else label(value), {name: value}, own=value == own) for value in values]
 
 
 def _steps(scene: Scene, _: str, given: Sequence[Any] | None) -> list[Choice]:
-    """From the coarsest that makes at least two steps."""
-    own, end = scene.solver.step, scene.solver.end_time
+    """From the coarsest that makes at least two steps; times that the scene gives are left out."""
+    own, end, given_times = scene.solver.step, scene.solver.end_time, scene.solver.times is not None
     values = [own * factor for factor in STEP_FACTORS if 2 * own * factor <= end or factor <= 1] if given is None else given
-    return [Choice(label(value), {"step": value}, own=value == own) for value in values]
+    return [Choice(label(value), {"step": value, "times": None}, own=value == own and not given_times) for value in values]
 
 
 def _baumgarte(scene: Scene, _: str, given: Sequence[Any] | None) -> list[Choice]:
@@ -126,7 +126,7 @@ def _own_baumgarte(scene: Scene) -> Choice:
 def label(value: Any) -> str:
     """A value as a table shows it, and as `--axes` takes it."""
     if value is None:
-        return LEFT_OUT
+        return LEFT_OUT[1]
     if isinstance(value, bool):
         return str(value).lower()
     return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import product
 
 from toolkit.errors import InputError
+from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.studies.setting import Choice, Setting, options_with
 
@@ -29,9 +30,14 @@ def grid(scene: Scene, axes: dict[str, list[Choice]]) -> list[Setting]:
             f"the grid has {size} settings, at most {MOST} are run. Name fewer axes, or their values: step=0.1/0.05."
         )
     for choice in (choice for choices in axes.values() for choice in choices):
-        options_with(scene, choice.solver)  # a value that cannot be meant is refused here, before the work begins
+        check_choice(scene, choice)
     settings = [Setting(dict(zip(axes, each, strict=True))) for each in product(*axes.values())]
     return [setting for setting in settings if not _repeats(setting, axes)]
+
+
+def check_choice(scene: Scene, choice: Choice) -> None:
+    """Refuse a value that cannot be meant before the work begins; what does not go together is found by running it."""
+    options_with(scene.model_copy(update={"solver": RunOptions(end_time=scene.solver.end_time)}), choice.solver)
 
 
 def _repeats(setting: Setting, axes: dict[str, list[Choice]]) -> bool:

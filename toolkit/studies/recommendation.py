@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 
+from toolkit.run_options import RunOptions
 from toolkit.studies.setting import Setting, options_with
 from toolkit.studies.skin_models import model_file, tables_file
 from toolkit.studies.toml_fragment import toml_table, toml_value
@@ -12,9 +13,11 @@ from toolkit.studies.worker import Case, model_bodies
 
 
 def solver_fragment(case: Case, setting: Setting) -> str:
-    """The table [solver] that takes the place of the scene's."""
-    options = options_with(case.scene(), setting.solver).model_dump(exclude_unset=True)
-    return toml_table("solver", options)
+    """The table [solver] that takes the place of the scene's; what is the default anyway stands in it only if it did before."""
+    scene, plain = case.scene(), RunOptions().model_dump()
+    options = options_with(scene, setting.solver).model_dump(exclude_unset=True)
+    kept = {key: value for key, value in options.items() if key in scene.solver.model_fields_set or value != plain[key]}
+    return toml_table("solver", kept)
 
 
 def changes(case: Case, setting: Setting) -> dict[str, str]:

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from toolkit.errors import ConvergenceError
-from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.studies.accuracy import Quantity, scale
 from toolkit.studies.record import Record
@@ -113,7 +112,7 @@ def _setting(scene: Scene, axes: dict[str, list[Choice]], step: float, mesh: lis
     skin: dict[str, Any] = {"basis": {"kind": "full"}} if "modes" in axes else {}
     skin |= {"skin.elements": mesh[0]} if mesh else {}
     plain = ("formulation", "newton", "local_error", "times", *(["quasi_static"] if "quasi_static" in axes else []))
-    solver: dict[str, Any] = {name: None for name in plain if name in RunOptions.model_fields}
+    solver: dict[str, Any] = dict.fromkeys(plain)
     solver |= {"scheme": "arnold-bruels", "tolerance": min(TOLERANCE, scene.solver.tolerance), "step": step}
     solver |= {"baumgarte": None} if "baumgarte" in axes else {}
     words = f"step {step:.6g}" + "".join(f", {n} elements" for n in mesh)

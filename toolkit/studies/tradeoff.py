@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
 from toolkit.scene import Scene
+from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import responses_of
 from toolkit.studies.accuracy import Quantity
 from toolkit.studies.axes import read_axes
@@ -52,6 +54,11 @@ class Tradeoff:
         """Settings that the solver or the preprocessing refused."""
         return [each for each in self.settings if each.record.failure]
 
+    @property
+    def spread(self) -> float:
+        """Factor by which repeated runs of a setting differ, the median of all settings: 1 on a machine with nothing else to do."""
+        return median([max(each.record.whole) / min(each.record.whole) for each in self.settings if each.record.whole] or [1.0])
+
     def check(self) -> None:
         """Raise what is to be said if no setting keeps the budget.
 
@@ -66,35 +73,57 @@ class Tradeoff:
 
 def plan(
     path: Path,
-    changes: dict[str, str],
-    scene: Scene,
-    names: Sequence[str],
     folder: Path,
+    changes: dict[str, str] | None = None,
+    names: Sequence[str] | None = None,
     axes: str | None = None,
     budgets: Sequence[str] = (),
     gradient_budgets: Sequence[str] = (),
 ) -> Plan:
-    """Everything that can be wrong is found here, before the work begins; parameters as those of `ffrf tradeoff`.
+    """Everything that can be wrong is found here, before the work begins.
+
+    Parameters
+    ----------
+    path : Path
+        The scene's file.
+    folder : Path
+        Where runs and models are kept, and found again.
+    changes : path -> value
+        As those of `read_scene`.
+    names : sequence of str
+        Design variables, by default those that the scene declares; without any, no gradients are measured.
+    axes, budgets, gradient_budgets
+        As those of `ffrf tradeoff`: "step=0.1/0.05,scheme"; "drive_angle=1e-3".
 
     Raises
     ------
     InputError
         An axis, a response or a number cannot be meant.
     """
+    changes = changes or {}
+    scene = read_scene(path, changes)
+    names = list(scene.design if names is None else names)
     read = read_axes(scene, axes)
     budget = read_budget(list(responses_of(scene)), budgets, gradient_budgets, bool(names))
-    case = Case(path.resolve(), changes, tuple(names), folder.resolve(), fingerprint(path, scene, changes, list(names)))
+    case = Case(path.resolve(), changes, tuple(names), folder.resolve(), fingerprint(path, scene, changes, names))
     return Plan(case, scene, read, grid(scene, read), budget)
 
 
-def tradeoff(planned: Plan, stage: Stage, jobs: int = 1, repeats: int = REPEATS) -> Tradeoff:
+@contextmanager
+def silent(_: str) -> Iterator[Progress]:
+    """A stage of which nothing is shown."""
+    yield lambda done, total: None
+
+
+def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int = REPEATS) -> Tradeoff:
     """Run a plan; what its folder has already is not run again.
 
     Parameters
     ----------
     stage : title -> context with a function for progress
     jobs : int
-        Processes that compute values side by side. Times are measured afterwards, one after another.
+        Processes that compute values side by side; a script that asks for more than one needs `if __name__ == "__main__":`. Times are
+        measured afterwards, one after another.
     repeats : int
         Runs whose median is a setting's time.
 
