@@ -78,10 +78,10 @@ def _panel(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named:
     best = [points[k] for k in pareto(points)]
     if best:
         panel.step(*zip(*best, strict=True), where="post", color="black", linewidth=1, label="best for their time", zorder=1)
+    _window(panel, points, _common(found, derived) or 1.0)
     _limits(panel, found, derived)
     if found.recommended:
         panel.plot(*_point(found, found.recommended, derived), "*", color="black", markersize=14, zorder=4, label="recommended")
-    _window(panel, points, _common(found, derived) or 1.0)
 
 
 def _points(panel: Axes, found: Tradeoff, series: dict[str, list[Judged]], named: list[str], derived: bool) -> None:
@@ -118,12 +118,12 @@ def _common(found: Tradeoff, derived: bool) -> float | None:
 
 
 def _limits(panel: Axes, found: Tradeoff, derived: bool) -> None:
-    """The budget, and what the reference cannot tell."""
+    """The budget, and what the reference cannot tell, if that reaches into the window."""
     common, budget = _common(found, derived), found.plan.budget
     panel.axhline(common or 1.0, color=COLORS[1], linestyle="--", linewidth=1, label="budget")
     of = [quantity for quantity in budget if quantity.derived == derived]
     unsure = max(found.reference.error(quantity) / (1 if common else budget[quantity]) for quantity in of)
-    if unsure > LEAST:
+    if unsure > panel.get_ylim()[0]:
         panel.axhspan(LEAST, unsure, color="0.9", zorder=0, label="uncertainty of the reference")
 
 
