@@ -63,8 +63,8 @@ def tradeoff(
     described = read(scene, changes)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
+    planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
     folder = prepare_folder(output)
-    planned = study.plan(scene, folder, pairs, names, axes, budget or [], gradient_budget or [])
     with at_work("preparing", described, "transient", names, quiet):
         pass  # formulas are compiled once, before several processes would do it
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)

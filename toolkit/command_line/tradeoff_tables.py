@@ -93,8 +93,11 @@ def _print_settings(console: Console, found: Tradeoff) -> None:
         note += f"; {len(worked) - len(chosen)} more settings are in the JSON file"
     console.print(f"{note}.", markup=False)
     repeats = max((len(each.record.whole) for each in worked), default=0)
-    note = f"Times are medians of {repeats} runs, one setting at a time; repeated runs differ by a factor of {found.spread:.2g}"
-    console.print(f"{note}{BUSY if found.spread > DISTURBED else ''}.", markup=False)
+    if repeats > 1:
+        note = (
+            f"Times are medians of {repeats} runs, one setting at a time; repeated runs differ by a factor of {found.spread:.2g}"
+        )
+        console.print(f"{note}{BUSY if found.spread > DISTURBED else ''}.", markup=False)
 
 
 def _mark(found: Tradeoff, each: Judged, best: bool) -> str:
