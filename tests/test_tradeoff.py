@@ -368,3 +368,37 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
     assert {name: float(place.arc_length) for name, place in ours.interfaces.items()} == pytest.approx(
         {name: float(place.arc_length) for name, place in theirs.interfaces.items()}, rel=1e-12
     )
+
+
+def remeshed(tmp_path: Path, more: str, elements: int, **keys):
+    """The wing's skin file with more in it, meshed by another number of elements."""
+    from preprocessing.changed_keys import with_keys
+    from preprocessing.skin_file import read_skin_file
+
+    (tmp_path / "skin.toml").write_text((WING / "skin.toml").read_text().replace('clamp = "F"', 'clamp = "F"\n' + more, 1))
+    arc_lengths = np.arange(31.0)  # of 30 elements of length 1
+    return with_keys(read_skin_file(tmp_path / "skin.toml"), {"skin.elements": elements, **keys}, lambda: arc_lengths)
+
+
+def test_points_and_groups_stay_where_they_are_in_another_mesh(tmp_path):
+    more = "[groups.nose]\nelements = [10, 19]\nthickness = 1.0"
+    found = remeshed(tmp_path, more, 15, basis={"kind": "static"})
+    assert {name: place.where for name, place in found.interface_points.items()} == {
+        "C": {"node": 5}, "E": {"arc_length": 25.0}, "G": {"node": 15}
+    }  # fmt: skip
+    assert found.groups["nose"].elements == [5, 9]
+    assert found.basis.kind == "static"
+    assert remeshed(tmp_path, more, 60).groups["nose"].elements == [20, 39]
+
+
+@pytest.mark.parametrize(
+    ("more", "elements", "message"),
+    [
+        ("[groups.nose]\nelements = [10, 19]\nthickness = 1.0", 20, "groups.nose ends where no element of a mesh of 20 does"),
+        ('separate = ["thickness"]', 15, "quantities of single elements mean others in another mesh"),
+        ("", 1000, "skin.elements: .*500"),
+    ],
+)
+def test_a_mesh_that_does_not_fit_is_refused(tmp_path, more, elements, message):
+    with pytest.raises(InputError, match=message):
+        remeshed(tmp_path, more, elements)

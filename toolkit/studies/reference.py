@@ -27,7 +27,7 @@ PATIENCE = 60.0
 TOLERANCE = 1e-12
 """Of Newton's iteration, so that its error is none of the reference."""
 
-SEEN = 1e-7
+SEEN = 1e-5
 """Relative error of a response below which it is not worth a remark."""
 
 Measure = Callable[[list[Setting]], list[Record]]
