@@ -27,6 +27,7 @@ from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_o
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
+from toolkit.command_line.stability import stability
 from toolkit.errors import ToolkitError
 from toolkit.sensitivity.method_names import Method
 
@@ -182,6 +183,7 @@ def render(
 app.command()(certify)
 app.command()(export)
 app.command()(report)
+app.command()(stability)
 
 
 def main() -> None:

@@ -1,0 +1,61 @@
+"""Maps over settings of the solver: step and rho_inf, constants of the stabilisation."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.errors import InputError
+from toolkit.run_options import Baumgarte
+from toolkit.scene import Scene
+from toolkit.studies.stability.map import Axis, Map, over, with_options
+from toolkit.time_grid import time_grid
+
+FINER, COARSER = (100, 30, 10, 3), (3, 10, 30, 100, 300, 1000)
+"""Steps, as divisors and multiples of the scene's own: half a decade apart; finer ones are whole parts, so that times stay on the grid."""
+FEWEST_STEPS = 3
+RADII = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+FACTORS = (0.0, 0.01, 0.1, 0.3, 1.0, 10.0, 100.0)
+"""Constants of the stabilisation, in 1/step."""
+DAMPING, STIFFNESS = 1.0, np.sqrt(2)
+"""What they are by default."""
+
+
+def steps(scene: Scene) -> tuple[float, ...]:
+    """Steps that are mapped, ascending."""
+    own, end = scene.solver.step, scene.solver.end_time
+    coarser = [own * times for times in COARSER if own * times <= end / FEWEST_STEPS]
+    return (*(own / parts for parts in FINER), own, *coarser)
+
+
+def step_map(scene: Scene) -> Map:
+    """Step x rho_inf."""
+    rho = scene.solver.rho_inf
+    radii = tuple(sorted({*RADII, rho}))
+    axes = (Axis("step", steps(scene), len(FINER), unit="s"), Axis("rho_inf", radii, radii.index(rho)))
+    scenes = over(axes, lambda step, radius: with_options(scene, step=step, rho_inf=radius))
+    return Map("step", "step x rho_inf", axes, scenes, "reference")
+
+
+def baumgarte_map(scene: Scene) -> Map:
+    """Damping x stiffness of the stabilisation of the joints, in 1/step.
+
+    Raises
+    ------
+    InputError
+        The scene has no joints, or its formulation needs no stabilisation.
+    """
+    if not scene.joints:
+        raise InputError("the scene has no joints, so nothing is stabilised")
+    if getattr(scene.solver, "formulation", "index-1") != "index-1":
+        raise InputError("the scene's formulation keeps positions on the joints without stabilisation")
+    step = float(time_grid(scene.solver)[1])
+    written = scene.solver.baumgarte
+    own = [
+        default if value is None else float(value) * step
+        for value, default in ((written.damping, DAMPING), (written.stiffness, STIFFNESS))
+    ]
+    names = ("damping x step", "stiffness x step")
+    values = [tuple(sorted({*FACTORS, round(value, 12)})) for value in own]
+    axes = tuple(Axis(name, found, found.index(round(value, 12))) for name, found, value in zip(names, values, own, strict=True))
+    scenes = over(axes, lambda a, b: with_options(scene, baumgarte=Baumgarte(damping=a / step, stiffness=b / step)))
+    return Map("baumgarte", "stabilisation (Baumgarte): damping x stiffness", axes, scenes, "reference")
