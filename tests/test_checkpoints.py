@@ -17,7 +17,8 @@ from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.analysis import direct, prepare
 from toolkit.solvers.checkpoints import solve_windows, window_bounds
-from toolkit.solvers.transient import prepare_run, simulate
+from toolkit.solvers.run import prepare_run
+from toolkit.solvers.transient import simulate
 
 ROUND_OFF = 1e-10
 """The states are the same to the last bit. Sums over windows are taken in another order, and a smooth maximum of stresses has exponents

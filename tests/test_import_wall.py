@@ -41,6 +41,7 @@ LAYERS = [
         "toml_file",
         "preprocessing_process",
         "listed_names",
+        "static_path",
     ),
     ("description", "validation_messages", "run_options", "time_grid", "profile"),
     ("dependence", "reduced_model", "reduced_model_check", "reduced_model_file", "reduced_model_units", "design_point", "linear"),

@@ -77,12 +77,20 @@ def simulate(
 
 @app.command()
 def statics(
-    scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False, quiet: Quiet = False
+    scene: SceneFile,
+    past_limit: Annotated[
+        bool, typer.Option("--past-limit", help="Follow the path of equilibria past limit points (snap-through), by arc length.")
+    ] = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.sensitivity.analysis import direct
 
     check_output(output)
+    changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
     described, text = read(scene, changes), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:

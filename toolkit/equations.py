@@ -61,6 +61,7 @@ class Work(NamedTuple):
 
     markers: MarkerState
     scratch: np.ndarray
+    rest: np.ndarray  # (n,) zeros
     rough: np.ndarray  # (1,) 1 where round-off of the elastic forces does not matter, set by the caller
     halves: np.ndarray  # (2, n)
     joint: JointWork
@@ -69,12 +70,16 @@ class Work(NamedTuple):
 
 
 class Inputs(NamedTuple):
-    """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels."""
+    """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
+
+    Without `inertia` bodies feel neither accelerations nor, apart from dampers, velocities.
+    """
 
     curves: np.ndarray  # (n_curves, 3)
     curves_x: np.ndarray  # (n_d, 3)
     scale: float
     levels: np.ndarray  # (k_2, k_1, k_0), see joint_kernel
+    inertia: bool
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
@@ -88,6 +93,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
     return Work(
         marker_state(plan.markers, dtype),
         np.zeros((3, 3), dtype),
+        np.zeros(plan.n, dtype),
         np.zeros(1, np.int64),
         np.zeros((2, plan.n), dtype),
         joint_work(dtype),
@@ -101,14 +107,19 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     """Both groups of the residual, and if `linearize` their derivatives by the state."""
     terms.inertial[:] = 0
     terms.applied[:] = 0
+    rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     update_markers(plan.markers, work.markers, q, v, acc, work.scratch)
-    constant_residual(plan.constant, q, v, acc, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied)
-    floating_residual(plan.floating, q, v, acc, inputs.scale, work.floating, terms.inertial, terms.applied)
+    constant_residual(
+        plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
+    )
+    floating_residual(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.inertial, terms.applied)
     if linearize:
         for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
             values[:] = 0
         constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
-        floating_jacobian(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
+        floating_jacobian(
+            plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
+        )
     for j in range(len(plan.joints.family)):
         evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
         joint_residual(
@@ -132,9 +143,10 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     for e in range(len(plan.touched_row)):
         i, x = plan.touched_row[e], plan.touched_variable[e]
         terms.I_x[i, x], terms.A_x[i, x] = 0, 0
+    rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     update_marker_designs(plan.markers, work.markers, q, v, acc, work.scratch)
-    constant_design(plan.constant, q, v, acc, inputs.scale, terms.I_x, terms.A_x)
-    floating_design(plan.floating, q, v, acc, inputs.scale, work.floating, terms.I_x, terms.A_x)
+    constant_design(plan.constant, q, v, acceleration, inputs.scale, terms.I_x, terms.A_x)
+    floating_design(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x)
     for j in range(len(plan.joints.family)):
         if not plan.joints.designed[j]:
             continue

@@ -5,7 +5,7 @@ A curve's parameters may be complex (the complex step of the design derivatives)
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -28,6 +28,10 @@ class Constant(Description):
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
         return np.stack([np.full(len(time), self.value), 0 * time, 0 * time], axis=1)
+
+    def corners(self) -> tuple[Any, ...]:
+        """None."""
+        return ()
 
 
 class SmoothStep(Description):
@@ -56,6 +60,10 @@ class SmoothStep(Description):
         rates = [u**3 * (10 - 15 * u + 6 * u**2), 30 * u**2 * (1 - u) ** 2, 60 * u * (1 - u) * (1 - 2 * u)]
         return self.height * np.stack([rate / self.duration**k for k, rate in enumerate(rates)], axis=1)
 
+    def corners(self) -> tuple[Any, ...]:
+        """Times where the third derivative jumps."""
+        return self.start, self.start + self.duration
+
 
 class Sine(Description):
     """f(t) = amplitude sin(2 pi frequency t + phase); frequency in 1/time, phase in rad.
@@ -80,6 +88,10 @@ class Sine(Description):
         omega = 2 * np.pi * self.frequency
         angle = omega * time + self.phase
         return self.amplitude * np.stack([np.sin(angle), omega * np.cos(angle), -(omega**2) * np.sin(angle)], axis=1)
+
+    def corners(self) -> tuple[Any, ...]:
+        """None."""
+        return ()
 
 
 class Table(Description):
@@ -127,6 +139,10 @@ class Table(Description):
         rates = [first[k] + d * (2 * b[k] + 3 * d * c[k]), 2 * b[k] + 6 * d * c[k]]
         return np.stack([values[k] + d * (first[k] + d * (b[k] + d * c[k])), rates[0] * inside, rates[1] * inside], axis=1)
 
+    def corners(self) -> tuple[Any, ...]:
+        """Times of the points: the slope jumps at those of straight lines, the third derivative at those of a cubic."""
+        return self.times
+
 
 def corner_slopes(width: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """Slopes m of the cubic spline at its corners, zero at both ends, (n,), from widths h and mean slopes s of its pieces, (n - 1,).
@@ -158,6 +174,10 @@ class Sum(Description):
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
         return np.sum([term.evaluate(time) for term in self.terms], axis=0)
+
+    def corners(self) -> tuple[Any, ...]:
+        """Those of all terms."""
+        return tuple(corner for term in self.terms for corner in term.corners())
 
 
 Curve = Annotated[Constant | SmoothStep | Sine | Table | Sum, Field(discriminator="type")]

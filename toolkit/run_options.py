@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
+DAMPED = 0.9
+"""Largest rho_inf of index-3 steps of changing length: at 1 their joint forces grow without bound."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -39,12 +42,26 @@ class RunOptions(Description):
         "arnold-bruels" is of second order for every rho_inf, "paper" (weights of its eqs. 16-23) of first order for rho_inf < 1.
     rho_inf
         Spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve.
+    formulation
+        How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest and smoothest; they stay
+        closed to about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
     baumgarte
-        Stabilization of the joints.
+        Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance
         Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad).
+    newton
+        "full" makes a new Jacobian in every iteration and converges quadratically; "modified" keeps its factors, from step to step, as long
+        as an iteration shrinks the correction to a fifth: cheaper where factoring is dear, less exact by about `tolerance`.
     max_iterations
         Newton iterations after which a step has failed.
+    quasi_static
+        Whether inertia is left out, so that the motion is a sequence of equilibria (with the forces of dampers). Needs an equilibrium at
+        time 0, and refuses to jump where the path of equilibria ends.
+    local_error
+        Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
+        of a load curve and every time that a response names, and gradients are those of the steps that it chose.
+    times
+        Times of the run, instead of equal steps: from 0 to `end_time`. An adaptive run can be repeated with the times it chose.
     load_steps
         Number of equal load steps of a static analysis to begin with; a step that fails is halved.
     drift_tolerance
@@ -56,16 +73,48 @@ class RunOptions(Description):
     memory
         GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
         refuse.
+    continuation
+        How statics follows the path of equilibria: "load" up to the first limit point (snap-through), where it stops with an error;
+        "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
+    path_steps
+        Most steps along the path of equilibria, by its arc length.
     """
 
     end_time: Positive = 1.0
     step: Positive = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
+    formulation: Literal["index-1", "index-3"] = "index-1"
     rho_inf: Annotated[float, Field(strict=True, ge=0, le=1)] = 0.5
     baumgarte: Baumgarte = Baumgarte()
     tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2)] = 1e-10
+    newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
+    quasi_static: bool = False
+    local_error: Positive | None = None
+    times: tuple[NotNegative, ...] | None = Field(default=None, min_length=2)
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3
     assemble: bool = False
     memory: Positive = 8.0
+    continuation: Literal["load", "arc-length"] = "load"
+    path_steps: Count = 1000
+
+    @model_validator(mode="after")
+    def _fit_together(self) -> RunOptions:
+        if self.times is not None:
+            increasing = all(a < b for a, b in pairwise(self.times))
+            if not increasing or self.times[0] != 0 or self.times[-1] != self.end_time:
+                raise ValueError(f"times must increase from 0 to end_time = {self.end_time:g}; mend them, or leave times out")
+            if self.local_error is not None:
+                raise ValueError("times are given, so that local_error has nothing to choose; leave one of them out")
+        if self.scheme == "paper" and (self.local_error is not None or self.formulation != "index-1"):
+            raise ValueError(
+                'scheme = "paper" is of index 1, and has no estimate of its local error; take scheme = "arnold-bruels", or leave out '
+                "formulation and local_error"
+            )
+        if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
+            raise ValueError(
+                f'formulation = "index-3" with steps of changing length needs rho_inf below {DAMPED:g}: nothing else damps '
+                "the joint forces, which every change of length excites"
+            )
+        return self

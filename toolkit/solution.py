@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.errors import NeedsDirectError
 from toolkit.run_options import RunOptions
+from toolkit.static_path import StaticPath
 from toolkit.system import System
 
 
@@ -18,7 +19,8 @@ class Solution:
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, both relative
     to the scene's size (or rad); `load_steps` of a static solution. `options` are those of the run; `own_start` says that it did not
-    begin at the scene's start; `run_times` are all times of the run, where the solution holds the states of some alone.
+    begin at the scene's start; `run_times` are all times of the run, where the solution holds the states of some alone;
+    `path` is the way of a static solution from the unloaded state.
     """
 
     system: System
@@ -39,6 +41,7 @@ class Solution:
     run_times: np.ndarray | None = None
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
+    path: StaticPath | None = None
 
     @classmethod
     def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:

@@ -62,7 +62,8 @@ def compile_formulas(system: System, kind: Kind) -> None:
     if kind == "static":
         solve_statics(system, options)
     else:
-        short = options.model_copy(update={"end_time": options.step, "memory": RunOptions().memory})  # two states fit anywhere
+        plain = {"times": None, "local_error": None, "memory": RunOptions().memory}  # two states fit anywhere
+        short = options.model_copy(update={"end_time": options.step, **plain})
         energy_balance(simulate(system, short))
 
 

@@ -37,6 +37,7 @@ def certify(
     """Compare the gradients of independent methods; exit with an error if exact ones disagree."""
     if output is not None:
         refuse_no_picture(output)
+    from toolkit.sensitivity.analysis import frozen
     from toolkit.sensitivity.certificate import certify as compare
 
     described = read(scene, changes)
@@ -44,7 +45,7 @@ def certify(
     kind: Kind = "static" if static else "transient"
     with at_work("comparing", described, kind, names, quiet) as progress:
         found = compare(described, names, kind, progress)
-    afresh = built_afresh(described, names, kind, quiet) if fresh else None
+    afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
     if as_json:
         print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh)})
     else:

@@ -29,6 +29,8 @@ def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, and what the run cost."""
     for undefined in [] if quiet else undefined_numbers(result):
         typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
+    if not quiet and beyond_limits(result):
+        typer.echo(f"warning: {beyond_limits(result)}", err=True)
     if as_json:
         print_json(record_of(result))
     else:
@@ -51,8 +53,36 @@ def record_of(result: Result) -> dict[str, Any]:
             "steps": result.solution.load_steps or result.solution.steps,
             "newton_iterations": result.solution.newton_iterations,
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
+            **path_record(result),
         },
     }
+
+
+def path_record(result: Result) -> dict[str, Any]:
+    """What a static solution has passed on its path, if that was followed past limit points."""
+    path = result.solution.path
+    if not path or not path.passed_limit:
+        return {}
+    return {
+        "beyond_snap_through": True,
+        "limit_points": [{"load_factor": each.load_factor, "coordinate": each.coordinate} for each in path.limit_points],
+        "unstable_equilibria_under_full_load": path.unstable_crossings,
+    }
+
+
+def beyond_limits(result: Result) -> str:
+    """In words: which limit points lie between the unloaded state and this one; empty if none."""
+    path = result.solution.path
+    if not path or not path.passed_limit:
+        return ""
+    passed = "; ".join(f"{each.percent} of the load, {each.coordinate} runs away" for each in path.limit_points)
+    others = (
+        f" It met {path.unstable_crossings} unstable equilibria under the full load before." if path.unstable_crossings else ""
+    )
+    return (
+        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
+        f"structure jumps at the first, and may come to rest elsewhere.{others}"
+    )
 
 
 def finite_or_none(value: float) -> float | None:
@@ -122,6 +152,7 @@ def remarks(result: Result) -> list[str]:
             )
     else:
         lines.append(f"Equilibrium under the loads at t = {solution.times[-1]:g}, reached in {solution.load_steps} load steps.")
+        lines += [f"Warning: {beyond_limits(result)}"] if beyond_limits(result) else []
         left_out = [name for name in solution.system.scene.responses if name not in result.values]
         if left_out:
             lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")

@@ -41,7 +41,9 @@ class Instant(Response):
         InputError
             There is no step at that time; names the nearest.
         """
-        self.nearest(time_grid(scene.solver))
+        options = scene.solver
+        hit = self.time is not None and options.local_error is not None  # a run that chooses its steps hits the time
+        self.nearest(np.array([0.0, min(self.time or 0.0, options.end_time), options.end_time]) if hit else time_grid(options))
 
     @abstractmethod
     def at(self, solution: Solution, step: int) -> Partials:

@@ -18,8 +18,9 @@ from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, moving
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.checkpointed import checkpointed_adjoint, fits
 from toolkit.solution import Solution
+from toolkit.solvers.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.equilibrium import inputs_at, static_matrix
+from toolkit.solvers.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.system import System
 
 
@@ -74,7 +75,7 @@ def adjoint_gradients(
 def _through_time(system: System, solution: Solution, found: list[Partials], progress: Progress | None) -> np.ndarray:
     """Backwards through all steps, then through the consistent start."""
     last = solution.steps
-    state = begin_sweep(system, solution.options or system.scene.solver, solution.times[1] - solution.times[0], len(found))
+    state = begin_sweep(system, solution.options or system.scene.solver, solution.times, len(found))
     sweep(state, solution, 0, found, (lambda step: progress(last - step, last)) if progress else lambda _: None)
     return end_sweep(state)
 
@@ -89,6 +90,7 @@ def _through_equilibrium(system: System, solution: Solution, found: list[Partial
         gradient[:, r] = 0 if partials.design is None else partials.design
     q, rest = np.append(solution.q[0], np.zeros(system.n - n_q)), np.zeros(system.n)
     acc = np.append(np.zeros(n_q), solution.multipliers[0])
+    refuse_gradients_of_critical(system, options, find_equilibrium(system, options, 1.0, q, acc)[0])
     terms = system.evaluate(inputs_at(system, options, 1.0), q, rest, acc, design=True)
     transposed = static_matrix(system, terms)[transposition(system)]
     return gradient + (terms.I_x + terms.A_x).T @ solve_linear(system, transposed, -load, "static adjoint")

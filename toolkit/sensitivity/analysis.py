@@ -54,6 +54,14 @@ def moving(solution: Solution) -> bool:
     return len(solution.times) > 1
 
 
+def frozen(scene: Scene, solution: Solution) -> Scene:
+    """The scene with the times that its run has chosen: other designs are solved with the same steps, as derivatives suppose."""
+    if scene.solver.local_error is None or not moving(solution):
+        return scene
+    chosen = {"times": tuple(map(float, solution.whole_run)), "local_error": None}
+    return scene.model_copy(update={"solver": scene.solver.model_copy(update=chosen)})
+
+
 def prepare(scene: Scene, design: list[str] | None = None) -> System:
     """Compile a scene with what its responses look at, after they had a look at the scene."""
     for response in responses_of(scene).values():

@@ -12,10 +12,12 @@ from toolkit.responses.response import Partials
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
-from toolkit.solvers.initial_conditions import consistent_start
-from toolkit.solvers.scheme import Scheme, generalized_alpha
-from toolkit.solvers.transient import constraint_levels
+from toolkit.solvers.formulation import constraint_levels, scheme_of
+from toolkit.solvers.prediction import SAME
+from toolkit.solvers.run_start import run_start
+from toolkit.solvers.scheme import Scheme
 from toolkit.system import System
+from toolkit.time_grid import step_lengths
 
 PIECE = 200
 """Steps whose states are copied at once, and between two reports of progress."""
@@ -26,18 +28,23 @@ class Sweep(NamedTuple):
 
     system: System
     options: RunOptions
-    levels: np.ndarray
+    lengths: np.ndarray  # (n_t,) of the step to each state of the run, that to the start like the one after it
+    ratios: np.ndarray  # (n_t,) to the length before
     scheme: Scheme
     transposition: np.ndarray
     memory: AdjointMemory
     gradient: np.ndarray
 
 
-def begin_sweep(system: System, options: RunOptions, step: float, n_r: int) -> Sweep:
-    """Nothing swept yet; `step` is the length of the run's time steps."""
-    scheme = generalized_alpha(options.scheme, options.rho_inf, step)
+def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> Sweep:
+    """Nothing swept yet; `times` (n_t,) are those of the run."""
+    lengths = step_lengths(times)
+    to_each = np.append(lengths[:1], lengths)
+    ratios = np.append(1.0, to_each[1:] / to_each[:-1])
+    ratios[np.abs(ratios - 1) <= SAME] = 1.0
     memory = adjoint_memory(system.plan, system.lu_plan, system.weights, n_r)
-    return Sweep(system, options, constraint_levels(options), scheme, transposition(system), memory, np.zeros((system.n_x, n_r)))
+    gradient = np.zeros((system.n_x, n_r))
+    return Sweep(system, options, to_each, ratios, scheme_of(options), transposition(system), memory, gradient)
 
 
 def sweep(
@@ -56,17 +63,20 @@ def sweep(
         state.gradient[:, r] += 0 if partials.design is None else partials.design
     for high in range(len(window.times), 0, -PIECE):
         piece = slice(max(0, high - PIECE), high)
-        _sweep_piece(state, window, piece, first + piece.start == 0, first + high == len(window.whole_run), found)
+        _sweep_piece(state, window, piece, first, found)
         progress(first + piece.start)
 
 
-def _sweep_piece(state: Sweep, window: Solution, piece: slice, begins: bool, ends: bool, found: Sequence[Partials]) -> None:
-    system = state.system
+def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
+    system, steps = state.system, slice(first + piece.start, first + piece.stop)
+    begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
     by_q, by_v, by_acc = (_stacked(system, piece, found, name) for name in ("q", "v", "multipliers"))
     curves, curves_x = system.curves(window.times[piece])
+    levels = constraint_levels(state.options, state.lengths[steps])
     failed = system.run(
-        integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, state.levels, state.scheme,
-        state.transposition, begins, ends, *_padded(system, window, piece), by_q, by_v, by_acc, state.memory, state.gradient,
+        integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, state.lengths[steps],
+        state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),
+        by_q, by_v, by_acc, state.memory, state.gradient,
     )  # fmt: skip
     if failed >= 0:
         raise SingularSystemError(
@@ -77,7 +87,7 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, begins: bool, end
 
 def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
-    start = consistent_start(state.system, state.levels, options=state.options)
+    start = run_start(state.system, state.options)
     bars = state.memory.bars
     for bar, change in zip((bars.q, bars.v, bars.acc), (start.dq, start.dv, start.dacc), strict=True):
         state.gradient[:] += change.T @ bar

@@ -16,7 +16,7 @@ from toolkit.sensitivity.analysis import Progress, Result, by_name, prepare, res
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep
 from toolkit.solution import Solution
 from toolkit.solvers.checkpoints import Checkpoint, checkpoint_states, solve_window, solve_windows, window_bounds
-from toolkit.solvers.transient import GIGABYTE, Run, prepare_run
+from toolkit.solvers.run import GIGABYTE, Run, prepare_run
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 
@@ -77,7 +77,7 @@ def run_forwards(scene: Scene, tell: Progress) -> Forwards:
 def run_backwards(scene: Scene, system: System, forwards: Forwards, tell: Progress) -> np.ndarray:
     """Gradients (n_x, n_r) of a system with design variables."""
     run, bounds, responses = forwards.run, forwards.bounds, responses_of(scene)
-    state = begin_sweep(system, run.options, run.times[1] - run.times[0], len(responses))
+    state = begin_sweep(system, run.options, run.times, len(responses))
     for j in reversed(range(len(bounds) - 1)):
         last_one = j == len(bounds) - 2
         window = forwards.last if last_one else solve_window(run, forwards.kept[j], bounds[j], bounds[j + 1])[0]

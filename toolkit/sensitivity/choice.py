@@ -17,7 +17,7 @@ import numpy as np
 
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, prepare, responses_of
-from toolkit.solvers.transient import GIGABYTE, in_gigabytes
+from toolkit.solvers.run import GIGABYTE, in_gigabytes
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 

@@ -18,7 +18,7 @@ from toolkit.compilation.quantities import STEP
 from toolkit.design import DesignVariable
 from toolkit.errors import InputError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, prepare, result, timed, values_of
+from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, frozen, prepare, result, timed, values_of
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
@@ -39,7 +39,7 @@ def numerical(
     variables = scene.design_variables(design)
     system = prepare(scene)
     primal, solution = timed(system, kind)
-    base = evaluate_responses(solution)
+    base, scene = evaluate_responses(solution), frozen(scene, solution)
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
     begun = clock.perf_counter()
     for k, variable in enumerate(variables):

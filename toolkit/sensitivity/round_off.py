@@ -12,7 +12,7 @@ from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.errors import InputError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import Kind, Result, by_name, prepare, responses_of, solve
+from toolkit.sensitivity.analysis import Kind, Result, by_name, frozen, prepare, responses_of, solve
 from toolkit.sensitivity.numerical import typical_size
 
 Gradients = dict[str, dict[str, float]]
@@ -72,6 +72,7 @@ def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
     response is or does.
     """
     design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
+    scene = frozen(scene, exact.solution)
     # parameters of reduced models stay: other last digits of a thin body's matrices would be another body, not other round-off
     given = scene.model_parameters()
     paths = [path for path in scene.available_paths() if path not in given]

@@ -12,7 +12,7 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result, direct, values_of
+from toolkit.sensitivity.analysis import Kind, Result, direct, frozen, values_of
 from toolkit.sensitivity.round_off import can_move, response_scales, variable_sizes
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
@@ -59,6 +59,7 @@ def taylor_rates(
         all but one of the steps.
     """
     base = exact or direct(scene, design, kind)
+    scene = frozen(scene, base.solution)
     along = direction(scene, base)
     slopes, scales = slopes_along(base, along), response_scales(base, variable_sizes(scene, base))
     remainders: dict[float, dict[str, Any]] = {}
@@ -96,6 +97,7 @@ def step_study(
         Relative step and largest relative difference; a step so large that its runs fail is left out.
     """
     base = exact or direct(scene, design, kind)
+    scene = frozen(scene, base.solution)
     along = direction(scene, base)
     slopes, scales = slopes_along(base, along), response_scales(base, variable_sizes(scene, base))
     study = []

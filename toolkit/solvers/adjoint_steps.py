@@ -9,6 +9,7 @@ from toolkit.kernel import inner, kernel
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.newton import newton_matrix
+from toolkit.solvers.scheme import with_step
 from toolkit.solvers.staggered import carries
 
 
@@ -106,7 +107,7 @@ def solve_step(plan, scheme, transposition, memory):
             load[i, r] = -bars.acc[i, r]
             if i < plan.n_q:
                 load[i, r] -= scheme.new * (bars.aux[i, r] + c_q * bars.q[i, r] + c_v * bars.v[i, r])
-    newton_matrix(scheme, memory.terms, memory.jacobian)
+    newton_matrix(plan, scheme, memory.terms, memory.jacobian)
     for e in range(len(transposition)):
         memory.transposed[e] = memory.jacobian[transposition[e]]
     failed = factorize(memory.solver, plan.indptr, plan.indices, memory.transposed)
@@ -116,8 +117,8 @@ def solve_step(plan, scheme, transposition, memory):
 
 
 @inner
-def step_back(plan, scheme, memory):
-    """Bars of the state before from those of this one."""
+def step_back(plan, scheme, ratio, memory):
+    """Bars of the state before from those of this one; `ratio` is that of the lengths of this step and the one before."""
     bars, terms, mu = memory.bars, memory.terms, memory.multiplier
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
     add_transposed(plan, terms.I_q, scheme.weight_inertial, mu, bars.q)
@@ -128,21 +129,23 @@ def step_back(plan, scheme, memory):
             if i < plan.n_q:
                 q, v = bars.q[i, r], bars.v[i, r]
                 known = bars.aux[i, r] + h * h * beta * q + h * gamma * v
-                bars.v[i, r] = v + h * q
-                bars.aux[i, r] = h * h * (0.5 - beta) * q + h * (1 - gamma) * v - scheme.carry * known
-                bars.acc[i, r] = scheme.old * known
+                aux = h * h * scheme.beta_old * q + h * scheme.gamma_old * v - scheme.carry * known
+                bars.v[i, r] = scheme.keep * (v + h * q)
+                bars.aux[i, r] = ratio * aux
+                bars.acc[i, r] = scheme.old * known + (1 - ratio) * aux
             else:
                 bars.q[i, r], bars.v[i, r], bars.aux[i, r], bars.acc[i, r] = 0.0, 0.0, 0.0, 0.0
 
 
 @kernel
 def integrate_backwards(
-    evaluator, plan, functions, curves, curves_x, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v, by_acc,
-    memory, gradient,
+    evaluator, plan, functions, curves, curves_x, lengths, ratios, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v,
+    by_acc, memory, gradient,
 ):  # fmt: skip
     """Add to `gradient` (n_x, n_r) what the design does in the steps to the given states.
 
     The states are those of a window, or of the whole run: `begins` if its start is the first of them, `ends` if its end is the last.
+    `lengths` (n_t,), `levels` (n_t, 3) and `ratios` (n_t,) to the length before are those of the step to each state.
     `memory` carries what one window leaves to the one before, at last the derivatives by the start in `memory.bars`.
 
     With the bars b of q, v, acc, w at step n + 1 =: + (derivatives of the responses by them, everything else fixed), a step of
@@ -151,23 +154,25 @@ def integrate_backwards(
         J^T mu = - b_acc - new (b_w + h^2 beta b_q + h gamma b_v)
         b_q += (w_I I_q + w_A A_q)^T mu,  b_v += w_A A_v^T mu,  gradient += (w_I I_x + w_A A_x)^T mu
         k = b_w + h^2 beta b_q + h gamma b_v
-        before:  b_v + h b_q,  h^2 (1/2 - beta) b_q + h (1 - gamma) b_v - carry k  (of w),  old k  (of acc)
+        before:  keep (b_v + h b_q),  ratio c  (of w),  old k + (1 - ratio) c  (of acc),
+                 c = h^2 beta_old b_q + h gamma_old b_v - carry k
 
     Returns -1, or the number of the unknown that a step does not determine.
     """
     for step in range(len(q) - 1, -1, -1):
-        inputs, is_start = Inputs(curves[step], curves_x[step], 1.0, levels), begins and step == 0
+        now, is_start = with_step(scheme, lengths[step]), begins and step == 0
+        inputs = Inputs(curves[step], curves_x[step], 1.0, levels[step], scheme.inertia)
         if carries(scheme) or not is_start:
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
         if carries(scheme) and not (ends and step == len(q) - 1):
             add_carried(plan, scheme, memory, gradient)
         add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
         if not is_start:
-            failed = solve_step(plan, scheme, transposition, memory)
+            failed = solve_step(plan, now, transposition, memory)
             if failed >= 0:
                 return failed
             add_design(plan, scheme.weight_inertial, scheme.weight_applied, memory.terms, memory.multiplier, gradient)
-            step_back(plan, scheme, memory)
+            step_back(plan, now, ratios[step], memory)
     if begins:
         for i in range(plan.n_q):
             for r in range(gradient.shape[1]):

@@ -13,8 +13,10 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.solution import Solution
-from toolkit.solvers.initial_conditions import State, consistent_start
-from toolkit.solvers.transient import Run, advance, check_drift, empty_history
+from toolkit.solvers.initial_conditions import State
+from toolkit.solvers.run import Run, empty_history
+from toolkit.solvers.run_start import run_start
+from toolkit.solvers.transient import advance, check_drift
 
 
 class Checkpoint(NamedTuple):
@@ -42,7 +44,7 @@ def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterat
     InputError, SingularSystemError, ConvergenceError
         As `simulate`.
     """
-    start, zero = consistent_start(run.system, run.levels, options=run.options), np.zeros(run.system.n)
+    start, zero = run_start(run.system, run.options), np.zeros(run.system.n)
     kept.append(Checkpoint(start.q, start.v, start.acc, zero, zero))
     for first, last in pairwise(bounds):
         window, after = solve_window(run, kept[-1], first, last)
@@ -53,7 +55,7 @@ def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterat
 def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tuple[Solution, Checkpoint]:
     """States of steps first + 1 ... last, and at the beginning of the run also the start; and the checkpoint behind them."""
     system, memory = run.system, run.memory
-    memory.aux[:], memory.carried[:] = checkpoint.aux, checkpoint.carried
+    memory.aux[:], memory.carried[:], memory.span[0] = checkpoint.aux, checkpoint.carried, run.lengths[first - 1]
     derivatives = (np.zeros((system.n, 0)),) * 3
     history = empty_history(system, last - first + 1, State(checkpoint.q, checkpoint.v, checkpoint.acc, *derivatives))
     advance(run, history, first)

@@ -33,14 +33,14 @@ class EnergyBalance(NamedTuple):
 
 
 @kernel
-def powers(evaluator, plan, functions, curves, curves_x, levels, q, v, lam, out, acc, terms, work):
+def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
     """T and P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam at all times: out (n_t, 2); K q is left to the caller.
 
     A is the applied group of the residual; at the acceleration v the inertial group is M v, and its derivative by q along v is M' v.
     """
     n_q = plan.n_q
     for n in range(len(q)):
-        inputs = Inputs(curves[n], curves_x[n], 1.0, levels)
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia)
         for i in range(plan.n):
             acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
         evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
@@ -67,9 +67,10 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, solution.v, solution.multipliers
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)
+    inertia = not (solution.options or system.scene.solver).quasi_static
     system.run(
-        powers, system.evaluator(), plan, system.functions, curves, curves_x, np.zeros(3), q, v, lam, out,
-        np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
+        powers, system.evaluator(), plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
+        out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
     )  # fmt: skip
     constant = plan.constant
     shape = (system.n_q, system.n_q)

@@ -1,22 +1,43 @@
-"""Newton's iteration of one time step, with the exact Jacobian (paper, eqs. 34-37)."""
+"""Newton's iteration of one time step, with the exact Jacobian (paper, eqs. 34-37), or with kept factors of an earlier one."""
+
+from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import inner
-from toolkit.linear.linear_solver import factorize, solve_checked
+from toolkit.kernel import copy, inner
+from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.prediction import step_ratio
 
-CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE = 0, 1, 2, 3
+CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
+"""What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
+of quasi-static steps: an equilibrium far off the path."""
 STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
+SLOW = 0.2
+"""Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
+
+
+class Control(NamedTuple):
+    """When a step is done, and whether it was a good one."""
+
+    tolerance: float
+    most: int  # iterations
+    modified: bool  # whether factors are kept as long as they contract well
+    largest_error: float  # local error above which a step is rejected
+    easy_error: float  # local error below which the run pauses, to go on with longer steps
 
 
 @inner
-def newton_matrix(scheme, terms, jacobian):
-    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v)."""
+def newton_matrix(plan, scheme, terms, jacobian):
+    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     for e in range(len(jacobian)):
         jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
+    if not scheme.inertia:
+        for e in range(len(jacobian)):
+            if plan.indices[e] < plan.n_q:
+                jacobian[e] -= w_i * terms.I_acc[e]
 
 
 @inner
@@ -29,41 +50,89 @@ def is_finite(vector):
 
 
 @inner
-def newton(evaluator, plan, functions, inputs, scheme, weights, tolerance, most, q, v, acc, memory, outcome):
-    """Iterate on [a; lam] until a correction moves nothing by more than the tolerance, or than round-off; returns the status."""
+def place(scheme, memory, count, acc, q, v):
+    """Coordinates and velocities that belong to accelerations."""
     c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
-    terms, n_q = memory.terms, plan.n_q
-    for i in range(n_q):
+    for i in range(count):
         q[i] = memory.q_predicted[i] + c_q * acc[i]
         v[i] = memory.v_predicted[i] + c_v * acc[i]
-    for iteration in range(most):
+
+
+@inner
+def correct(plan, scheme, weights, memory, q, v, acc, outcome):
+    """Subtract Newton's correction; its size and place go to `outcome`."""
+    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    largest, worst = 0.0, 0
+    for i in range(plan.n):
+        acc[i] -= memory.correction[i]
+        if i < plan.n_q:
+            q[i] -= c_q * memory.correction[i]
+            v[i] -= c_v * memory.correction[i]
+            size = weights[i] * abs(c_q * memory.correction[i].real)
+            if not size <= largest:
+                largest, worst = size, i
+    outcome.counts[3], outcome.correction[0] = worst, largest
+
+
+@inner
+def left_over(kept, iteration, before, size):
+    """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
+    if not kept or size == 0:
+        return size
+    rate = size / before if iteration > 0 else 1.0
+    return size * rate / (1 - rate) if rate < 1 else np.inf
+
+
+@inner
+def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, outcome):
+    """Iterate on [a; lam] until what is left moves nothing by more than the tolerance, or than round-off; returns the status."""
+    copy(acc, memory.guess)
+    place(scheme, memory, plan.n_q, acc, q, v)
+    trusted = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1
+    for iteration in range(control.most):
+        kept = trusted and memory.kept[0] > 0
         memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
-        evaluator(plan, functions, inputs, q, v, acc, True, False, terms, memory.work)
+        evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
-        newton_matrix(scheme, terms, memory.jacobian)
         for i in range(plan.n):
-            total = scheme.weight_inertial * terms.inertial[i] + scheme.weight_applied * terms.applied[i]
+            total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
             memory.residual[i] = total + memory.carried[i]
         outcome.counts[2] = iteration + 1
-        failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-        if failed < 0:
-            failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+        failed = solve_kept(memory) if kept else solve_anew(plan, scheme, memory)
         if failed >= 0:
             outcome.counts[3] = failed
             return SINGULAR if is_finite(memory.residual) else NOT_FINITE
-        before, largest, worst = outcome.correction[0], 0.0, 0
-        for i in range(plan.n):
-            acc[i] -= memory.correction[i]
-            if i < n_q:
-                q[i] -= c_q * memory.correction[i]
-                v[i] -= c_v * memory.correction[i]
-                size = weights[i] * abs(c_q * memory.correction[i].real)
-                if not size <= largest:
-                    largest, worst = size, i
-        outcome.counts[3], outcome.correction[0] = worst, largest
-        if not np.isfinite(largest):
+        before = outcome.correction[0]
+        correct(plan, scheme, weights, memory, q, v, acc, outcome)
+        size = outcome.correction[0]
+        if kept and iteration > 0 and not size <= SLOW * before:
+            trusted = False  # for the rest of this step
+            if not size <= before:
+                copy(memory.guess, acc)
+                place(scheme, memory, plan.n_q, acc, q, v)
+            continue
+        if not np.isfinite(size):
             return NOT_FINITE
-        stagnated = iteration > 0 and largest <= STAGNATED and largest > 0.1 * before
-        if largest <= tolerance or stagnated:
+        stagnated = not kept and iteration > 0 and size <= STAGNATED and size > 0.1 * before
+        if left_over(kept, iteration, before, size) <= control.tolerance or stagnated:
             return CONVERGED
     return NOT_CONVERGED
+
+
+@inner
+def solve_kept(memory):
+    """Correction with the factors that are there."""
+    copy(memory.residual, memory.correction)
+    apply_inverse(memory.solver, memory.correction)
+    return -1
+
+
+@inner
+def solve_anew(plan, scheme, memory):
+    """Correction with the exact Jacobian; -1, or the unknown that it does not determine."""
+    newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+    failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+    if failed < 0:
+        failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+    memory.kept[0] = scheme.h
+    return failed

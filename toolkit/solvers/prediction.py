@@ -2,15 +2,18 @@
 
 from toolkit.kernel import inner
 
+SAME = 1e-9
+"""Relative difference of two step lengths that is round-off."""
+
 
 @inner
 def predict(scheme, q, v, acc, aux, count, q_new, v_new):
     """Coordinates and velocities at n + 1 for a_+ = 0; also of their sensitivities, flattened."""
-    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    h = scheme.h
     for i in range(count):
         w_new = scheme.old * acc[i] - scheme.carry * aux[i]
-        q_new[i] = q[i] + h * v[i] + h * h * ((0.5 - beta) * aux[i] + beta * w_new)
-        v_new[i] = v[i] + h * ((1 - gamma) * aux[i] + gamma * w_new)
+        q_new[i] = q[i] + h * scheme.keep * v[i] + h * h * (scheme.beta_old * aux[i] + scheme.beta * w_new)
+        v_new[i] = scheme.keep * v[i] + h * (scheme.gamma_old * aux[i] + scheme.gamma * w_new)
 
 
 @inner
@@ -18,3 +21,20 @@ def advance_auxiliary(scheme, acc, acc_new, count, aux):
     """w_+ in place of w_n; also of its sensitivities, flattened."""
     for i in range(count):
         aux[i] = scheme.new * acc_new[i] + scheme.old * acc[i] - scheme.carry * aux[i]
+
+
+@inner
+def step_ratio(h, before):
+    """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off."""
+    ratio = h / before if before > 0 else 1.0
+    return ratio if abs(ratio - 1) > SAME else 1.0
+
+
+@inner
+def rescale_auxiliary(ratio, acc, count, aux):
+    """w for another step length, a_n + ratio (w_n - a_n); also of its sensitivities, flattened.
+
+    w_n - a_n = D h a' belongs to a point of the step (see `scheme`); left as it is, it would cost an order of accuracy.
+    """
+    for i in range(count):
+        aux[i] = acc[i] + ratio * (aux[i] - acc[i])

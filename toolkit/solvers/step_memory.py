@@ -32,6 +32,9 @@ class Memory(NamedTuple):
     carried: np.ndarray  # (n,) carried part of the residual
     dcarried: np.ndarray  # (n, n_x)
     pseudo_load: np.ndarray  # (n, n_x)
+    span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
+    kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
+    guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
     v_predicted: np.ndarray
     residual: np.ndarray
@@ -46,9 +49,9 @@ class Outcome(NamedTuple):
     """What the loop reports: `status`, step, Newton iterations of that step, unknown at fault; in all: iterations."""
 
     counts: np.ndarray  # (5,)
-    correction: (
-        np.ndarray
-    )  # (2,) Newton correction, relative to the scene's size: the last, and the largest that a step was content with
+    correction: np.ndarray
+    """(4,), relative to the scene's size: Newton's last correction, the largest that a step was content with, the last local error, and
+    the largest of late."""
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
@@ -66,6 +69,9 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         carried=zeros(n),
         dcarried=zeros(n, n_x),
         pseudo_load=zeros(n, n_x),
+        span=np.zeros(1),
+        kept=np.zeros(1),
+        guess=zeros(n),
         q_predicted=zeros(n),
         v_predicted=zeros(n),
         residual=zeros(n),

@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
-from typing import NamedTuple
 
 import numpy as np
 
 from toolkit.equations import allocate_work
-from toolkit.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
+from toolkit.solvers.adaptive import advance_adaptively
 from toolkit.solvers.drift import largest_drift
-from toolkit.solvers.generalized_alpha import integrate
-from toolkit.solvers.initial_conditions import consistent_start
-from toolkit.solvers.newton import CONVERGED, NOT_CONVERGED, SINGULAR
-from toolkit.solvers.scheme import Scheme, generalized_alpha
-from toolkit.solvers.step_memory import History, Memory, Outcome, allocate_memory
+from toolkit.solvers.newton import CONVERGED
+from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
+from toolkit.solvers.run_start import run_start
+from toolkit.solvers.step_memory import History
 from toolkit.system import System
-from toolkit.time_grid import time_grid
 
-GIGABYTE = 1e9
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE = 200
 """Steps between two reports of progress; long enough that a report costs nothing."""
@@ -55,9 +52,15 @@ def simulate(
     """
     begun = clock.perf_counter()
     run = prepare_run(system, options)
-    start = consistent_start(system, run.levels, q, v, options=run.options)
-    history = allocate_history(system, run.options, len(run.times), start)
-    advance(run, history, 0, progress)
+    start = run_start(system, run.options, q, v)
+    if run.options.local_error is None:
+        history = allocate_history(system, run.options, len(run.times), start)
+        advance(run, history, 0, progress)
+    else:
+        run, history = advance_adaptively(run, start, progress)
+    if run.options.quasi_static:
+        history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
+        history.dacc[:, : system.n_q] = 0
     return Solution.from_padded(
         system,
         run.times,
@@ -71,27 +74,6 @@ def simulate(
     )
 
 
-class Run(NamedTuple):
-    """What all steps of a run share, and what one leaves to the next."""
-
-    system: System
-    options: RunOptions
-    times: np.ndarray
-    levels: np.ndarray
-    scheme: Scheme
-    memory: Memory
-    outcome: Outcome
-
-
-def prepare_run(system: System, options: RunOptions | None = None) -> Run:
-    """Everything but the states; options by default the scene's own."""
-    options = options or system.scene.solver
-    times = time_grid(options)
-    scheme = generalized_alpha(options.scheme, options.rho_inf, times[1] - times[0])
-    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
-    return Run(system, options, times, constraint_levels(options), scheme, memory, Outcome(np.zeros(5, np.int64), np.zeros(2)))
-
-
 def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
     """Fill a history whose row 0 is the state at step `first`, where `run.memory` stands.
 
@@ -100,59 +82,17 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
     ConvergenceError, SingularSystemError
         As `simulate`.
     """
-    system, options, count = run.system, run.options, len(history.q) - 1
-    curves, curves_x = system.curves(run.times[first : first + count + 1])
+    total = len(run.times) - 1
+    count = len(history.q) - 1
+    run = run._replace(times=run.times[first : first + count + 1], lengths=run.lengths[first : first + count])
+    curves = run.system.curves(run.times)
     for low in range(0, count, PIECE):
         high = min(low + PIECE, count)
-        system.run(
-            integrate, system.evaluator(), system.plan, system.functions, curves, curves_x, run.levels, run.scheme, system.weights,
-            options.tolerance, options.max_iterations, first + low == 0, low, high, history, run.memory, run.outcome,
-        )  # fmt: skip
+        take_steps(run, history, curves, first + low == 0, low, high)
         if run.outcome.counts[0] != CONVERGED:
-            raise failure(run, first)
+            raise failure(run)
         if progress:
-            progress(first + high, len(run.times) - 1)
-
-
-def constraint_levels(options: RunOptions) -> np.ndarray:
-    """Weights (1, 2 damping, stiffness^2) of acceleration, velocity and position in the constraint rows, (3,)."""
-    step = time_grid(options)[1]
-    damping, stiffness = options.baumgarte.damping, options.baumgarte.stiffness
-    damping = 1 / step if damping is None else damping
-    stiffness = np.sqrt(2) / step if stiffness is None else stiffness
-    return np.array([1.0, 2 * damping, stiffness**2])
-
-
-def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple) -> History:
-    """Memory for all states, the first filled in.
-
-    Raises
-    ------
-    InputError
-        The states need more memory than `solver.memory`.
-    """
-    needed = 8 * n_t * sum(item.size for item in start)
-    if needed > GIGABYTE * options.memory:
-        raise InputError(
-            f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {in_gigabytes(needed)}, more than "
-            f"solver.memory = {options.memory:g} GB. Choose a larger solver.step, a shorter time, or fewer design variables at once; "
-            "or the adjoint method, which keeps checkpoints only."
-        )
-    return empty_history(system, n_t, start)
-
-
-def in_gigabytes(count: float) -> str:
-    """A number of bytes for messages."""
-    size = count / GIGABYTE
-    return f"{size:.0f} GB" if size >= 1 else f"{size:.2g} GB"
-
-
-def empty_history(system: System, n_t: int, start: tuple) -> History:
-    """Memory for n_t states, the first filled in."""
-    arrays = [np.zeros((n_t, *item.shape), system.dtype if item.ndim == 1 else float) for item in start]
-    for array, item in zip(arrays, start, strict=True):
-        array[0] = item
-    return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
+            progress(first + high, total)
 
 
 def check_drift(run: Run, q: np.ndarray, first: int) -> float:
@@ -170,29 +110,14 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         allocate_work(system.plan, system.dtype),
     )  # fmt: skip
     if not found[0] <= options.drift_tolerance:
-        stabilised = run.levels[2] > 0
+        stabilised = options.baumgarte.stiffness != 0
         cause = (
-            f"the step of {run.times[1]:g} is far too large for this motion. Try a tenth of it" if stabilised else UNSTABILISED
+            f"the step of {run.lengths.max():g} is far too large for this motion. Try a tenth of it"
+            if stabilised
+            else UNSTABILISED
         )
         raise ConvergenceError(
             f"the joints came apart: {system.numbering.names[int(found[2])]} is off by {found[0]:.1e} of the scene's size at "
             f"t = {times[int(found[1])]:g}, more than solver.drift_tolerance = {options.drift_tolerance:g}: {cause}."
         )
     return float(found[0])
-
-
-def failure(run: Run, first: int) -> Exception:
-    """The error that a failed step deserves, in a piece of the run that begins at step `first`."""
-    status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
-    step += first
-    name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance
-    if status == SINGULAR:
-        return SingularSystemError(
-            f"the equations do not determine {name} at t = {time:g}: redundant joints, or a mechanism in a singular position. "
-            "Remove the redundant joint, or start off the singular position."
-        )
-    what = f"correction {run.outcome.correction[0]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
-    return ConvergenceError(
-        f"Newton stopped at t = {time:g} (step {step + 1} of {len(run.times) - 1}) after {iterations} iterations: {what}, "
-        f"largest in {name}. Try a smaller solver.step (now {run.times[1]:g}) or a smoother load curve."
-    )

@@ -1,0 +1,37 @@
+"""How the constraints enter a time step: as weights of their acceleration, velocity and position.
+
+    "index-1"       phi'' + 2 damping phi' + stiffness^2 phi = 0, Baumgarte's stabilization (1972)
+    "index-3"       phi / c_q = 0 with c_q = d q_+ / d a_+ of the step: positions closed to round-off, Newton's matrix as in index 1
+                    (Arnold and Bruels 2007; the scaling is that of Bottasso, Dopico and Trainelli 2008)
+    quasi-static    positions, too
+
+Multipliers of index 3 carry round-off of 1e-16 of the scene's size over h^2, and velocities leave the constraint by O(h^2).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.run_options import RunOptions
+from toolkit.solvers.scheme import QUASI_STATIC, Scheme, generalized_alpha
+
+
+def scheme_of(options: RunOptions) -> Scheme:
+    """Coefficients of the run's scheme, for steps of length 1."""
+    return QUASI_STATIC if options.quasi_static else generalized_alpha(options.scheme, options.rho_inf)
+
+
+def constraint_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
+    """Weights (k_2, k_1, k_0) of acceleration, velocity and position in the constraint rows of steps of lengths (n,): (n, 3)."""
+    if options.formulation == "index-3" or options.quasi_static:
+        scheme = scheme_of(options)
+        return np.outer(1 / (lengths**2 * scheme.beta * scheme.new), [0.0, 0.0, 1.0])
+    given = options.baumgarte
+    damping = 1 / lengths if given.damping is None else np.full_like(lengths, given.damping)
+    stiffness = np.sqrt(2) / lengths if given.stiffness is None else np.full_like(lengths, given.stiffness)
+    return np.stack([np.ones_like(lengths), 2 * damping, stiffness**2], axis=1)
+
+
+def start_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
+    """Those of the accelerations at the start, (3,)."""
+    return constraint_levels(options.model_copy(update={"formulation": "index-1", "quasi_static": False}), lengths[:1])[0]
