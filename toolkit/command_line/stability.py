@@ -30,7 +30,9 @@ def stability(
     variables: Variables = None,
     accuracy: Annotated[float, typer.Option(min=0, help="Relative distance to the reference beyond which a run is wrong.")] = 0.1,
     energy: Annotated[float, typer.Option(min=0, help="Part of the energy that may be created.")] = 0.05,
-    most_steps: Annotated[int, typer.Option(min=1, help="Cells that need more steps are not run.")] = 30_000,
+    most_steps: Annotated[
+        int | None, typer.Option(min=1, help="Cells that need more steps are not run; by default 10000, or what the scene needs.")
+    ] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; by default as many as processors.")] = None,
     output: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder for stability.png, stability.svg and stability.json.")
@@ -77,6 +79,8 @@ def print_notes(study: Study) -> None:
     reference, limit = study.reference, study.limits.accuracy
     if not study.scene.responses:
         typer.echo("note: the scene has no responses, so a wrong motion that ends in good order is not seen.", err=True)
+    elif not any(each.map.judge == "reference" for each in study.maps):
+        return
     elif reference is None:
         typer.echo("note: the scene runs in good order with no step, so maps of the solver have no reference.", err=True)
     elif reference.next_values > limit or (study.design and reference.next_slopes > limit):

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+from typing import Any
+
 import numpy as np
 
 from toolkit.errors import InputError
@@ -20,18 +23,50 @@ DAMPING, STIFFNESS = 1.0, np.sqrt(2)
 """What they are by default."""
 
 
-def steps(scene: Scene) -> tuple[float, ...]:
-    """Steps that are mapped, ascending."""
+def refined(scene: Scene, parts: int) -> Scene:
+    """The scene with every step in parts; error control with a local error that such steps would have, of third order in the step."""
+    options = scene.solver
+    changes: dict[str, Any] = {"step": options.step / parts}
+    if options.local_error is not None:
+        changes["local_error"] = options.local_error / parts**3
+    if options.times is not None:
+        split = [np.linspace(a, b, parts, endpoint=False) for a, b in pairwise(options.times)]
+        changes["times"] = (*map(float, np.concatenate(split)), options.times[-1])
+    return with_options(scene, **changes)
+
+
+def finest_first(scene: Scene) -> list[Scene]:
+    """Candidates for the reference: the scene refined, as it stands, and with coarser steps."""
+    coarser = [with_options(scene, step=step) for step in coarser_steps(scene)] if scene.solver.times is None else []
+    return [*(refined(scene, parts) for parts in (*FINER, 1)), *coarser]
+
+
+def coarser_steps(scene: Scene) -> list[float]:
+    """Multiples of the scene's step."""
     own, end = scene.solver.step, scene.solver.end_time
-    coarser = [own * times for times in COARSER if own * times <= end / FEWEST_STEPS]
-    return (*(own / parts for parts in FINER), own, *coarser)
+    return [own * times for times in COARSER if own * times <= end / FEWEST_STEPS]
+
+
+def steps_needed(scene: Scene) -> int:
+    """Steps of a scene, by its times or its (largest) step."""
+    options = scene.solver
+    return len(options.times) - 1 if options.times else int(np.ceil(options.end_time / options.step * (1 - 1e-9)))
 
 
 def step_map(scene: Scene) -> Map:
-    """Step x rho_inf."""
-    rho = scene.solver.rho_inf
+    """Step x rho_inf.
+
+    Raises
+    ------
+    InputError
+        The scene gives its times.
+    """
+    if scene.solver.times is not None:
+        raise InputError("the scene gives its times, so that no step can be chosen")
+    rho, own = scene.solver.rho_inf, scene.solver.step
+    steps = (*(own / parts for parts in FINER), own, *coarser_steps(scene))
     radii = tuple(sorted({*RADII, rho}))
-    axes = (Axis("step", steps(scene), len(FINER), unit="s"), Axis("rho_inf", radii, radii.index(rho)))
+    axes = (Axis("step", steps, len(FINER), unit="s"), Axis("rho_inf", radii, radii.index(rho)))
     scenes = over(axes, lambda step, radius: with_options(scene, step=step, rho_inf=radius))
     return Map("step", "step x rho_inf", axes, scenes, "reference")
 
@@ -46,7 +81,7 @@ def baumgarte_map(scene: Scene) -> Map:
     """
     if not scene.joints:
         raise InputError("the scene has no joints, so nothing is stabilised")
-    if getattr(scene.solver, "formulation", "index-1") != "index-1":
+    if scene.solver.formulation != "index-1":
         raise InputError("the scene's formulation keeps positions on the joints without stabilisation")
     step = float(time_grid(scene.solver)[1])
     written = scene.solver.baumgarte

@@ -7,22 +7,22 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-import numpy as np
-
 from toolkit.scene import Scene
 from toolkit.scene_units import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.studies.stability.catalogue import maps_of
-from toolkit.studies.stability.map import Map, with_options
+from toolkit.studies.stability.map import Map
 from toolkit.studies.stability.measure import Measured, Run, slope_difference, value_difference
 from toolkit.studies.stability.pool import Progress, Task, measured
-from toolkit.studies.stability.solver_maps import steps
+from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
 from toolkit.studies.stability.verdict import Limits, Verdict, of_gradient, of_run
 
-MOST_STEPS = 30_000
+MOST_STEPS = 10_000
+"""Cells that need more are not run, unless the scene itself does."""
 Key = tuple[str, tuple[int, ...]]
 OWN: Key = ("the scene itself", ())
 FINE, HALF = "its own with another step", " with half the step"
+OWN_HALF: Key = (OWN[0] + HALF, ())
 ROUND_OFF = 1e-6
 """What may differ between unit systems: Newton stops 1e-10 of the scene's size away, and forces magnify that."""
 
@@ -72,7 +72,7 @@ def stability(
     design: Sequence[str] = (),
     names: Sequence[str] | None = None,
     limits: Limits | None = None,
-    most_steps: int = MOST_STEPS,
+    most_steps: int | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
 ) -> Study:
@@ -84,7 +84,7 @@ def stability(
     design : variables whose gradient is judged; without any the motion alone is
     names : maps, see `catalogue.MAPS`; by default all that the scene has
     limits : where classes end; by default the joints may open as far as the scene's own `solver.drift_tolerance`
-    most_steps : cells that need more steps are not run
+    most_steps : cells that need more steps are not run; by default `MOST_STEPS`, or as many as the scene needs as it stands
     jobs : processes
     progress : called with runs done and runs in all
 
@@ -96,35 +96,39 @@ def stability(
         A process was killed.
     """
     limits, design = limits or Limits(drift=scene.solver.drift_tolerance), list(design)
+    most_steps = max(MOST_STEPS, steps_needed(scene)) if most_steps is None else most_steps
     scene.design_variables(design)
     with TemporaryDirectory(prefix="ffrf-stability-") as folder:
         maps, missing = maps_of(scene, names, Path(folder))
         tasks = _tasks(scene, design, maps, most_steps)
         found = dict(zip(tasks, measured(list(tasks.values()), jobs, progress), strict=True))
-        units = {m.name: {at: each.units for at, each in m.scenes.items()} for m in maps if m.judge == "own units"}
-        for name, systems in units.items():
-            found |= {(name, at): _in_own_units(found[name, at], scene, units) for at, units in systems.items()}
+    for each in maps:
+        if each.judge == "own units":
+            cells = {at: changed.units for at, changed in each.scenes.items() if (each.name, at) in found}
+            found |= {(each.name, at): _in_own_units(found[each.name, at], scene, units) for at, units in cells.items()}
     reference = _reference(scene, found, limits)
     own = found.get(OWN) or Measured(Run("refused", _too_long(scene, most_steps)))
-    itself = _cell(own, reference.measured if reference else None, limits)
+    itself = _cell(own, reference.measured if reference else found.get(OWN_HALF), limits)
     mapped = [Mapped(m, {at: _judged(m, at, found, reference, limits, most_steps) for at in m.scenes}) for m in maps]
     return Study(scene, design, limits, itself, reference, mapped, missing)
 
 
 def _tasks(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int) -> dict[Key, Task]:
-    """Everything that has to run: the scene itself, ever finer, every cell, and cells with half their step where these are judged by it."""
+    """Everything that has to run: the scene itself, ever finer or with half the step, every cell, and its half step where that judges."""
     wanted: dict[Key, tuple[Scene, int]] = {OWN: (scene, most_steps)}
-    wanted |= {(FINE, (k,)): (with_options(scene, step=step), most_steps) for k, step in enumerate(steps(scene))}
+    if any(each.judge == "reference" for each in maps):
+        wanted |= {(FINE, (k,)): (each, most_steps) for k, each in enumerate(finest_first(scene))}
+    else:
+        wanted[OWN_HALF] = (refined(scene, 2), 2 * most_steps)
     for each in maps:
         for at, changed in each.scenes.items():
             wanted[each.name, at] = (changed, most_steps)
             if each.judge == "half step":
-                half = with_options(changed, step=changed.solver.step / 2)
-                wanted[each.name + HALF, at] = (half, 2 * most_steps)
+                wanted[each.name + HALF, at] = (refined(changed, 2), 2 * most_steps)
     return {
         key: Task(each, design, _sizes(scene, each, design), not key[0].endswith(HALF))
         for key, (each, most) in wanted.items()
-        if _steps(each) <= most
+        if steps_needed(each) <= most
     }
 
 
@@ -136,12 +140,8 @@ def _sizes(scene: Scene, changed: Scene, design: list[str]) -> dict[str, float] 
     return {v.name: typical_size(scene, v) * number_factor(scene, v.path, changed.units) for v in variables}
 
 
-def _steps(scene: Scene) -> float:
-    return float(np.ceil(scene.solver.end_time / scene.solver.step * (1 - 1e-9)))
-
-
 def _too_long(scene: Scene, most_steps: int) -> str:
-    return f"{_steps(scene):.3g} steps, more than {most_steps:g} (--most-steps)"
+    return f"{steps_needed(scene)} steps, more than {most_steps:g} (--most-steps)"
 
 
 def _in_own_units(found: Measured, scene: Scene, units: str) -> Measured:
@@ -153,7 +153,7 @@ def _in_own_units(found: Measured, scene: Scene, units: str) -> Measured:
 
 def _reference(scene: Scene, found: Mapping[Key, Measured], limits: Limits) -> Reference | None:
     """The two finest runs in good order; None where there is none, or nothing to compare."""
-    fine = [(step, found.get((FINE, (k,)))) for k, step in enumerate(steps(scene))]
+    fine = [(each.solver.step, found.get((FINE, (k,)))) for k, each in enumerate(finest_first(scene))]
     good = [(step, each) for step, each in fine if each and of_run(each, None, limits).name == "stable" and each.values]
     if len(good) < 2:
         return None
