@@ -8,9 +8,8 @@ A run is
     stable       otherwise.
 
 Why these. An error and open joints are what the solver itself can see. Energy is the norm in which a scheme is stable or not: a scheme
-that creates energy out of nothing grows without bound if it runs on, one that loses some does not, so only what was created counts
-(what is measured holds the error of the trapezoidal rule of the work, too, which is of second order as the scheme: where it reaches
-`energy`, the step does not resolve the loads). All of this can be in order and the motion wrong: after a singular position the
+that creates energy out of nothing grows without bound if it runs on, one that loses some does not, so only what was created counts,
+beyond the error of the sum that measures the work. All of this can be in order and the motion wrong: after a singular position the
 mechanism may have taken the other branch, a step may have jumped over a snap-through. Only a comparison sees that, and `accuracy` is
 coarse on purpose: it tells another motion from the same motion with an error, which is what `ffrf tradeoff` measures.
 
