@@ -190,7 +190,7 @@ def test_a_mass_that_cancels_changes_nothing():
 
 
 def test_a_scene_names_the_maps_that_it_does_not_have(tmp_path):
-    found, missing = maps_of(read_scene(PENDULUM), None, tmp_path)
+    found, missing = maps_of(read_scene(PENDULUM), None, tmp_path, 1000)
     assert [each.name for each in found] == ["step", "baumgarte", "mass", "load", "units"]
     assert set(missing) == {"thickness", "stiffness", "speed"}
 
@@ -198,9 +198,9 @@ def test_a_scene_names_the_maps_that_it_does_not_have(tmp_path):
 def test_maps_that_are_unknown_or_that_a_scene_does_not_have_are_refused(tmp_path):
     scene = read_scene(PENDULUM)
     with pytest.raises(InputError, match="unknown map 'steps'; available: step, baumgarte"):
-        maps_of(scene, ["steps"], tmp_path)
+        maps_of(scene, ["steps"], tmp_path, 1000)
     with pytest.raises(InputError, match="no map 'thickness' of this scene: no flexible body has a thickness"):
-        maps_of(scene, ["thickness"], tmp_path)
+        maps_of(scene, ["thickness"], tmp_path, 1000)
 
 
 # What cells measure -------------------------------------------------------------------------------------------------------
@@ -297,7 +297,7 @@ def test_the_pendulum_is_stable_while_the_step_resolves_its_swing(pendulum_study
     axis = found.map.axes[0]
     quarter = 2.366 / 4  # of the period from the horizontal, 4 K(1/2) sqrt(l / g), s
     classes = {(axis.values[step], row): cell.run.name for (step, row), cell in found.cells.items()}
-    assert {name for (step, _), name in classes.items() if step <= quarter / 50} == {"stable", "not run"}
+    assert {name for (step, _), name in classes.items() if step <= quarter / 50} == {"stable"}
     assert "stable" not in {name for (step, _), name in classes.items() if step >= quarter}
 
 
@@ -331,11 +331,11 @@ def test_processes_find_what_one_process_finds():
 
 
 def test_cells_beyond_the_allowed_steps_are_not_run():
-    study = stability(read_scene(PENDULUM, QUICK), [], ["step"], most_steps=150)
-    (found,) = study.maps
-    axis = found.map.axes[0]
-    for (k, _), cell in found.cells.items():
-        assert (cell.run.name == "not run") == (0.5 / axis.values[k] > 150)
+    study = stability(read_scene(PENDULUM, QUICK), [], ["step", "load"], most_steps=20)
+    steps, loads = study.maps
+    assert min(steps.map.axes[0].values) >= 0.5 / 20
+    assert {cell.run.name for cell in loads.cells.values()} == {"not run"}
+    assert study.own.run.reason == "50 steps, more than 20 (--most-steps)"
 
 
 # The command --------------------------------------------------------------------------------------------------------------

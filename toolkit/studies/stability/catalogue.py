@@ -26,7 +26,7 @@ def unit_map(scene: Scene, directory: Path) -> Map:
     return Map("units", "unit system", (axis,), scenes, "own units")
 
 
-def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path) -> tuple[list[Map], dict[str, str]]:
+def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path, most_steps: int) -> tuple[list[Map], dict[str, str]]:
     """The maps that were asked for, by default all that the scene has; and name -> why it has none of the others.
 
     Raises
@@ -38,8 +38,11 @@ def maps_of(scene: Scene, names: Sequence[str] | None, directory: Path) -> tuple
     if unknown:
         raise InputError(f"unknown map {unknown[0]!r}; available: {', '.join(MAPS)}.")
     builders: dict[str, Callable[[Scene], Map]] = {
-        "step": step_map, "baumgarte": baumgarte_map, **PHYSICS, "units": lambda each: unit_map(each, directory)
-    }  # fmt: skip
+        "step": lambda each: step_map(each, most_steps),
+        "baumgarte": baumgarte_map,
+        **PHYSICS,
+        "units": lambda each: unit_map(each, directory),
+    }
     found, missing = [], {}
     for name in MAPS if names is None else dict.fromkeys(names):
         try:

@@ -46,7 +46,7 @@ class Axis:
 def brief(value: float) -> str:
     """Three digits of a number, without zeros that say nothing."""
     if value == 0 or 1e-3 <= abs(value) < 1e5:
-        return f"{float(f'{value:.3g}'):g}"
+        return f"{float(f'{value:.3g}') + 0.0:g}"  # no minus before a zero
     digits, power = f"{value:.2e}".split("e")
     return f"{digits.rstrip('0').rstrip('.')}e{int(power)}"
 

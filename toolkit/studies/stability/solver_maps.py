@@ -12,6 +12,7 @@ from toolkit.run_options import Baumgarte
 from toolkit.scene import Scene
 from toolkit.studies.stability.map import Axis, Map, over, with_options
 from toolkit.time_grid import time_grid
+from toolkit.units import unit
 
 FINER, COARSER = (100, 30, 10, 3), (3, 10, 30, 100, 300, 1000)
 """Steps, as divisors and multiples of the scene's own: half a decade apart; finer ones are whole parts, so that times stay on the grid."""
@@ -53,20 +54,26 @@ def steps_needed(scene: Scene) -> int:
     return len(options.times) - 1 if options.times else int(np.ceil(options.end_time / options.step * (1 - 1e-9)))
 
 
-def step_map(scene: Scene) -> Map:
-    """Step x rho_inf.
+def step_map(scene: Scene, most_steps: int) -> Map:
+    """Step x rho_inf, with steps of which at most `most_steps` are needed.
 
     Raises
     ------
     InputError
-        The scene gives its times.
+        The scene gives its times, or none of the steps is allowed.
     """
     if scene.solver.times is not None:
         raise InputError("the scene gives its times, so that no step can be chosen")
     rho, own = scene.solver.rho_inf, scene.solver.step
-    steps = (*(own / parts for parts in FINER), own, *coarser_steps(scene))
+    wanted = (*(own / parts for parts in FINER), own, *coarser_steps(scene))
+    steps = tuple(step for step in wanted if steps_needed(with_options(scene, step=step)) <= most_steps)
+    if not steps:
+        raise InputError(f"every step needs more than {most_steps} steps (--most-steps)")
     radii = tuple(sorted({*RADII, rho}))
-    axes = (Axis("step", steps, len(FINER), unit="s"), Axis("rho_inf", radii, radii.index(rho)))
+    axes = (
+        Axis("step", steps, steps.index(own) if own in steps else None, unit=unit(scene.units, "time")),
+        Axis("rho_inf", radii, radii.index(rho)),
+    )
     scenes = over(axes, lambda step, radius: with_options(scene, step=step, rho_inf=radius))
     return Map("step", "step x rho_inf", axes, scenes, "reference")
 

@@ -99,7 +99,7 @@ def stability(
     most_steps = max(MOST_STEPS, steps_needed(scene)) if most_steps is None else most_steps
     scene.design_variables(design)
     with TemporaryDirectory(prefix="ffrf-stability-") as folder:
-        maps, missing = maps_of(scene, names, Path(folder))
+        maps, missing = maps_of(scene, names, Path(folder), most_steps)
         tasks = _tasks(scene, design, maps, most_steps)
         found = dict(zip(tasks, measured(list(tasks.values()), jobs, progress), strict=True))
     for each in maps:
