@@ -33,7 +33,7 @@ from toolkit.studies.stability.limits_found import breakdowns, stable_where
 from toolkit.studies.stability.map import Axis, Map, with_options
 from toolkit.studies.stability.measure import Measured, Run, created_energy, measure
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
-from toolkit.studies.stability.solver_maps import baumgarte_map
+from toolkit.studies.stability.solver_maps import baumgarte_map, refined
 from toolkit.studies.stability.study import Cell, Mapped, stability
 from toolkit.studies.stability.verdict import CLASSES, Limits, Verdict, of_gradient, of_run
 
@@ -336,6 +336,23 @@ def test_cells_beyond_the_allowed_steps_are_not_run():
     assert min(steps.map.axes[0].values) >= 0.5 / 20
     assert {cell.run.name for cell in loads.cells.values()} == {"not run"}
     assert study.own.run.reason == "50 steps, more than 20 (--most-steps)"
+
+
+def test_given_times_are_refined_between_them_and_have_no_step_map(tmp_path):
+    times = (0.0, 0.1, 0.3, 0.5)
+    scene = with_options(read_scene(PENDULUM, QUICK), times=times)
+    assert refined(scene, 2).solver.times == pytest.approx((0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5), rel=1e-15)
+    assert "step" in maps_of(scene, None, tmp_path, 1000)[1]
+
+
+def test_error_control_is_refined_by_the_cube_and_ends_when_its_steps_vanish(monkeypatch):
+    scene = with_options(read_scene(PENDULUM, QUICK), local_error=1e-4, rho_inf=0.8)
+    assert refined(scene, 2).solver.local_error == pytest.approx(1e-4 / 8, rel=1e-15)
+    assert measure(scene, ["g_y"]).run == Run()
+    monkeypatch.setattr("toolkit.studies.stability.measure.MOST_REPORTS", 2)
+    impatient = measure(with_options(scene, local_error=1e-8), [])
+    assert impatient.run.status == "failed"
+    assert "solver.local_error" in impatient.run.message
 
 
 # The command --------------------------------------------------------------------------------------------------------------

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import count
 from typing import Any, Literal
 
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.errors import InputError, ModelFileError, NeedsDirectError, ToolkitError
+from toolkit.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import by_name, prepare, responses_of
@@ -22,6 +23,8 @@ from toolkit.system import System
 
 Status = Literal["ended", "failed", "refused"]
 Slopes = dict[str, dict[str, float]]
+MOST_REPORTS = 2000
+"""Of progress, by one run; one that chooses its steps reports after 50 of them, or where their length changes, others after 200."""
 NO_LIMIT = 1e300
 """Of the drift during a run: a map states how far joints opened, where an ordinary run only refuses."""
 
@@ -74,7 +77,7 @@ def measure(scene: Scene, design: list[str], sizes: Mapping[str, float] | None =
 def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None, both_methods: bool) -> Measured:
     try:
         system = prepare(scene, design)
-        solution = simulate(system, _without_limit(scene))
+        solution = simulate(system, _without_limit(scene), progress=None if scene.solver.local_error is None else _patience())
         responses = {name: response.evaluate(solution) for name, response in responses_of(scene).items()}
     except (ToolkitError, np.linalg.LinAlgError) as error:
         return _without_gradient(scene, error) if design else Measured(_outcome(error))
@@ -97,6 +100,20 @@ def _without_gradient(scene: Scene, error: Exception) -> Measured:
 
 def _without_limit(scene: Scene):
     return scene.solver.model_copy(update={"drift_tolerance": NO_LIMIT})
+
+
+def _patience() -> Callable[[int, int], None]:
+    """Ends a run that reports its progress too often: one that chooses its steps, and they become ever shorter."""
+    reports = count()
+
+    def told(_done: int, _all: int) -> None:
+        if next(reports) > MOST_REPORTS:
+            raise ConvergenceError(
+                "the steps that error control chooses are so short that the run does not end in a reasonable time. Allow a larger "
+                "solver.local_error."
+            )
+
+    return told
 
 
 def _outcome(error: Exception) -> Run:

@@ -16,6 +16,8 @@ from toolkit.units import unit
 
 FINER, COARSER = (100, 30, 10, 3), (3, 10, 30, 100, 300, 1000)
 """Steps, as divisors and multiples of the scene's own: half a decade apart; finer ones are whole parts, so that times stay on the grid."""
+FINER_ERROR = (10, 3)
+"""Likewise where the run chooses its steps: the local error falls by the cube."""
 FEWEST_STEPS = 3
 RADII = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 FACTORS = (0.0, 0.01, 0.1, 0.3, 1.0, 10.0, 100.0)
@@ -39,7 +41,8 @@ def refined(scene: Scene, parts: int) -> Scene:
 def finest_first(scene: Scene) -> list[Scene]:
     """Candidates for the reference: the scene refined, as it stands, and with coarser steps."""
     coarser = [with_options(scene, step=step) for step in coarser_steps(scene)] if scene.solver.times is None else []
-    return [*(refined(scene, parts) for parts in (*FINER, 1)), *coarser]
+    parts = FINER if scene.solver.local_error is None else FINER_ERROR
+    return [*(refined(scene, each) for each in (*parts, 1)), *coarser]
 
 
 def coarser_steps(scene: Scene) -> list[float]:
