@@ -28,6 +28,9 @@ MOST_REPORTS = 2000
 NO_LIMIT = 1e300
 """Of the drift during a run: a map states how far joints opened, where an ordinary run only refuses."""
 
+MOST_MEMORY = 0.5
+"""GB for the states of one run: several cells are measured at once, and one that chooses its steps may choose millions."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -99,7 +102,8 @@ def _without_gradient(scene: Scene, error: Exception) -> Measured:
 
 
 def _without_limit(scene: Scene):
-    return scene.solver.model_copy(update={"drift_tolerance": NO_LIMIT})
+    memory = min(scene.solver.memory, MOST_MEMORY)
+    return scene.solver.model_copy(update={"drift_tolerance": NO_LIMIT, "memory": memory})
 
 
 def _patience() -> Callable[[int, int], None]:
