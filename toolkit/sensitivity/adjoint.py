@@ -30,6 +30,8 @@ def adjoint(
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
     """
+    if kind == "transient" and scene.solver.formulation == "ggl":
+        raise NeedsDirectError('stabilised index 2 (solver.formulation = "ggl") has no backward run')
     primal_system = prepare(scene)
     if kind == "transient" and not fits(scene, primal_system):
         return checkpointed_adjoint(scene, design, progress)
