@@ -64,7 +64,7 @@ def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_not
     output, errors = process.communicate()
     assert process.returncode == 0, errors
     found = json.loads(output)  # fails on anything before or after the object
-    assert set(found) == {"responses", "gradients", "run"}
+    assert set(found) == {"responses", "gradients", "run", "deformation"}
     assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
     assert all(isinstance(each["value"], float) for each in found["responses"].values())
     assert set(found["run"]) == {"method", "reason", "steps", "newton_iterations", "wall_s"}
@@ -202,6 +202,30 @@ def test_inspect_shows_the_paths_of_a_scene():
     assert found["design"]["t_w"] == {"path": "bodies.skin.thickness", "value": 1.5}
     assert found["paths"]["points.A.x"] == 72.5
     assert found["responses"]["max_stress"] == {"type": "ks-stress", "unit": "MPa"}
+
+
+def test_inspect_prints_the_receipt_of_a_scene():
+    found = record("inspect", SCENE, "--variables", "t_w", "--no-measure")["receipt"]
+    assert found["coordinates"][0] == {
+        "what": "skin", "kept": 90, "dropped": 3, "why": "grounded frame: it neither moves nor turns",
+    }  # fmt: skip
+    assert [line["what"] for line in found["derivative blocks (rows of the residual)"]] == ["t_w", "other numbers of the scene"]
+    text = run("inspect", SCENE).stdout
+    assert "Everything put back takes" in text
+    assert "zero damping" in text
+
+
+def test_inspect_shows_a_scene_that_cannot_be_compiled():
+    done = run("inspect", SCENE, "--set", "bodies.skin.thickness=-1")
+    assert done.exit_code == 0
+    assert "points.A.x: 72.5" in done.stdout
+    assert "no receipt: bodies.skin.thickness = -1 must be a positive number" in done.stdout
+
+
+def test_keep_all_puts_everything_back_and_gives_the_same_motion():
+    lean, whole = record("simulate", SCENE), record("simulate", SCENE, "--keep-all")
+    for name, response in lean["responses"].items():
+        assert whole["responses"][name]["value"] == pytest.approx(response["value"], rel=1e-8)  # Newton stops at 1e-10
 
 
 def test_inspect_refuses_what_is_neither(tmp_path):

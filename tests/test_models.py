@@ -12,6 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from toolkit.errors import LimitPointError
 from toolkit.reduced_model_file import load
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import Result, direct
@@ -33,7 +34,7 @@ def run(name: str, changes: dict[str, str] | None = None) -> Result:
 
 
 def test_the_models_are_those_that_are_checked_here():
-    checked = ["four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank"]
+    checked = ["four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank", "snap_through"]
     assert checked == NAMES
     assert [name for name in NAMES if not (MODELS / name / "README.md").exists()] == []
 
@@ -58,6 +59,17 @@ def test_wing_meets_the_values_stated_with_the_scene():
     stated = {"max_stress_true": (56.78, 0.01), "shape_rmse": (0.330, 5e-4), "shape_max_error": (0.564, 5e-4)}
     for name, (value, half_a_digit) in {**stated, "drive_angle": (0.503, 5e-4)}.items():
         assert found.values[name] == pytest.approx(value, abs=half_a_digit), name
+
+
+def test_wing_that_snaps_through_has_the_stated_limit_and_ends_beyond_it():
+    """Where a damped motion comes to rest; the stress alone has its largest value during the jump."""
+    with pytest.raises(LimitPointError) as error:
+        direct(read_scene(MODELS / "snap_through" / "scene.toml"), [], "static")
+    assert error.value.load_factor == pytest.approx(0.92, abs=5e-3)
+    beyond = direct(read_scene(MODELS / "snap_through" / "scene.toml", {"solver.continuation": "arc-length"}), [], "static")
+    damped = run("snap_through", {"bodies.skin.damping_mass": "30", "solver.end_time": "2", "solver.step": "0.002"})
+    for name in ("drive_angle", "shape_rmse", "shape_max_error"):
+        assert damped.values[name] == pytest.approx(beyond.values[name], rel=1e-5), name  # exp(-15 x 1.2) of the jump is left
 
 
 def test_pendulum_meets_the_elliptic_functions_in_place_force_and_gradients():

@@ -427,7 +427,7 @@ def test_a_step_too_coarse_for_the_motion_is_refused_not_answered(scheme, step):
 def test_newtons_failure_names_time_equation_and_remedy():
     scene = read_scene(WING / "scene.toml", {"loads.drive.torque": "4.2e6"})
     message = (
-        r"Newton stopped at t = [\d.]+ \(step \d+ of 24\) after \d+ iterations: "
+        r"Newton stopped at t = [\d.]+ after \d+ iterations: "
         r".*largest in .* of body '.*'\. Try a smaller solver\.step \(now 0\.05\)"
     )
     with pytest.raises(ConvergenceError, match=message):

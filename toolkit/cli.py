@@ -12,6 +12,7 @@ from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import (
     AsJson,
     Changes,
+    KeepAll,
     Quiet,
     SceneFile,
     Static,
@@ -21,10 +22,13 @@ from toolkit.command_line.arguments import (
     read,
 )
 from toolkit.command_line.certification import certify
+from toolkit.command_line.deformation import watched_speed
+from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
+from toolkit.command_line.receipt import print_receipt, receipt_of
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.errors import ToolkitError
@@ -60,15 +64,22 @@ app.add_typer(new_project, name="new")
 
 @app.command()
 def simulate(
-    scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False, quiet: Quiet = False
+    scene: SceneFile,
+    keep_all: KeepAll = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
+    from toolkit.receipt.everything import prepare_everything
     from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, timed
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
-    with at_work("time steps", described, "transient", quiet=quiet) as progress:
-        seconds, solution = timed(prepare(described), "transient", progress)
+    with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
+        system = prepare_everything(described) if keep_all else prepare(described)
+        seconds, solution = timed(system, "transient", progress)
     found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
@@ -76,12 +87,20 @@ def simulate(
 
 @app.command()
 def statics(
-    scene: SceneFile, changes: Changes = None, output: Output = None, as_json: AsJson = False, quiet: Quiet = False
+    scene: SceneFile,
+    past_limit: Annotated[
+        bool, typer.Option("--past-limit", help="Follow the path of equilibria past limit points (snap-through), by arc length.")
+    ] = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.sensitivity.analysis import direct
 
     check_output(output)
+    changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
     described, text = read(scene, changes), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
@@ -110,7 +129,7 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("gradients", described, kind, names, quiet) as progress:
+    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -146,10 +165,26 @@ def modes(
 @app.command()
 def inspect(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, results, or a scene.")],
+    variables: Variables = None,
+    keep_all: KeepAll = False,
+    measure: Annotated[bool, typer.Option(help="Measure the time of a step of a scene, by short runs.")] = True,
+    changes: Changes = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml)."""
-    (print_json if as_json else print_description)(describe(file))
+    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
+    record = describe(file, changes)
+    if file.suffix != ".toml":
+        (print_json if as_json else print_description)(record)
+        return
+    scene = read(file, changes)
+    names = list(scene.design) if variables is None else design_of(scene, variables)
+    found = receipt_of(scene, names, keep_all, measure, quiet)
+    if as_json:
+        print_json({**record, "receipt": found})
+    else:
+        print_description(record)
+        print_receipt(found)
 
 
 @app.command()
@@ -180,6 +215,7 @@ def render(
 
 
 app.command()(certify)
+app.command()(check_deformation)
 app.command()(export)
 app.command()(report)
 

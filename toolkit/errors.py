@@ -29,5 +29,26 @@ class ConvergenceError(ToolkitError, ArithmeticError):
     """Newton's iteration stopped before it met its criterion."""
 
 
+class CriticalPointError(ConvergenceError):
+    """Statics met a point without stiffness: `load_factor` is the part of the load there, `coordinate` what moves most."""
+
+    def __init__(self, message: str, load_factor: float, coordinate: str) -> None:
+        super().__init__(message)
+        self.load_factor = load_factor
+        self.coordinate = coordinate
+
+
+class LimitPointError(CriticalPointError):
+    """The static path turns back (snap-through): there is no more load than this near by."""
+
+
+class BifurcationError(CriticalPointError):
+    """The static path goes on, but is unstable from there (buckling)."""
+
+
+class CriticalStateError(ToolkitError, ArithmeticError):
+    """Derivatives of an equilibrium at a limit point or bifurcation, where they are infinite."""
+
+
 class ConformanceError(ToolkitError, ArithmeticError):
     """A component states a derivative that is not the derivative of its own law."""

@@ -52,6 +52,8 @@ class Content:
     def __init__(self, file: h5py.File, size: int) -> None:
         self._file = file
         self._left = SQUEEZED * size
+        self.bytes_read: dict[str, int] = {}
+        """Group -> bytes of its arrays that were read, as they are stored in the file."""
 
     def group(self, name: str) -> list[str]:
         """Names in a group."""
@@ -61,6 +63,13 @@ class Content:
         """Whether there is something of that name."""
         return self._file.get(name, getlink=True) is not None
 
+    def stored_bytes(self, name: str) -> int:
+        """Bytes that all arrays below a group take in the file."""
+        found = self._found(name, (h5py.Group, h5py.Dataset))
+        if isinstance(found, h5py.Dataset):
+            return found.id.get_storage_size()
+        return sum(self.stored_bytes(f"{name}/{key}") for key in self.group(name))
+
     def array(self, name: str) -> np.ndarray:
         """Numbers as int64 or float64, or byte strings."""
         data = self._found(name, h5py.Dataset)
@@ -69,6 +78,8 @@ class Content:
             raise ValueError(f"{name} is {data.dtype} instead of numbers")
         self._pay(name, data)
         values = np.asarray(data[()])
+        group = name.split("/")[0]
+        self.bytes_read[group] = self.bytes_read.get(group, 0) + data.id.get_storage_size()
         return values if kind == "S" else values.astype(float if kind == "f" else np.int64, copy=False)
 
     def attributes(self, name: str = "/") -> dict[str, str | int | float]:
@@ -76,7 +87,7 @@ class Content:
         owner = self._found(name, h5py.Group)
         return {_readable(key): _scalar(owner, key) for key in owner.attrs}
 
-    def _found(self, name: str, kind: type) -> Any:
+    def _found(self, name: str, kind: type | tuple[type, ...]) -> Any:
         found: Any = self._file
         for part in filter(None, name.split("/")):
             if not isinstance(found, h5py.Group) or not isinstance(found.get(part, getlink=True), h5py.HardLink):

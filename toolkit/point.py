@@ -28,7 +28,7 @@ class BodyPoint(Description):
     body
         Name of the flexible body.
     interface
-        Name of the interface point in the body's reduced model.
+        Name of the interface point in the body's reduced model; "(frame)" is the origin of the body's frame, which does not deform.
     arc_length
         Place along the body, in units of length from its start; by default where preprocessing put the point.
     """

@@ -127,6 +127,8 @@ class ReducedModel:
         Parameter -> unit.
     input_hash
         SHA-256 of all files that the model was built from.
+    bytes_read
+        Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
 
     dimension: int
@@ -145,6 +147,7 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     path: Path | None = field(default=None, compare=False)
+    bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 
     @property
     def parameters(self) -> tuple[str, ...]:

@@ -37,8 +37,12 @@ PARTS: dict[str, Any] = {
 _NAMED = ("derivatives", "affine", "interfaces")
 
 
-def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedModel:
+def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:
     """Read a reduced model, only the named parts of it (`invariants` always).
+
+    Parameters
+    ----------
+    known : what was read of the same file before; its parts are kept and not read again, unless the file is another one now
 
     Raises
     ------
@@ -51,15 +55,35 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS)) -> ReducedMode
     with reading(path, partial(_damaged, path)) as content:
         attributes: dict[str, Any] = content.attributes()
         _check_schema(attributes, path)
-        found = {name: _read_part(content, name) for name in PARTS if name in parts or name == "invariants"}
         own = {name: attributes[name] for name in ATTRIBUTES if name in attributes}
         if len(own) < len(ATTRIBUTES):
             raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
-        maps: dict[str, Any] = {name: content.attributes(name) for name in MAPS}
+        head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
+        if known and any(getattr(known, name) != value for name, value in head.items()):
+            known = None
+        before = known.bytes_read if known else {}
+        found = {name: getattr(known, name) for name in before}
+        wanted = [name for name in PARTS if name not in found and name in ("invariants", *parts)]
+        found |= {name: _read_part(content, name) for name in wanted}
         _check_complete(str(attributes.get("contents", "")), found)
-    model = ReducedModel(**own, **maps, **found, path=path)
+        read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
+    model = ReducedModel(**head, **found, path=path, bytes_read=read)
     check(model, path)
     return model
+
+
+def stored_bytes(path: str | Path) -> dict[str, int]:
+    """Bytes that the arrays of each group take in the file, without reading them.
+
+    Raises
+    ------
+    ModelFileError
+        The file is missing or damaged.
+    """
+    path = Path(path)
+    _check_signature(path)
+    with reading(path, partial(_damaged, path)) as content:
+        return {name: content.stored_bytes(name) for name in PARTS if content.has(name)}
 
 
 def _contents(model: Mapping[str, Any]) -> list[str]:
@@ -153,5 +177,5 @@ def save(model: ReducedModel, path: str | Path) -> None:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
-            if item.name != "path":
+            if item.compare:
                 _write(file, item.name, getattr(model, item.name))

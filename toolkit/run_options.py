@@ -9,6 +9,8 @@ from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
+DAMPED = 0.9
+"""Largest rho_inf of index-3 steps of changing length: at 1 their joint forces grow without bound."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -73,6 +75,11 @@ class RunOptions(Description):
     memory
         GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
         refuse.
+    continuation
+        How statics follows the path of equilibria: "load" up to the first limit point (snap-through), where it stops with an error;
+        "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
+    path_steps
+        Most steps along the path of equilibria, by its arc length.
     """
 
     end_time: Positive = 1.0
@@ -91,6 +98,8 @@ class RunOptions(Description):
     drift_tolerance: Positive = 1e-3
     assemble: bool = False
     memory: Positive = 8.0
+    continuation: Literal["load", "arc-length"] = "load"
+    path_steps: Count = 1000
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:
@@ -109,5 +118,10 @@ class RunOptions(Description):
             raise ValueError(
                 'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
                 "formulation and quasi_static (a quasi-static run closes them by positions)"
+            )
+        if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
+            raise ValueError(
+                f'formulation = "index-3" with steps of changing length needs rho_inf below {DAMPED:g}: nothing else damps '
+                "the joint forces, which every change of length excites"
             )
         return self

@@ -119,7 +119,11 @@ class Scene(Description):
         return np.array(body.position) + rotation(body.angle) @ local
 
     def model(self, path: str, *parts: str) -> ReducedModel:
-        """Parts of a reduced model, relative to the scene's folder; by default what the equations of motion need.
+        """The invariants and interface points of a reduced model, and other parts on request; each is read once.
+
+        Parameters
+        ----------
+        path : of the file, relative to the scene's folder
 
         Raises
         ------
@@ -130,7 +134,7 @@ class Scene(Description):
         """
         full = self.directory / path
         changed = full.stat().st_mtime_ns if full.exists() else 0
-        model = _load(full, parts or ("affine", "derivatives", "interfaces"), changed)
+        model = _load(full, ("interfaces", *parts), changed)
         if model.units != self.units:
             raise InputError(
                 f"reduced model {path!r} is in {model.units}, the scene in {self.units}. "
@@ -284,6 +288,21 @@ def _with_extra(body: Body, key: str, value: Any) -> Body:
     return changed
 
 
+def forget_models() -> None:
+    """Read every reduced model anew from here on, so that what a run reads can be counted."""
+    _read_before.cache_clear()
+
+
 @lru_cache(maxsize=32)
-def _load(path: Path, parts: tuple[str, ...], _changed: int) -> ReducedModel:
-    return load(path, parts)
+def _read_before(_path: Path, _changed: int) -> dict[Path, ReducedModel]:
+    """Where the parts of a file that were read stay, as long as the file is the same."""
+    return {}
+
+
+def _load(path: Path, parts: tuple[str, ...], changed: int) -> ReducedModel:
+    """At least these parts; what was read before is not read again."""
+    shelf = _read_before(path, changed)
+    known = shelf.get(path)
+    if known is None or not known.bytes_read.keys() >= set(parts):
+        shelf[path] = known = load(path, parts, known)
+    return known

@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.errors import NeedsDirectError
 from toolkit.run_options import RunOptions
+from toolkit.static_path import StaticPath
 from toolkit.system import System
 
 
@@ -16,9 +17,10 @@ class Solution:
     """States at all times; a static solution has one time. Leading d: total design derivative, design on the last axis.
 
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
-    `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, both relative
-    to the scene's size (or rad); `load_steps` of a static solution. `options` are those of the run; `own_start` says that it did not
-    begin at the scene's start; `run_times` are all times of the run, where the solution holds the states of some alone.
+    `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
+    largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
+    `options` are those of the run; `own_start` says that it did not begin at the scene's start; `run_times` are all times of the run,
+    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state.
     """
 
     system: System
@@ -33,12 +35,14 @@ class Solution:
     dmultipliers: np.ndarray
     drift: float = 0.0
     correction: float = 0.0
+    local_error: float | None = None
     load_steps: int = 0
     options: RunOptions | None = None
     own_start: bool = False
     run_times: np.ndarray | None = None
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
+    path: StaticPath | None = None
 
     @classmethod
     def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:

@@ -10,6 +10,7 @@ from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
 from toolkit.compilation.checks import check_numbers
+from toolkit.compilation.common_pattern import on_common_pattern
 from toolkit.compilation.component_arrays import families
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
@@ -128,6 +129,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     numbering = number(scene, markers)
     values = evaluate_quantities(scene, numbering)
     changes = derivatives(scene, numbering, [variable.path for variable in variables])
+    on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     plan = build_plan(scene, numbering, values, changes, dtype)
     joint_formulas = families(list(scene.joints.values())) or [revolute]

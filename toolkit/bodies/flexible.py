@@ -15,6 +15,12 @@ from toolkit.errors import InputError
 from toolkit.planar import rotation
 from toolkit.reduced_model import MEAN_AXES, Invariants, ReducedModel, generalized_lengths, place_parameter
 
+DEPENDENCE = ("affine", "derivatives")
+"""Parts of a reduced model that tell how its arrays depend on its parameters."""
+
+FRAME = "(frame)"
+"""In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
+
 
 class Flexible(Body):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
@@ -68,14 +74,20 @@ class Flexible(Body):
         return self.model_extra or {}
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
-        """The reduced model at the scene's parameter values; `parts` as of `Scene.model`."""
-        model, first_order = scene.model(self.model, *parts), self.extrapolation == "first-order"
+        """The reduced model at the scene's parameter values; `parts` as of `Scene.model`.
+
+        What the model's arrays depend on is read only if a value is not the nominal one, be it by an imaginary step.
+        """
+        model, first_order = scene.model(self.model), self.extrapolation == "first-order"
         if not self.has_frame and model.reference_condition == MEAN_AXES:
             raise InputError(
                 f"the reduced model {self.model!r} floats about mean axes, so that no point of it stays where it is: a grounded body "
                 'cannot be made of it. Write frame = "moving" and hold the body by joints, or preprocess with boundary = "clamped".'
             )
         places = {name: s for name, s in scene.arc_lengths(self).items() if place_parameter(name) in model.nominal}
+        follows = {place_parameter(name): s for name, s in places.items()}
+        moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
+        model = scene.model(self.model, *(DEPENDENCE if moved else ()), *parts)
         design = DesignPoint(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):
@@ -84,7 +96,6 @@ class Flexible(Body):
                     "shapes follow it: their derivative at a fixed arc length is unknown. Leave arc_length out of the scene, or give the "
                     "point by its arc length in the skin file."
                 )
-        follows = {place_parameter(name): s for name, s in places.items()}
         return DesignPoint(model, {**self.model_values(), **follows}, first_order) if follows else design
 
     def invariants(self, scene: Placed) -> Invariants:
@@ -92,7 +103,7 @@ class Flexible(Body):
         return self.design_point(scene).invariants()
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points.
+        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points, or its frame.
 
         Raises
         ------
@@ -106,6 +117,8 @@ class Flexible(Body):
                 f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
+        if written.interface == FRAME and FRAME not in (model.interfaces or {}):
+            return np.zeros((2, 1 + model.n_f)), np.zeros(1 + model.n_f)
         refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
         moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
@@ -136,9 +149,7 @@ class Flexible(Body):
     def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
         """An interface point; the placement of a grounded body is part of its Z."""
         position, angle = self.point(scene, point, name)
-        model = scene.model(self.model)
-        pattern = interface_pattern(model, scene.interface(point).interface)
-        columns = np.flatnonzero(pattern[1:])
+        columns = np.flatnonzero(np.any(position[:, 1:] != 0, axis=0) | (angle[1:] != 0))
         shape = np.column_stack([position[:, 1 + columns].T, angle[1 + columns]])
         if self.has_frame:
             frame = np.zeros((3, 3))
@@ -150,14 +161,15 @@ class Flexible(Body):
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """Damping and stiffness always; mass and weight only of a grounded body."""
-        inv, pattern = self.invariants(scene), matrix_pattern(scene.model(self.model))
+        inv = self.invariants(scene)
+        elastic = (inv.stiffness != 0) | (inv.damping != 0)
         if self.has_frame:
-            row, column = np.nonzero(pattern[1])
+            row, column = np.nonzero(elastic)
             return ConstantNumbers(
                 3 + row, 3 + column, np.zeros(len(row)), inv.damping[row, column], inv.stiffness[row, column],
                 np.zeros(3 + len(inv.stiffness)),
             )  # fmt: skip
-        row, column = np.nonzero(pattern[0][1:, 1:] | pattern[1])
+        row, column = np.nonzero((inv.inertia[1:, 1:] != 0) | elastic)
         weight = inv.first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
         mass = inv.inertia[1:, 1:][row, column]
         return ConstantNumbers(row, column, mass, inv.damping[row, column], inv.stiffness[row, column], weight)
@@ -166,8 +178,8 @@ class Flexible(Body):
         """Invariants of a body with a moving frame."""
         if not self.has_frame:
             return None
-        inv, (pattern, _) = self.invariants(scene), matrix_pattern(scene.model(self.model))
-        row, column = np.nonzero(pattern)
+        inv = self.invariants(scene)
+        row, column = np.nonzero((inv.inertia != 0) | (inv.gyroscopic != 0))
         return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])
 
 
@@ -188,28 +200,3 @@ def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:
 
 def _names(model: ReducedModel) -> str:
     return ", ".join(model.interfaces or {}) or "none"
-
-
-def interface_pattern(model: ReducedModel, interface: str) -> np.ndarray:
-    """Which entries of [1; q_f] the point feels at any arc length of its range and any parameter value, shape (1 + n_f,)."""
-    position, rotation = (item_pattern(model, f"interfaces.{interface}.{key}") for key in ("position", "rotation"))
-    return np.any(position, axis=(0, 1)) | np.any(rotation, axis=0)
-
-
-def matrix_pattern(model: ReducedModel) -> tuple[np.ndarray, np.ndarray]:
-    """Where G or H (1 + n_f, 1 + n_f), and K or D (n_f, n_f), can differ from zero for any parameter value."""
-
-    def either(one: str, other: str) -> np.ndarray:
-        pattern = item_pattern(model, one) | item_pattern(model, other)
-        return pattern | pattern.T
-
-    return either("inertia", "gyroscopic"), either("stiffness", "damping")
-
-
-def item_pattern(model: ReducedModel, item: str) -> np.ndarray:
-    """Where an array of the reduced model can differ from zero for any parameter value."""
-    pattern = model.item(item) != 0
-    for dependence in (model.affine or {}).get(item), (model.derivatives or {}).get(item):
-        if dependence is not None:
-            pattern.flat[dependence.entry] = True
-    return pattern

@@ -28,6 +28,12 @@ Variables = Annotated[
     typer.Option(metavar="t_w,x_A,...", help="Short names or paths, or `all` numbers of the scene; by default all it declares."),
 ]
 Static = Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")]
+KeepAll = Annotated[
+    bool,
+    typer.Option(
+        "--keep-all", help="Put back what the scene does not require: frames that rest, all file groups, all derivatives."
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from toolkit.command_line.arguments import read
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
     from toolkit.scene import Scene
 
 
-def describe(path: Path) -> dict[str, Any]:
-    """Content of a scene (.toml), of results, or of a reduced model (anything else).
+def describe(path: Path, changes: list[str] | None = None) -> dict[str, Any]:
+    """Content of a scene (.toml) with its changed values, of results, or of a reduced model (anything else).
 
     Raises
     ------
@@ -25,9 +26,7 @@ def describe(path: Path) -> dict[str, Any]:
         The file is missing or is none of them.
     """
     if path.suffix == ".toml":
-        from toolkit.scene_file import read_scene
-
-        return describe_scene(read_scene(path))
+        return describe_scene(read(path, changes))
     from toolkit.hdf5 import schema_of
     from toolkit.reduced_model_file import is_reduced_model, load
     from toolkit.results.layout import SCHEMA

@@ -13,9 +13,12 @@ from rich.table import Table
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.analysis import Result
+    from toolkit.solution import Solution
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
+LEFT = ("unit", "by", "why")
+"""Columns of words."""
 MOST_COLUMNS = 8
 """More design variables than this stand one below the other."""
 
@@ -26,13 +29,25 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
-    """Print values, units and gradients of all responses, and what the run cost."""
+    """Print values, units and gradients of all responses, how far flexible bodies deform, and what the run cost."""
+    from toolkit.command_line.deformation import print_deformations, record_of_deformations, warn_of_deformations
+    from toolkit.responses.deformation import deformations
+
     for undefined in [] if quiet else undefined_numbers(result):
         typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
+    found = deformations(result.solution)
+    if not quiet:
+        warn_of_deformations(result.solution, found)
+        if beyond_limits(result):
+            typer.echo(f"warning: {beyond_limits(result)}", err=True)
     if as_json:
-        print_json(record_of(result))
-    else:
-        print_tables(result)
+        deformed = {"deformation": record_of_deformations(result.solution, found)} if found else {}
+        print_json(record_of(result) | deformed)
+        return
+    print_tables(result)
+    print_deformations(result.solution, found)
+    for line in remarks(result):
+        Console(width=WIDE, highlight=False).print(line, markup=False)
 
 
 def record_of(result: Result) -> dict[str, Any]:
@@ -51,8 +66,36 @@ def record_of(result: Result) -> dict[str, Any]:
             "steps": result.solution.load_steps or result.solution.steps,
             "newton_iterations": result.solution.newton_iterations,
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
+            **path_record(result),
         },
     }
+
+
+def path_record(result: Result) -> dict[str, Any]:
+    """What a static solution has passed on its path, if that was followed past limit points."""
+    path = result.solution.path
+    if not path or not path.passed_limit:
+        return {}
+    return {
+        "beyond_snap_through": True,
+        "limit_points": [{"load_factor": each.load_factor, "coordinate": each.coordinate} for each in path.limit_points],
+        "unstable_equilibria_under_full_load": path.unstable_crossings,
+    }
+
+
+def beyond_limits(result: Result) -> str:
+    """In words: which limit points lie between the unloaded state and this one; empty if none."""
+    path = result.solution.path
+    if not path or not path.passed_limit:
+        return ""
+    passed = "; ".join(f"{each.percent} of the load, {each.coordinate} runs away" for each in path.limit_points)
+    others = (
+        f" It met {path.unstable_crossings} unstable equilibria under the full load before." if path.unstable_crossings else ""
+    )
+    return (
+        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
+        f"structure jumps at the first, and may come to rest elsewhere.{others}"
+    )
 
 
 def finite_or_none(value: float) -> float | None:
@@ -73,7 +116,7 @@ def undefined_numbers(result: Result) -> list[str]:
 
 
 def print_tables(result: Result) -> None:
-    """Values and gradients as tables, then what has to be known about them."""
+    """Values and gradients as tables."""
     console = Console(width=WIDE, highlight=False)
     values = table("response", "value", "unit")
     for name, value in result.values.items():
@@ -87,8 +130,24 @@ def print_tables(result: Result) -> None:
             slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
             gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes))
         console.print(gradients)
-    for line in remarks(result):
-        console.print(line, markup=False)
+
+
+COARSE = 1e-3
+"""Local error of a step, a part of the scene's size (or rad), above which a run says that its steps are coarse."""
+
+
+def coarseness(solution: Solution) -> list[str]:
+    """What the steps' length does, and a warning where one of them left the motion unresolved."""
+    error, options = solution.local_error, solution.options or solution.system.scene.solver
+    if error is None or options.quasi_static or options.scheme == "paper":  # whose accelerations lag behind
+        return []
+    lines = [f"The largest error that a step is estimated to make is {error:.1e} of the scene's size."]
+    if error > COARSE:
+        lines.append(
+            f"Warning: steps are coarse for this motion (more than {COARSE:g}), so that peaks and vibrations may be wrong. Try a smaller "
+            f'solver.step, or let the run choose: --set solver.local_error={COARSE / 10:g}, with solver.scheme = "arnold-bruels".'
+        )
+    return lines
 
 
 def remarks(result: Result) -> list[str]:
@@ -116,16 +175,20 @@ def remarks(result: Result) -> list[str]:
             f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, "
             f"energy balance by {energy_balance(solution).relative_defect:.1e} of the largest energy or work."
         )
+        lines += coarseness(solution)
         if solution.correction > solution.system.scene.solver.tolerance:
             lines.append(
                 f"Newton was content with a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance."
             )
     else:
         lines.append(f"Equilibrium under the loads at t = {solution.times[-1]:g}, reached in {solution.load_steps} load steps.")
+        lines += [f"Warning: {beyond_limits(result)}"] if beyond_limits(result) else []
         left_out = [name for name in solution.system.scene.responses if name not in result.values]
         if left_out:
             lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
-    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms without gradients"
+    whole = solution.system.n_x > 0 and not result.gradients
+    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms "
+    price += "with everything kept" if whole else "without gradients"
     if result.gradients:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
     return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]
@@ -146,5 +209,5 @@ def table(first: str, *others: str) -> Table:
     made = Table(box=SIMPLE)
     made.add_column(first)
     for name in others:
-        made.add_column(name, justify="left" if name in ("unit", "by") else "right")
+        made.add_column(name, justify="left" if name in LEFT else "right")
     return made

@@ -111,4 +111,4 @@ def _imag(value):
     if isinstance(value, tuple):
         items = (_imag(item) for item in value)
         return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
-    return np.imag(value) / STEP
+    return value if np.asarray(value).dtype.kind == "i" else np.imag(value) / STEP  # places stay what they are

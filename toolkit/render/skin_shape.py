@@ -59,7 +59,7 @@ def skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
 def drawn_model(configuration: Configuration, body: str) -> ReducedModel:
     """Reduced model of a flexible body with the parts that pictures need."""
     scene = configuration.scene
-    return scene.model(flexible_body(scene, body).model, "affine", "derivatives", "interfaces", "stress", "shape", "mesh")
+    return scene.model(flexible_body(scene, body).model, "stress", "shape", "mesh")
 
 
 def _undeformed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

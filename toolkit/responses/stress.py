@@ -7,10 +7,10 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.flexible import DEPENDENCE, Flexible
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
-from toolkit.design_point import DesignPoint
+from toolkit.design_point import NONE, DesignPoint
 from toolkit.errors import InputError
 from toolkit.point import BodyPoint
 from toolkit.reduced_model import place_parameter
@@ -44,8 +44,8 @@ def elastic_coordinates(solution: Solution, body: str) -> slice:
 
 
 def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
-    """The reduced model of a flexible body at the scene's parameter values, with what its arrays depend on and other parts."""
-    return flexible_body(scene, body).design_point(scene, "affine", "derivatives", *parts)
+    """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
+    return flexible_body(scene, body).design_point(scene, *parts)
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
@@ -57,7 +57,8 @@ def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Deriv
     """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
     scene = solution.system.scene
     names = {model_parameter(scene, body, variable.path): x for x, variable in enumerate(solution.system.design)}
-    return design_point(scene, body, *parts).rates(item, names)
+    asked = any(name in scene.model(flexible_body(scene, body).model).nominal for name in names)
+    return design_point(scene, body, *DEPENDENCE, *parts).rates(item, names) if asked else NONE
 
 
 def model_parameter(scene: Scene, body: str, path: str) -> str:

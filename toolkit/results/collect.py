@@ -86,7 +86,7 @@ def _result(solution: Solution) -> Result:
 
 def _body(solution: Solution, body: str) -> BodyResults:
     scene = solution.system.scene
-    model = scene.model(flexible_body(scene, body).model, "affine", "derivatives", "interfaces", "stress", "shape")
+    model = scene.model(flexible_body(scene, body).model, "stress", "shape")
     stress, dstress = stress_field(solution, body)
     error, derror = shape_error_history(solution, body)
     unknown = np.full(stress.shape[1], -1)

@@ -18,9 +18,12 @@ from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, moving
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.checkpointed import checkpointed_adjoint, fits
 from toolkit.solution import Solution
+from toolkit.solvers.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.equilibrium import inputs_at, static_matrix
+from toolkit.solvers.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.system import System
+
+NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
 
 
 def adjoint(
@@ -30,8 +33,8 @@ def adjoint(
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
     """
-    if kind == "transient" and scene.solver.formulation == "ggl":
-        raise NeedsDirectError('stabilised index 2 (solver.formulation = "ggl") has no backward run')
+    if not has_adjoint(scene, kind):
+        raise NeedsDirectError(NO_BACKWARD_RUN)
     primal_system = prepare(scene)
     if kind == "transient" and not fits(scene, primal_system):
         return checkpointed_adjoint(scene, design, progress)
@@ -40,6 +43,11 @@ def adjoint(
     extra, (found, gradient) = repeated(lambda told: adjoint_gradients(compiled, solution, told), progress)
     values = {name: partials.value for name, partials in found.items()}
     return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra)
+
+
+def has_adjoint(scene: Scene, kind: Kind) -> bool:
+    """Whether a run of the scene can be differentiated backwards: all but those in stabilised index 2."""
+    return kind == "static" or scene.solver.formulation != "ggl"
 
 
 def adjoint_gradients(
@@ -61,8 +69,12 @@ def adjoint_gradients(
     SingularSystemError
         A step's transposed equations have no unique solution.
     NeedsDirectError
-        A response needs the states' own derivatives (a length that is zero), or the run had a start of its own.
+        A response needs the states' own derivatives (a length that is zero), the run had a start of its own, or its formulation has no
+        backward run.
     """
+    options = solution.options or system.scene.solver
+    if moving(solution) and options.formulation == "ggl":
+        raise NeedsDirectError(NO_BACKWARD_RUN)
     if solution.own_start:
         raise NeedsDirectError("the run has a start of its own, whose derivatives are unknown to the adjoint")
     seen = replace(solution, system=system)
@@ -91,6 +103,7 @@ def _through_equilibrium(system: System, solution: Solution, found: list[Partial
         gradient[:, r] = 0 if partials.design is None else partials.design
     q, rest = np.append(solution.q[0], np.zeros(system.n - n_q)), np.zeros(system.n)
     acc = np.append(np.zeros(n_q), solution.multipliers[0])
+    refuse_gradients_of_critical(system, options, find_equilibrium(system, options, 1.0, q, acc)[0])
     terms = system.evaluate(inputs_at(system, options, 1.0), q, rest, acc, design=True)
     transposed = static_matrix(system, terms)[transposition(system)]
     return gradient + (terms.I_x + terms.A_x).T @ solve_linear(system, transposed, -load, "static adjoint")

@@ -134,6 +134,7 @@ def integrate(
             outcome.counts[0] = judge(plan, now, weights, control, history, step, memory, outcome)
         if outcome.counts[0] != CONVERGED:
             return
+        outcome.correction[4] = max(outcome.correction[2], outcome.correction[4])
         fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory, ggl)
         if plan.n_x > 0:
             if ggl is None:

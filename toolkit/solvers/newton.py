@@ -92,8 +92,9 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
+    trusted = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1
     for iteration in range(control.most):
-        kept = control.modified and memory.kept[0] > 0 and step_ratio(scheme.h, memory.kept[0]) == 1
+        kept = trusted and memory.kept[0] > 0
         memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
@@ -117,7 +118,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[0]
         if kept and iteration > 0 and not size <= SLOW * before:
-            memory.kept[0] = 0
+            trusted = False  # for the rest of this step
             if not size <= before:
                 copy(memory.guess, acc)
                 if ggl is not None:

@@ -42,7 +42,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     control = Control(options.tolerance, options.max_iterations, options.newton == "modified", np.inf, 0.0)
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
-    outcome = Outcome(np.zeros(5, np.int64), np.zeros(4))
+    outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
     return Run(system, options, times, lengths, scheme_of(options), control, memory, ggl, outcome)
 
 

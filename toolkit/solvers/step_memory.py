@@ -50,8 +50,8 @@ class Outcome(NamedTuple):
 
     counts: np.ndarray  # (5,)
     correction: np.ndarray
-    """(4,), relative to the scene's size: Newton's last correction, the largest that a step was content with, the last local error, and
-    the largest of late."""
+    """(5,), relative to the scene's size: Newton's last correction, the largest that a step was content with; the last local error, the
+    largest of late and the largest of all steps."""
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:

@@ -1,0 +1,51 @@
+"""Entries of bodies and markers that the scene needs: what is not zero at its numbers, or has a derivative that was asked for.
+
+A model could fill more for other values of its parameters; what nothing asks for is neither stored nor read from its file.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.compilation.quantities import Quantities
+
+CONSTANT, FLOATING = ("mass", "damping", "stiffness"), ("inertia", "gyroscopic")
+"""Matrices of a body that share their entries."""
+
+
+def on_common_pattern(values: Quantities, derivatives: list[Quantities]) -> None:
+    """Give each body and each marker the same entries in the values and in all derivatives."""
+    everything = [values, *derivatives]
+    for b in values.constant:
+        _spread([each.constant for each in everything if b in each.constant], b, CONSTANT)
+    for b in values.floating:
+        _spread([each.floating for each in everything if b in each.floating], b, FLOATING)
+    for m in values.markers:
+        _widen([each.markers for each in everything if m in each.markers], m)
+
+
+def _spread(tables: list, owner: int, names: tuple[str, ...]) -> None:
+    """Matrices of one body, on the union of their entries."""
+    parts = [table[owner] for table in tables]
+    size = 1 + max(int(max(part.row.max(initial=0), part.column.max(initial=0))) for part in parts)
+    keys = [part.row * size + part.column for part in parts]
+    union = np.unique(np.concatenate(keys))
+    for table, part, key in zip(tables, parts, keys, strict=True):
+        place = np.searchsorted(union, key)
+        spread = {name: _placed(getattr(part, name), place, len(union)) for name in names}
+        table[owner] = part._replace(row=union // size, column=union % size, **spread)
+
+
+def _widen(tables: list, owner: int) -> None:
+    """Coordinates that one marker feels."""
+    parts = [table[owner] for table in tables]
+    union = np.unique(np.concatenate([part.columns for part in parts]))
+    for table, part in zip(tables, parts, strict=True):
+        place = np.searchsorted(union, part.columns)
+        table[owner] = part._replace(columns=union, shape=_placed(part.shape, place, len(union)))
+
+
+def _placed(values: np.ndarray, place: np.ndarray, size: int) -> np.ndarray:
+    wide = np.zeros((size, *np.shape(values)[1:]), np.asarray(values).dtype)
+    wide[place] = values
+    return wide

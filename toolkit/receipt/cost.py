@@ -1,0 +1,124 @@
+"""What a scene costs with more and less of it: counted, and measured by interleaved runs of the scene itself."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from statistics import median
+
+import numpy as np
+
+from toolkit.errors import ToolkitError
+from toolkit.receipt.everything import grounded_bodies, prepare_everything, with_frames
+from toolkit.receipt.files import bytes_read
+from toolkit.receipt.unknowns import multiplications
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene, forget_models
+from toolkit.sensitivity.analysis import prepare
+from toolkit.solvers.transient import simulate
+from toolkit.system import System
+from toolkit.time_grid import time_grid
+
+FIRST, LONG = 16, 0.05
+"""Least steps of a measured run, and the time that the dearest one shall take, in s."""
+
+REPEATS, PATIENCE = 9, 3.0
+"""Rounds of all runs, as long as they have taken less than this, in s."""
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one way to compile the scene costs; `step_us` is the processor time of a step, None if it was not measured, and then `reason`.
+
+    `factorization` and `solution` are multiplications, see `unknowns.multiplications`.
+    """
+
+    what: str
+    coordinates: int
+    rows: int
+    variables: int
+    jacobian: int
+    factorization: int
+    solution: int
+    bytes_read: int
+    step_us: float | None
+    reason: str
+
+
+def costs(scene: Scene, design: list[str], measured: bool = True) -> list[Cost]:
+    """The motion alone; with gradients; with the frames of grounded bodies; with everything.
+
+    Parameters
+    ----------
+    design : names of the variables that gradients are wanted by
+    measured : whether to run each of them
+    """
+    ways: dict[str, Callable[[], System]] = {"motion alone": lambda: prepare(scene)}
+    if design:
+        ways[f"with gradients by {len(design)} variables"] = lambda: prepare(scene, design)
+    if grounded_bodies(scene):
+        ways["with coordinates of grounded frames"] = lambda: prepare(with_frames(scene))
+    ways["with everything (--keep-all)"] = lambda: prepare_everything(scene)
+    found, read = {}, {}
+    for what, compiled in ways.items():
+        forget_models()
+        found[what] = compiled()
+        read[what] = bytes_read(found[what])
+    times, reason = _step_times(found, scene.solver) if measured else ({}, "not asked for")
+    return [_cost(what, system, read[what], times.get(what), reason) for what, system in found.items()]
+
+
+def _cost(what: str, system: System, read: int, seconds: float | None, reason: str) -> Cost:
+    step = None if seconds is None else 1e6 * seconds
+    counted = len(system.plan.indices), *multiplications(system.lu_plan)
+    return Cost(what, system.n_q, system.n - system.n_q, system.n_x, *counted, read, step, "" if step else reason)
+
+
+def _step_times(systems: dict[str, System], options: RunOptions) -> tuple[dict[str, float], str]:
+    """Time of a step of each system, in s, and why there is none.
+
+    Median difference of a longer and a shorter run, so that the start, which is no step, does not count. A run with error control is
+    measured by steps of the greatest length.
+    """
+    times = time_grid(options)
+    if len(times) < 3:
+        return {}, "a run of one step is mostly its start"
+    found: dict[str, list[float]] = {what: [] for what in systems}
+    try:
+        for system in systems.values():
+            _seconds(system, _until(times, 1, options))
+        count = _enough_steps(list(systems.values())[-1], times, options)
+        few = max(1, count // 10)
+        long, short = (_until(times, n, options) for n in (count, few))
+        begun = clock.perf_counter()
+        for repeat in range(REPEATS):
+            if repeat and clock.perf_counter() - begun > PATIENCE:
+                break
+            for what, system in systems.items():
+                found[what].append((_seconds(system, long) - _seconds(system, short)) / (count - few))
+    except ToolkitError as error:
+        return {}, str(error)
+    medians = {what: median(seconds) for what, seconds in found.items()}
+    return {what: seconds for what, seconds in medians.items() if seconds > 0}, "its runs are too short for the clock"
+
+
+def _enough_steps(dearest: System, times: np.ndarray, options: RunOptions) -> int:
+    """So many steps that their time can be measured, or all."""
+    count = min(FIRST, len(times) - 1)
+    while count < len(times) - 1 and _seconds(dearest, _until(times, count, options)) < LONG:
+        count = min(2 * count, len(times) - 1)
+    return count
+
+
+def _until(times: np.ndarray, count: int, options: RunOptions) -> RunOptions:
+    """The first steps of a run."""
+    first = tuple(float(time) for time in times[: count + 1])
+    return options.model_copy(update={"times": first, "end_time": first[-1], "local_error": None})
+
+
+def _seconds(system: System, options: RunOptions) -> float:
+    """Processor time: other programs on the machine slow a run down, but do not make it work more."""
+    begun = clock.process_time()
+    simulate(system, options)
+    return clock.process_time() - begun

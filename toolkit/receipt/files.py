@@ -1,0 +1,64 @@
+"""What was read of the files of reduced models, and why the rest was not."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from toolkit.bodies.flexible import DEPENDENCE, Flexible
+from toolkit.receipt.asked import asking
+from toolkit.receipt.line import Line
+from toolkit.reduced_model_file import stored_bytes
+from toolkit.responses.shape_error import ShapeResponse
+from toolkit.responses.stress import model_parameter
+from toolkit.system import System
+
+UNREAD = {
+    "affine": "every parameter has its nominal value, no variable changes one",
+    "derivatives": "every parameter has its nominal value, no variable changes one",
+    "interfaces": "nothing grips the body",
+    "shape": "no response asks for the distance to a target",
+    "stress": "places of the stress points, for results files and pictures",
+    "mesh": "for pictures",
+}
+
+
+def files(system: System) -> dict[str, list[Line]]:
+    """Bytes of every group of every file; those that were read are what the program has read of it so far."""
+    return {path: groups(system, path) for path in model_paths(system)}
+
+
+def model_paths(system: System) -> list[str]:
+    """Files of the scene's flexible bodies."""
+    return list(dict.fromkeys(body.model for body in system.scene.bodies.values() if isinstance(body, Flexible)))
+
+
+def groups(system: System, path: str) -> list[Line]:
+    """Bytes of every group of one file, and of what surrounds them."""
+    read, full = system.scene.model(path).bytes_read, system.scene.directory / path
+    stored = stored_bytes(full)
+    lines = [
+        Line(name, size, 0, _reason(system, path, name)) if name in read else Line(name, 0, size, UNREAD.get(name, ""))
+        for name, size in stored.items()
+    ]
+    return [*lines, Line("names, attributes, tables of HDF5", 0, _size(full) - sum(stored.values()), "not counted as read")]
+
+
+def bytes_read(system: System) -> int:
+    """Bytes of arrays that the program has read of all files of the scene so far."""
+    return sum(sum(system.scene.model(path).bytes_read.values()) for path in model_paths(system))
+
+
+def _reason(system: System, path: str, group: str) -> str:
+    scene = system.scene
+    bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.model == path}
+    if group in DEPENDENCE:
+        nominal = scene.model(path).nominal
+        asked = [each.name for name in bodies for each in system.design if model_parameter(scene, name, each.path) in nominal]
+        return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
+    if group == "shape":
+        return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"
+    return "equations of motion"
+
+
+def _size(path: Path) -> int:
+    return path.stat().st_size

@@ -1,0 +1,14 @@
+"""One line of the receipt."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Line(NamedTuple):
+    """How much of something is kept and how much is dropped, in the unit of its section, and why."""
+
+    what: str
+    kept: int
+    dropped: int = 0
+    why: str = ""

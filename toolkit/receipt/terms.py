@@ -1,0 +1,57 @@
+"""Terms of the equations of motion, counted by the entries of their matrices; rigid bodies are counted together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.bodies.body import Body
+from toolkit.bodies.flexible import Flexible
+from toolkit.receipt.line import Line
+from toolkit.system import System
+
+
+def terms(system: System) -> list[Line]:
+    """Mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
+    numbers = {name: number for number, name in enumerate(system.scene.all_bodies()) if name in system.scene.bodies}
+    flexible = {name: number for name, number in numbers.items() if isinstance(system.scene.body(name), Flexible)}
+    rigid = [number for name, number in numbers.items() if name not in flexible]
+    lines = [line for name, number in flexible.items() for line in _flexible(system, number, name)]
+    if rigid:
+        masses = sum(_filled(system.values.constant[number].mass) for number in rigid)
+        lines.append(Line("mass of rigid bodies", masses))
+        lines.append(Line("quadratic velocity of rigid bodies", 0, 2 * len(rigid), "frame at the centre of mass"))
+    falls = bool(np.any(system.scene.gravity != 0))
+    lines.append(Line("weight", system.n_q) if falls else Line("weight", 0, 0, "no gravity: zeros, one product each"))
+    return [*lines, *(Line(f"load {name}", 1) for name, load in system.scene.loads.items() if load.kind != "gravity")]
+
+
+def rigid_bodies(system: System) -> list[str]:
+    """Names of the bodies that do not deform."""
+    return [name for name, body in system.scene.bodies.items() if not isinstance(body, Flexible)]
+
+
+def _flexible(system: System, number: int, name: str) -> list[Line]:
+    part, body = system.values.constant[number], system.scene.body(name)
+    damped = _filled(part.damping)
+    zero = "" if damped else "zero damping: zeros next to the stiffness, one product each"
+    elastic = [Line(f"stiffness of {name}", _filled(part.stiffness)), Line(f"damping of {name}", damped, 0, zero)]
+    turning = f"mass and quadratic velocity of {name}, turning"
+    if number in system.values.floating:
+        return [*elastic, Line(turning, frame_entries(system, body))]
+    dropped = frame_entries(system, body.model_copy(update={"frame": "moving"}))
+    mass = Line(f"mass of {name}, constant", _filled(part.mass))
+    return [
+        mass,
+        *elastic,
+        Line(turning, 0, dropped, "grounded frame, no rotation: the mass matrix is constant, no velocity enters"),
+    ]
+
+
+def frame_entries(system: System, body: Body) -> int:
+    """Entries of G and H of a body with a moving frame, and of the three rows and columns of its frame."""
+    part = body.floating(system.scene)
+    return 0 if part is None else len(part.row) + 3 * (2 * len(part.moment) + 1)
+
+
+def _filled(values: np.ndarray) -> int:
+    return int(np.count_nonzero(values))
