@@ -45,8 +45,8 @@ class RunOptions(Description):
     formulation
         How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest and smoothest; they stay
         closed to about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
-        "ggl": by positions and by velocities, to round-off both (stabilised index 2 of Gear, Gupta and Leimkuhler); a step has more
-        unknowns, and the adjoint cannot do it.
+        "ggl": by positions and by velocities, to round-off both (stabilised index 2 of Gear, Gupta and Leimkuhler), with quiet joint
+        forces for every rho_inf and step; a step costs about twice as much, and the adjoint cannot do it.
     baumgarte
         Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance

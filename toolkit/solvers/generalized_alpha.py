@@ -89,19 +89,23 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian.
+    Returns whether the factors belong to the Jacobian. With `ggl` derivatives are always those of the converged state: its joint forces
+    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
     """
-    relinearize = plan.n_x > 0 and (control.modified or correction > REUSED)
+    close = not control.modified and correction <= REUSED
+    relinearize = plan.n_x > 0 and not close
+    if ggl is not None:
+        relinearize = plan.n_x > 0
     if plan.n_x > 0 or carries(scheme):
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
-    if relinearize:
+    if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         if control.modified or correction > SHARP:
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
         elif ggl is not None:
             ggl_matrix(scheme, memory, ggl)
-    return not relinearize
+    return close
 
 
 @kernel
