@@ -14,6 +14,7 @@ from preprocessing.airfoil_table import read_start
 from preprocessing.assembly import assemble
 from preprocessing.at_key import at_key
 from preprocessing.changed_design import changed
+from preprocessing.changed_keys import with_keys
 from preprocessing.discretisation import DesignSpace, Discretisation, positions
 from preprocessing.geometry import Geometry, Remark, read_geometry
 from preprocessing.gmsh_session import load_gmsh
@@ -32,7 +33,12 @@ WRITER_VERSION = "0.1.0"
 _CLAMPED_NODE = {"F": 0, "G": -1}
 
 
-def build(path: str | Path, remark: Remark | None = None, values: Mapping[str, float] | None = None) -> ReducedModel:
+def build(
+    path: str | Path,
+    remark: Remark | None = None,
+    values: Mapping[str, float] | None = None,
+    keys: Mapping[str, Any] | None = None,
+) -> ReducedModel:
     """Build the reduced model that skin.toml describes.
 
     Parameters
@@ -44,19 +50,33 @@ def build(path: str | Path, remark: Remark | None = None, values: Mapping[str, f
         which there is no derivative, in words.
     values : parameter -> value
         Another design than that of the file, see `changed_design.changed`.
+    keys : key -> value
+        Another basis or mesh than that of the file, see `changed_keys.with_keys`.
 
     Raises
     ------
     InputError
         A file is missing or cannot be meant; the message names the file and the key.
     """
-    path, values = Path(path), values or {}
+    path, values, keys = Path(path), values or {}, keys or {}
+    file = file_at(path, values, keys)
+    return _reduced_model(path, file, {**values, **keys}, read_geometry(path, file, remark), remark)
+
+
+def file_at(path: Path, values: Mapping[str, float], keys: Mapping[str, Any]) -> SkinFile:
+    """What stands in skin.toml, with another design and other keys.
+
+    Raises
+    ------
+    InputError
+        As `build`.
+    """
     file = changed(read_skin_file(path), values)
-    return _reduced_model(path, file, values, read_geometry(path, file, remark), remark)
+    return with_keys(file, keys, lambda: read_geometry(path, file).arc_lengths) if keys else file
 
 
-def input_hash(path: str | Path, file: SkinFile, values: Mapping[str, float] | None = None) -> str:
-    """SHA-256 of all that the result depends on: skin.toml, both airfoil files, changes of the design, schema and writer version.
+def input_hash(path: str | Path, file: SkinFile, values: Mapping[str, Any] | None = None) -> str:
+    """SHA-256 of all that the result depends on: skin.toml, both airfoil files, changes of design and keys, schema and writer version.
 
     Raises
     ------
@@ -89,7 +109,7 @@ def _airfoil_bytes(path: Path) -> bytes:
 
 
 def _reduced_model(
-    path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry, remark: Remark | None
+    path: Path, file: SkinFile, values: Mapping[str, Any], geometry: Geometry, remark: Remark | None
 ) -> ReducedModel:
     space = differentiable(design_space(path, file, values, geometry), remark)
     with at_key(path, "basis"):

@@ -1,7 +1,11 @@
-"""The program behind the end-to-end part of `ffrf certify`: reduced models of many designs of one skin, in one process.
+"""The program behind the end-to-end part of `ffrf certify` and `ffrf tradeoff`: reduced models of many designs of one skin, in one process.
 
-`python -m preprocessing.designs_command SKIN.toml`; every line of its input is a JSON object {"file": ..., "values": {parameter: value}},
-every line of its output the file that was written.
+`python -m preprocessing.designs_command SKIN.toml`; every line of its input is a JSON object
+
+    {"file": ..., "values": {parameter: value}, "keys": {key of skin.toml: value}}
+
+of which the last two can be left out, and every line of its output one {"file": ..., "tables": {...}} with the tables of skin.toml that
+other keys have changed.
 """
 
 from __future__ import annotations
@@ -10,7 +14,9 @@ import json
 import sys
 from pathlib import Path
 
-from preprocessing.build import build
+from preprocessing.build import build, file_at
+from preprocessing.changed_keys import changed_tables
+from preprocessing.skin_file import read_skin_file
 from toolkit.errors import ToolkitError
 from toolkit.reduced_model_file import save
 
@@ -20,11 +26,13 @@ def main(skin: Path) -> None:
     for line in sys.stdin:
         wanted = json.loads(line)
         try:
-            save(build(skin, values=wanted["values"]), wanted["file"])
+            values, keys = wanted.get("values", {}), wanted.get("keys", {})
+            save(build(skin, values=values, keys=keys), wanted["file"])
+            tables = changed_tables(read_skin_file(skin), file_at(skin, values, keys)) if keys else {}
         except ToolkitError as error:
             print(error, file=sys.stderr)
             raise SystemExit(1) from None
-        print(wanted["file"], flush=True)
+        print(json.dumps({"file": wanted["file"], "tables": tables}), flush=True)
 
 
 if __name__ == "__main__":

@@ -28,6 +28,7 @@ from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
+from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
@@ -211,6 +212,14 @@ def test_a_quasi_static_wing_is_in_equilibrium_at_every_time():
         np.testing.assert_allclose(run.q[step], state.q[0], atol=1e-8)  # Newton's tolerance, 1e-10 of 80 mm
         np.testing.assert_allclose(run.dq[step], state.dq[0], atol=1e-6 * np.abs(state.dq[0]).max())
     assert not np.any(run.a)
+
+
+def test_the_work_done_on_a_quasi_static_wing_is_its_strain_energy_to_second_order():
+    def defect(step: str) -> float:
+        scene = read_scene(WING, {**WING_CHANGES, "solver.quasi_static": "true", "solver.step": step})
+        return energy_balance(simulate(compile_scene(scene))).relative_defect
+
+    assert np.log2(defect("0.05") / defect("0.025")) == pytest.approx(2.0, abs=0.3)  # the next power of the step
 
 
 def test_a_quasi_static_run_refuses_to_jump():

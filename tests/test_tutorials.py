@@ -33,6 +33,7 @@ ENDS = {
         0.0,
         1e-7,
     ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
+    "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
 }
 """The module's variable `check` at its end, and how far it may be off."""

@@ -31,6 +31,7 @@ from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import print_receipt, receipt_of
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
+from toolkit.command_line.tradeoff import tradeoff
 from toolkit.errors import ToolkitError
 from toolkit.sensitivity.method_names import Method
 
@@ -218,6 +219,7 @@ app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)
 app.command()(report)
+app.command()(tradeoff)
 
 
 def main() -> None:

@@ -150,6 +150,16 @@ def coarseness(solution: Solution) -> list[str]:
     return lines
 
 
+def chosen_steps(result: Result) -> list[str]:
+    """What steps a run has chosen, and whose derivatives its gradients are."""
+    if (result.solution.options or result.solution.system.scene.solver).local_error is None:
+        return []
+    times = result.solution.whole_run
+    lengths = times[1:] - times[:-1]
+    lines = [f"Steps were chosen from {lengths.min():.2g} to {lengths.max():.2g}."]
+    return lines + (["Gradients are those of the motion by these steps, held as they are."] if any(result.gradients.values()) else [])
+
+
 def remarks(result: Result) -> list[str]:
     """Remarks of the responses, drift of the joints, iterations, wall times."""
     from toolkit.responses.stress import KSStress
@@ -175,7 +185,7 @@ def remarks(result: Result) -> list[str]:
             f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, "
             f"energy balance by {energy_balance(solution).relative_defect:.1e} of the largest energy or work."
         )
-        lines += coarseness(solution)
+        lines += chosen_steps(result) + coarseness(solution)
         if solution.correction > solution.system.scene.solver.tolerance:
             lines.append(
                 f"Newton was content with a correction of {solution.correction:.1e}: round-off kept it above solver.tolerance."

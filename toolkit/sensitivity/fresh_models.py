@@ -8,7 +8,6 @@ gmsh, elements, basis, invariants, simulation. With f(x) from fresh models and c
 
 from __future__ import annotations
 
-import json
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -19,13 +18,11 @@ import numpy as np
 
 from toolkit.bodies.flexible import Flexible
 from toolkit.design import DesignVariable
-from toolkit.errors import InputError
-from toolkit.point import BodyPoint
-from toolkit.preprocessing_process import run
 from toolkit.responses.stress import model_parameter
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result, values_of
 from toolkit.sensitivity.numerical import typical_size
+from toolkit.sensitivity.rebuilt_bodies import build_all, given_values, source, with_model
 
 RELATIVE_STEP = 1e-3
 """Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes, 1e-10, is magnified to 1e-7."""
@@ -119,16 +116,16 @@ def _parameter(scene: Scene, variable: DesignVariable) -> tuple[str, str]:
 
 def _hindrance(scene: Scene, variable: DesignVariable, body: str) -> str:
     """Why there are no fresh models of a variable; empty if there are."""
-    source = _source(scene, body)
-    if not source.is_file():
-        return f"there is no {source.name} beside the reduced model to build it from"
+    skin = source(scene, body)
+    if not skin.is_file():
+        return f"there is no {skin.name} beside the reduced model to build it from"
     if variable.value == 0 and "damping" in variable.path:
         return "damping is zero and cannot be less"
     return ""
 
 
 def _differences(scene: Scene, wanted: Wanted, files: list[Path], kind: Kind) -> dict[str, Fresh]:
-    up, down, half_up, half_down = (values_of(_with_model(scene, wanted.body, file), kind) for file in files)
+    up, down, half_up, half_down = (values_of(with_model(scene, wanted.body, file), kind) for file in files)
     found = {}
     for name in up:
         coarse, fine = (up[name] - down[name]) / (2 * wanted.step), (half_up[name] - half_down[name]) / wanted.step
@@ -139,39 +136,14 @@ def _differences(scene: Scene, wanted: Wanted, files: list[Path], kind: Kind) ->
 def _build(scene: Scene, wanted: list[Wanted], folder: Path) -> None:
     """All models of a body in one process: file `k i.h5` is that of variable k at step i."""
     for body in dict.fromkeys(each.body for each in wanted):
-        lines, given = [], _given(scene, body)
+        lines, given = [], given_values(scene, body)
         for k, each in enumerate(wanted):
             if each.body == body:
                 values = [{**given, each.parameter: each.variable.value + s * each.step} for s in STEPS]
-                lines += [json.dumps({"file": str(folder / f"{k} {i}.h5"), "values": v}) for i, v in enumerate(values)]
-        done = run("preprocessing.designs_command", [str(_source(scene, body))], "\n".join(lines))
-        if done.returncode:
-            raise InputError(f"preprocessing afresh failed: {done.stderr.strip()}")
-
-
-def _given(scene: Scene, body: str) -> dict[str, Any]:
-    """Parameters to which the scene gives values of its own, by their names for the preprocessing."""
-    flexible: Any = scene.bodies[body]
-    places = {f"interface_points.{name}.arc_length": s for name, s in scene.arc_lengths(flexible).items()}
-    return {**flexible.model_values(), **places}
-
-
-def _with_model(scene: Scene, body: str, file: Path) -> Scene:
-    """The scene with another reduced model of a body, and nothing given that is in the model already."""
-    flexible: Any = scene.bodies[body]
-    plain = type(flexible)(**{key: value for key, value in flexible if key in type(flexible).model_fields} | {"model": str(file)})
-    points = {
-        name: point.model_copy(update={"arc_length": None}) if isinstance(point, BodyPoint) and point.body == body else point
-        for name, point in scene.points.items()
-    }
-    return scene.model_copy(update={"bodies": {**scene.bodies, body: plain}, "points": points})
+                lines += [{"file": str(folder / f"{k} {i}.h5"), "values": v} for i, v in enumerate(values)]
+        build_all(source(scene, body), lines)
 
 
 def _model(scene: Scene, body: str) -> Any:
     flexible: Any = scene.bodies[body]
     return scene.model(flexible.model)
-
-
-def _source(scene: Scene, body: str) -> Path:
-    flexible: Any = scene.bodies[body]
-    return (scene.directory / flexible.model).with_suffix(".toml")

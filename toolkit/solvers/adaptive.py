@@ -11,6 +11,7 @@ that responses look at.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 
@@ -54,7 +55,8 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
             if status in (REJECTED, EASY):
                 made = run.outcome.correction[2 if status == REJECTED else 3]
                 ratio = SAFETY * (allowed / max(made, allowed / GROW**4)) ** (1 / order)
-                h = min(options.step, length * np.clip(ratio, SHRINK, GROW))
+                found = length * np.clip(ratio, SHRINK, GROW)
+                h = min(options.step, max(h, found) if status == EASY else found)  # a step to a stop may be shorter than need be
             elif status != CONVERGED:
                 h = RETRY * length
             if h < SMALLEST * options.end_time:
@@ -92,5 +94,6 @@ def stops(system: System, options: RunOptions) -> list[float]:
     """Times that the run has to hit, the end last: corners of curves, and times that responses look at."""
     corners = [time for curve in system.values.curves.values() for time in curve.corners()]
     asked = [getattr(response, "time", None) or 0.0 for response in system.scene.responses.values()]
-    inside = {float(np.real(time)) for time in [*corners, *asked] if 0 < np.real(time) < options.end_time * (1 - SMALLEST)}
-    return [*sorted(inside), options.end_time]
+    end, shortest = options.end_time, SMALLEST * options.end_time
+    inside = sorted({float(np.real(time)) for time in [*corners, *asked] if 0 < np.real(time) < end - shortest})
+    return [*(time for before, time in pairwise([0.0, *inside]) if time - before > shortest), end]

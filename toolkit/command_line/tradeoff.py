@@ -1,0 +1,103 @@
+"""The command `ffrf tradeoff`: what accuracy costs in a scene, and the cheapest setting that keeps a budget."""
+
+from __future__ import annotations
+
+import json
+import os
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from toolkit.command_line.announcements import at_work, bar
+from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
+from toolkit.command_line.report import print_json
+from toolkit.command_line.tradeoff_tables import print_tradeoff, record_of
+
+if TYPE_CHECKING:
+    from toolkit.studies.tradeoff import Tradeoff
+
+Budgets = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--budget",
+        metavar="RESPONSE=1e-3",
+        help="Largest relative error of a response, or of its gradient by d(RESPONSE)=1e-2; repeatable. all=1e-3 by default.",
+    ),
+]
+GradientBudgets = Annotated[
+    list[str] | None,
+    typer.Option(metavar="RESPONSE=1e-2", help="Of gradients; by default ten times the budget of the response."),
+]
+Axes = Annotated[
+    str | None,
+    typer.Option(
+        metavar="step,scheme,...",
+        help="What to vary, with values if you like: step=0.1/0.05,scheme,rho_inf=0.5/1,modes=full/8,elements. An unknown one lists all.",
+    ),
+]
+
+
+def tradeoff(
+    scene: SceneFile,
+    budget: Budgets = None,
+    gradient_budget: GradientBudgets = None,
+    axes: Axes = None,
+    variables: Variables = None,
+    gradients: Annotated[bool, typer.Option(help="Whether gradients are measured too, and part of the price.")] = True,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the picture, the JSON file and all that is kept.")
+    ] = Path("tradeoff"),
+    jobs: Annotated[
+        int | None, typer.Option(min=1, help="Processes that compute values; times are always measured one after another.")
+    ] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Runs whose median is a time.")] = 5,
+    changes: Changes = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
+    from toolkit.studies import tradeoff as study
+
+    described = read(scene, changes)
+    names = (design_of(described, variables) if described.design or variables else []) if gradients else []
+    pairs = dict(split(change) for change in changes or [])
+    planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
+    folder = prepare_folder(output)
+    with at_work("preparing", described, "transient", names, quiet):
+        pass  # formulas are compiled once, before several processes would do it
+    found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
+    _keep(found, folder, quiet)
+    if as_json:
+        print_json(record_of(found))
+    else:
+        print_tradeoff(found)
+    found.check()
+
+
+def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
+    """Write the JSON file, and the picture where it can be drawn."""
+    from toolkit.replaced_file import replaced
+
+    with replaced(folder / "tradeoff.json") as temporary:
+        temporary.write_text(json.dumps(record_of(found), indent=1, allow_nan=False), encoding="utf-8")
+    files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
+    if not quiet:
+        typer.echo(f"{', '.join(map(str, files))} are written.", err=True)
+
+
+def _draw(found: Tradeoff, folder: Path, quiet: bool) -> list[Path]:
+    from toolkit.render.probe import RenderError, require
+
+    if len(found.failed) == len(found.settings):
+        return []
+    try:
+        require("matplotlib")
+    except RenderError as error:
+        if not quiet:
+            typer.echo(f"no picture: {error}", err=True)
+        return []
+    from toolkit.report.work_precision import work_precision
+
+    return work_precision(found).save(folder)

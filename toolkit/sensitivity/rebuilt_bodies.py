@@ -1,0 +1,68 @@
+"""Flexible bodies whose reduced models can be built afresh, from the skin file beside the model, and the scene with such a model."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from toolkit.bodies.flexible import Flexible
+from toolkit.errors import InputError
+from toolkit.point import BodyPoint
+from toolkit.preprocessing_process import run
+from toolkit.scene import Scene
+
+PROGRAM = "preprocessing.designs_command"
+
+
+def source(scene: Scene, body: str) -> Path:
+    """The skin file that a body's model would be built from; it may not exist."""
+    flexible: Any = scene.bodies[body]
+    return (scene.directory / flexible.model).with_suffix(".toml")
+
+
+def rebuildable(scene: Scene) -> dict[str, Path]:
+    """Flexible body -> its skin file, where there is one."""
+    found = {name: source(scene, name) for name, body in scene.bodies.items() if isinstance(body, Flexible)}
+    return {name: path for name, path in found.items() if path.is_file()}
+
+
+def given_values(scene: Scene, body: str) -> dict[str, Any]:
+    """Parameters to which the scene gives values of its own, by their names for the preprocessing."""
+    flexible: Any = scene.bodies[body]
+    places = {f"interface_points.{name}.arc_length": s for name, s in scene.arc_lengths(flexible).items()}
+    return {**flexible.model_values(), **places}
+
+
+def with_model(scene: Scene, body: str, file: Path) -> Scene:
+    """The scene with another reduced model of a body, and nothing given that is in the model already."""
+    flexible: Any = scene.bodies[body]
+    plain = type(flexible)(**{key: value for key, value in flexible if key in type(flexible).model_fields} | {"model": str(file)})
+    points = {
+        name: point.model_copy(update={"arc_length": None}) if isinstance(point, BodyPoint) and point.body == body else point
+        for name, point in scene.points.items()
+    }
+    return scene.model_copy(update={"bodies": {**scene.bodies, body: plain}, "points": points})
+
+
+def build_all(skin: Path, wanted: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Reduced models of one skin file in one process of the preprocessing.
+
+    Parameters
+    ----------
+    wanted : tables {"file": where it goes, "values": {parameter: value}, "keys": {key of skin.toml: value}}, the last two optional
+
+    Returns
+    -------
+    built : list
+        Tables {"file": ..., "tables": the tables of skin.toml that other keys changed}.
+
+    Raises
+    ------
+    InputError
+        The preprocessing is not installed, or refuses one of them.
+    """
+    done = run(PROGRAM, [str(skin)], "\n".join(map(json.dumps, wanted)))
+    if done.returncode:
+        raise InputError(f"preprocessing afresh failed: {done.stderr.strip()}")
+    return [json.loads(line) for line in done.stdout.splitlines()]

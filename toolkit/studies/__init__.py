@@ -1,0 +1,1 @@
+"""Studies: many runs of one scene, and what they say together. `tradeoff` is the entrance to speed against accuracy."""
