@@ -40,7 +40,7 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
     """
     n_q = plan.n_q
     for n in range(len(q)):
-        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia)
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
         for i in range(plan.n):
             acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
         evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
