@@ -9,8 +9,8 @@ from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
-DAMPED = 0.9
-"""Largest rho_inf of index-3 steps of changing length: at 1 their joint forces grow without bound."""
+DAMPED = 0.5
+"""Largest rho_inf of index-3 steps of changing length: above it joint forces, and energy with them, grow in long runs."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -43,10 +43,10 @@ class RunOptions(Description):
     rho_inf
         Spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve.
     formulation
-        How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest and smoothest; they stay
-        closed to about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
+        How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest; they stay closed to
+        about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
         "ggl": by positions and by velocities, to round-off both (stabilised index 2 of Gear, Gupta and Leimkuhler), with quiet joint
-        forces for every rho_inf and step; a step costs about twice as much, and the adjoint cannot do it.
+        forces for every rho_inf and every step of equal length; a step costs about twice as much, and the adjoint cannot do it.
     baumgarte
         Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance
@@ -121,7 +121,7 @@ class RunOptions(Description):
             )
         if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
             raise ValueError(
-                f'formulation = "index-3" with steps of changing length needs rho_inf below {DAMPED:g}: nothing else damps '
-                "the joint forces, which every change of length excites"
+                f'formulation = "index-3" with steps of changing length needs rho_inf of at most {DAMPED:g}: nothing '
+                "else damps the joint forces, which every change of length excites; take index-1 or ggl"
             )
         return self
