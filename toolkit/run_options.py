@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from toolkit.description import Description, NotNegative, Positive
 
 DAMPED = 0.9
-"""Largest rho_inf of index-3 steps of changing length: at 1 their joint forces grow without bound."""
+"""Largest rho_inf of index-3 steps: towards 1 the errors of their joint forces grow from step to step without bound."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -112,9 +112,9 @@ class RunOptions(Description):
                 'scheme = "paper" is of index 1, and has no estimate of its local error; take scheme = "arnold-bruels", or leave out '
                 "formulation and local_error"
             )
-        if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
+        if self.formulation == "index-3" and self.rho_inf > DAMPED:
             raise ValueError(
-                f'formulation = "index-3" with steps of changing length needs rho_inf below {DAMPED:g}: nothing else damps '
-                "the joint forces, which every change of length excites"
+                f'formulation = "index-3" needs rho_inf of at most {DAMPED:g}: nothing else damps the joint forces, whose errors grow '
+                "without bound while the motion still looks right. Give a smaller rho_inf, or leave formulation out"
             )
         return self
