@@ -9,8 +9,9 @@ from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
-DAMPED = 0.9
-"""Largest rho_inf of index-3 steps: towards 1 the errors of their joint forces grow from step to step without bound."""
+DAMPED, DAMPED_CHANGING = 0.9, 0.5
+"""Largest rho_inf of index-3 steps, and of those of changing length: above it joint forces, and energy with them, grow in long runs while
+the motion still looks right."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -43,8 +44,10 @@ class RunOptions(Description):
     rho_inf
         Spectral radius at infinite frequency: 1 keeps all energy, 0 annihilates what a step cannot resolve.
     formulation
-        How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest and smoothest; they stay
-        closed to about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
+        How joints are kept closed. "index-1": by their accelerations and Baumgarte's stabilization, the cheapest; they stay closed to
+        about the square of the step. "index-3": by their positions, to round-off; joint forces get noisy at tiny steps.
+        "ggl": by positions and by velocities, to round-off both (stabilised index 2 of Gear, Gupta and Leimkuhler), with quiet joint
+        forces for every rho_inf and every step of equal length; a step costs about twice as much, and the adjoint cannot do it.
     baumgarte
         Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance
@@ -83,7 +86,7 @@ class RunOptions(Description):
     end_time: Positive = 1.0
     step: Positive = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
-    formulation: Literal["index-1", "index-3"] = "index-1"
+    formulation: Literal["index-1", "index-3", "ggl"] = "index-1"
     rho_inf: Annotated[float, Field(strict=True, ge=0, le=1)] = 0.5
     baumgarte: Baumgarte = Baumgarte()
     tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2)] = 1e-10
@@ -112,9 +115,16 @@ class RunOptions(Description):
                 'scheme = "paper" is of index 1, and has no estimate of its local error; take scheme = "arnold-bruels", or leave out '
                 "formulation and local_error"
             )
-        if self.formulation == "index-3" and self.rho_inf > DAMPED:
+        if self.quasi_static and self.formulation == "ggl":
             raise ValueError(
-                f'formulation = "index-3" needs rho_inf of at most {DAMPED:g}: nothing else damps the joint forces, whose errors grow '
-                "without bound while the motion still looks right. Give a smaller rho_inf, or leave formulation out"
+                'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
+                "formulation and quasi_static (a quasi-static run closes them by positions)"
+            )
+        changing = self.times is not None or self.local_error is not None
+        most = DAMPED_CHANGING if changing else DAMPED
+        if self.formulation == "index-3" and self.rho_inf > most:
+            raise ValueError(
+                f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else damps '
+                "the joint forces, whose errors grow from step to step while the motion still looks right; take index-1 or ggl"
             )
         return self

@@ -19,7 +19,7 @@ from toolkit.system import compile_scene
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 CRITICAL = 1.875104068711961**2 * float(np.sqrt(210e9 * 0.02**2 / 12 / 7800.0))
 DISTURBANCE = 1e-9
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 def disturbed(speed: float, formulation: str, end_time: float) -> Solution:

@@ -17,7 +17,7 @@ from toolkit.system import compile_scene
 STEPS = 100_000
 
 
-@pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+@pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 def test_a_pendulum_of_a_hundred_thousand_steps_does_not_drift(formulation):
     scene = Scene(
         units="m-kg-s",

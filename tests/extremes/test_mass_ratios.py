@@ -21,7 +21,7 @@ from toolkit.system import compile_scene
 
 RATIOS = [1e-8, 1e-4, 1.0, 1e4, 1e8]
 GRAVITY = 9.81
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 @pytest.mark.parametrize("ratio", RATIOS)

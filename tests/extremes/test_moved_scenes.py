@@ -36,7 +36,7 @@ MOVES = {
     "turned and far": (0.7, (FAR, FAR)),
 }
 """Angle, and displacement in m."""
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 @pytest.fixture(scope="module")

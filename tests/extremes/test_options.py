@@ -18,7 +18,7 @@ from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
 
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 @pytest.fixture(scope="module")
@@ -93,8 +93,8 @@ BLOW = pytest.mark.xfail(
     strict=True,
     reason="a tiny step after a long one turns what velocities miss of the constraint into a blow; only local_error tells",
 )
-WRONG = [("index-3", 0.0, 1e3), ("index-3", 0.5, 1e3), ("index-3", 0.9, 1e3), ("index-3", 0.9, 1e6)]
-SHORT = [(kind, rho_inf, ratio) for kind in ("index-1", "index-3") for rho_inf in (0.0, 0.5, 0.9) for ratio in (10.0, 1e3, 1e6)]
+WRONG = [("index-3", 0.0, 1e3), ("index-3", 0.5, 1e3)]
+SHORT = [(kind, rho_inf, ratio) for kind in ("index-1", "index-3", "ggl") for rho_inf in (0.0, 0.5) for ratio in (10.0, 1e3, 1e6)]
 
 
 @pytest.mark.parametrize("case", SHORT, ids=str)

@@ -25,7 +25,7 @@ BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 SPEED, MODULUS, DENSITY, AREA = 50.0, 210e9, 7800.0, 1e-3
 TURN = 2 * np.pi
 MILLION = 1_000_000
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from toolkit.system import compile_scene
 
 ROOT = Path(__file__).parents[2]
 CHAIN = ROOT / "models" / "four_bar_chain" / "scene.toml"
-FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
 @FORMULATIONS

@@ -21,7 +21,7 @@ def wing(factor: float, **changes: str):
 
 
 @pytest.mark.parametrize("kind", ["static", "transient"])
-@pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+@pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 def test_without_torque_nothing_moves_and_gradients_are_finite(kind, formulation):
     found = direct(wing(0.0, solver__formulation=formulation), ["t_w", "M_t"], kind)
     rest = found.solution.system.start()[0][: found.solution.system.n_q]
@@ -37,7 +37,7 @@ def test_without_torque_nothing_moves_and_gradients_are_finite(kind, formulation
 
 
 @pytest.mark.parametrize("factor", [1e6, -1e6])
-@pytest.mark.parametrize("formulation", ["index-1", "index-3"])
+@pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 def test_a_million_times_the_torque_is_refused(factor, formulation):
     system = compile_scene(wing(factor, solver__formulation=formulation))
     with pytest.raises(ConvergenceError, match=r"bifurcation|limit point|no equilibrium near"):

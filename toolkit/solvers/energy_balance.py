@@ -40,7 +40,7 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
     """
     n_q = plan.n_q
     for n in range(len(q)):
-        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia)
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
         for i in range(plan.n):
             acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
         evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
@@ -62,12 +62,14 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     Dampers count as loads that take energy out, gravity as a load, not as a potential.
     """
     system, plan, n_t = solution.system, solution.system.plan, len(solution.times)
+    inertia = not (solution.options or system.scene.solver).quasi_static
+    # without inertia velocities are those of the middle of a step, which would cost an order of the work
+    velocity = solution.v if inertia else np.gradient(solution.q, solution.times, axis=0, edge_order=2 if n_t > 2 else 1)
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
     q, v, lam = states
-    q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, solution.v, solution.multipliers
+    q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)
-    inertia = not (solution.options or system.scene.solver).quasi_static
     system.run(
         powers, system.evaluator(), plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
         out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
@@ -75,6 +77,6 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     constant = plan.constant
     shape = (system.n_q, system.n_q)
     force = solution.q @ coo_array((constant.stiffness, (constant.row, constant.column)), shape=shape).T.tocsr()
-    power = out[:, 1] + np.sum(solution.v * force, axis=1)
+    power = out[:, 1] + np.sum(velocity * force, axis=1)
     gained = np.diff(solution.times) * (power[1:] + power[:-1]) / 2
     return EnergyBalance(out[:, 0], np.sum(solution.q * force, axis=1) / 2, np.append(0, np.cumsum(gained)))

@@ -36,7 +36,7 @@ def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
     curves[driven] = first.curves[driven] + factor * (last.curves[driven] - first.curves[driven])
     pairs = np.isin(system.plan.curve_index, driven)
     curves_x[pairs] = first.curves_x[pairs] + factor * (last.curves_x[pairs] - first.curves_x[pairs])
-    return Inputs(curves, curves_x, factor, LEVELS, True)
+    return Inputs(curves, curves_x, factor, LEVELS, True, False)
 
 
 def static_matrix(system: System, terms) -> np.ndarray:

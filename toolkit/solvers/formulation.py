@@ -3,9 +3,12 @@
     "index-1"       phi'' + 2 damping phi' + stiffness^2 phi = 0, Baumgarte's stabilization (1972)
     "index-3"       phi / c_q = 0 with c_q = d q_+ / d a_+ of the step: positions closed to round-off, Newton's matrix as in index 1
                     (Arnold and Bruels 2007; the scaling is that of Bottasso, Dopico and Trainelli 2008)
-    quasi-static    positions, too
+    "ggl"           phi' / c_v = 0 with c_v = d v_+ / d a_+, and phi / c_q = 0 with more multipliers, see `ggl_step`: velocities and
+                    positions closed to round-off
+    quasi-static    positions, as index 3
 
-Multipliers of index 3 carry round-off of 1e-16 of the scene's size over h^2, and velocities leave the constraint by O(h^2).
+Multipliers of index 3 carry round-off of 1e-16 of the scene's size over h^2, and velocities leave the constraint by O(h^2); those of
+"ggl" carry that of velocities over h.
 """
 
 from __future__ import annotations
@@ -26,6 +29,9 @@ def constraint_levels(options: RunOptions, lengths: np.ndarray) -> np.ndarray:
     if options.formulation == "index-3" or options.quasi_static:
         scheme = scheme_of(options)
         return np.outer(1 / (lengths**2 * scheme.beta * scheme.new), [0.0, 0.0, 1.0])
+    if options.formulation == "ggl":
+        scheme = scheme_of(options)
+        return np.outer(1 / (lengths * scheme.gamma * scheme.new), [0.0, 1.0, 0.0])
     given = options.baumgarte
     damping = 1 / lengths if given.damping is None else np.full_like(lengths, given.damping)
     stiffness = np.sqrt(2) / lengths if given.stiffness is None else np.full_like(lengths, given.stiffness)

@@ -10,6 +10,7 @@ from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.formulation import constraint_levels, scheme_of
 from toolkit.solvers.generalized_alpha import integrate
+from toolkit.solvers.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.scheme import Scheme
 from toolkit.solvers.step_memory import History, Memory, Outcome, allocate_memory
@@ -29,6 +30,7 @@ class Run(NamedTuple):
     scheme: Scheme
     control: Control
     memory: Memory
+    ggl: Ggl | None  # only of that formulation
     outcome: Outcome
 
 
@@ -39,8 +41,9 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     lengths = step_lengths(times)
     control = Control(options.tolerance, options.max_iterations, options.newton == "modified", np.inf, 0.0)
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
+    ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
-    return Run(system, options, times, lengths, scheme_of(options), control, memory, outcome)
+    return Run(system, options, times, lengths, scheme_of(options), control, memory, ggl, outcome)
 
 
 def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:
@@ -48,7 +51,7 @@ def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray]
     system, levels = run.system, constraint_levels(run.options, run.lengths)
     system.run(
         integrate, system.evaluator(), system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
-        run.control, begins, first, last, history, run.memory, run.outcome,
+        run.control, begins, first, last, history, run.memory, run.ggl, run.outcome,
     )  # fmt: skip
 
 
