@@ -9,8 +9,9 @@ from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
 
-DAMPED = 0.5
-"""Largest rho_inf of index-3 steps of changing length: above it joint forces, and energy with them, grow in long runs."""
+DAMPED, DAMPED_CHANGING = 0.9, 0.5
+"""Largest rho_inf of index-3 steps, and of those of changing length: above it joint forces, and energy with them, grow in long runs while
+the motion still looks right."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -119,9 +120,11 @@ class RunOptions(Description):
                 'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
                 "formulation and quasi_static (a quasi-static run closes them by positions)"
             )
-        if self.formulation == "index-3" and self.rho_inf > DAMPED and (self.times is not None or self.local_error is not None):
+        changing = self.times is not None or self.local_error is not None
+        most = DAMPED_CHANGING if changing else DAMPED
+        if self.formulation == "index-3" and self.rho_inf > most:
             raise ValueError(
-                f'formulation = "index-3" with steps of changing length needs rho_inf of at most {DAMPED:g}: nothing '
-                "else damps the joint forces, which every change of length excites; take index-1 or ggl"
+                f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else damps '
+                "the joint forces, whose errors grow from step to step while the motion still looks right; take index-1 or ggl"
             )
         return self
