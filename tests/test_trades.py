@@ -330,7 +330,7 @@ def test_an_error_below_round_off_is_refused():
         ({"times": (0.0, 1.0), "local_error": 1e-3}, "leave one of them out"),
         ({"scheme": "paper", "local_error": 1e-3}, "has no estimate of its local error"),
         ({"formulation": "index-3", "rho_inf": 1.0, "local_error": 1e-3}, "rho_inf of at most 0.5"),
-        ({"formulation": "index-3", "rho_inf": 0.95}, "of at most 0.9: .* errors grow from step to step while the motion still looks right"),
+        ({"formulation": "index-3", "rho_inf": 0.95}, "of at most 0.9: .* while the motion still looks right"),
         ({"scheme": "paper", "formulation": "index-3"}, "is of index 1"),
     ],
 )

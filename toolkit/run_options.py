@@ -124,7 +124,7 @@ class RunOptions(Description):
         most = DAMPED_CHANGING if changing else DAMPED
         if self.formulation == "index-3" and self.rho_inf > most:
             raise ValueError(
-                f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else damps '
-                "the joint forces, whose errors grow from step to step while the motion still looks right; take index-1 or ggl"
+                f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else '
+                "damps the joint forces, whose errors grow from step to step while the motion still looks right; take index-1 or ggl"
             )
         return self
