@@ -93,11 +93,12 @@ BLOW = pytest.mark.xfail(
     strict=True,
     reason="a tiny step after a long one turns what velocities miss of the constraint into a blow; only local_error tells",
 )
-WRONG = [("index-3", 0.0, 1e3), ("index-3", 0.5, 1e3)]
+WRONG = [("index-3", 0.0, 1e3), ("index-3", 0.5, 1e3), ("ggl", 0.0, 1e6), ("ggl", 0.5, 1e6)]
+WRONG_OFTEN = [("ggl", 0.0, 10.0)]
 SHORT = [(kind, rho_inf, ratio) for kind in ("index-1", "index-3", "ggl") for rho_inf in (0.0, 0.5) for ratio in (10.0, 1e3, 1e6)]
 
 
-@pytest.mark.parametrize("case", SHORT, ids=str)
+@pytest.mark.parametrize("case", [pytest.param(case, marks=BLOW if case in WRONG_OFTEN else ()) for case in SHORT], ids=str)
 def test_short_steps_between_all_long_ones_are_right_or_refused(case):
     right_or_refused(*case, often=True)
 
@@ -118,8 +119,13 @@ def right_or_refused(formulation: str, rho_inf: float, ratio: float, often: bool
     assert np.abs(run.multipliers).max() < 1.5 * np.abs(plain.multipliers).max()
 
 
-@FORMULATIONS
-@pytest.mark.parametrize("gap", [1e-3, pytest.param(1e-5, marks=BLOW), pytest.param(1e-8, marks=BLOW)])
+GAPS = [(kind, gap) for kind in ("index-1", "index-3", "ggl") for gap in (1e-3, 1e-5, 1e-8)]
+SPIKES = [(kind, gap) for kind, gap in GAPS if gap < (1e-6 if kind == "ggl" else 1e-4)]
+
+
+@pytest.mark.parametrize(
+    ("formulation", "gap"), [pytest.param(*case, marks=BLOW if case in SPIKES else (), id=f"{case}") for case in GAPS]
+)
 def test_corners_of_a_load_that_lie_close_together_leave_no_spike_in_the_joint_forces(gap, formulation):
     curve = Table(times=(0.1, 0.1 + gap, 0.3, 0.3 + gap, 0.6), values=(0.0, 1.0, 0.5, 0.2, 0.3), interpolation="linear")
     scene = swinging()
