@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
 from toolkit.description import Description, NotNegative, Positive
+from toolkit.option_checks import contradictions
 
-DAMPED, DAMPED_CHANGING = 0.9, 0.5
-"""Largest rho_inf of index-3 steps, and of those of changing length: above it joint forces, and energy with them, grow in long runs while
-the motion still looks right."""
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
 
@@ -54,7 +51,8 @@ class RunOptions(Description):
         Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad).
     newton
         "full" makes a new Jacobian in every iteration and converges quadratically; "modified" keeps its factors, from step to step, as long
-        as an iteration shrinks the correction to a fifth: cheaper where factoring is dear, less exact by about `tolerance`.
+        as an iteration shrinks the correction to a fifth: cheaper where factoring is dear. Positions are less exact by about
+        `tolerance` in every step, accelerations and joint forces by that over step^2.
     max_iterations
         Newton iterations after which a step has failed.
     quasi_static
@@ -104,27 +102,6 @@ class RunOptions(Description):
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:
-        if self.times is not None:
-            increasing = all(a < b for a, b in pairwise(self.times))
-            if not increasing or self.times[0] != 0 or self.times[-1] != self.end_time:
-                raise ValueError(f"times must increase from 0 to end_time = {self.end_time:g}; mend them, or leave times out")
-            if self.local_error is not None:
-                raise ValueError("times are given, so that local_error has nothing to choose; leave one of them out")
-        if self.scheme == "paper" and (self.local_error is not None or self.formulation != "index-1"):
-            raise ValueError(
-                'scheme = "paper" is of index 1, and has no estimate of its local error; take scheme = "arnold-bruels", or leave out '
-                "formulation and local_error"
-            )
-        if self.quasi_static and self.formulation == "ggl":
-            raise ValueError(
-                'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
-                "formulation and quasi_static (a quasi-static run closes them by positions)"
-            )
-        changing = self.times is not None or self.local_error is not None
-        most = DAMPED_CHANGING if changing else DAMPED
-        if self.formulation == "index-3" and self.rho_inf > most:
-            raise ValueError(
-                f'formulation = "index-3"{" with steps of changing length" * changing} needs rho_inf of at most {most:g}: nothing else '
-                "damps the joint forces, whose errors grow while the motion still looks right; take index-1 or ggl"
-            )
+        for sentence in contradictions(self):
+            raise ValueError(sentence)
         return self

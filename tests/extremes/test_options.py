@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from tests.scenes import WING
 from tests.test_trades import damped_slider, swinging
@@ -93,7 +94,6 @@ BLOW = pytest.mark.xfail(
     strict=True,
     reason="a tiny step after a long one turns what velocities miss of the constraint into a blow; only local_error tells",
 )
-WRONG = [("index-3", 0.0, 1e3), ("index-3", 0.5, 1e3), ("ggl", 0.0, 1e6), ("ggl", 0.5, 1e6)]
 WRONG_OFTEN = [("ggl", 0.0, 10.0)]
 SHORT = [(kind, rho_inf, ratio) for kind in ("index-1", "index-3", "ggl") for rho_inf in (0.0, 0.5) for ratio in (10.0, 1e3, 1e6)]
 
@@ -103,7 +103,7 @@ def test_short_steps_between_all_long_ones_are_right_or_refused(case):
     right_or_refused(*case, often=True)
 
 
-@pytest.mark.parametrize("case", [pytest.param(case, marks=BLOW if case in WRONG else ()) for case in SHORT], ids=str)
+@pytest.mark.parametrize("case", SHORT, ids=str)
 def test_a_short_step_between_long_ones_is_right_or_refused(case):
     right_or_refused(*case, often=False)
 
@@ -112,15 +112,15 @@ def right_or_refused(formulation: str, rho_inf: float, ratio: float, often: bool
     plain = simulate(compile_scene(swinging()), RunOptions(end_time=0.5, step=0.01, formulation=formulation, rho_inf=rho_inf))
     try:
         run = short_step(formulation, rho_inf, ratio, often)
-    except (ConvergenceError, SingularSystemError):
+    except (ConvergenceError, SingularSystemError, ValidationError):
         return
-    # about the error of the equal steps, 3e-3 at rho_inf = 0
-    np.testing.assert_allclose(run.q[-1], plain.q[-1], rtol=0, atol=5e-3)
+    # the error of the equal steps is 3e-3 at rho_inf = 0, and twice that where every long step after a short one begins anew
+    np.testing.assert_allclose(run.q[-1], plain.q[-1], rtol=0, atol=1e-2)
     assert np.abs(run.multipliers).max() < 1.5 * np.abs(plain.multipliers).max()
 
 
 GAPS = [(kind, gap) for kind in ("index-1", "index-3", "ggl") for gap in (1e-3, 1e-5, 1e-8)]
-SPIKES = [(kind, gap) for kind, gap in GAPS if gap < (1e-6 if kind == "ggl" else 1e-4)]
+SPIKES = [("index-3", 1e-5), ("index-3", 1e-8)]
 
 
 @pytest.mark.parametrize(

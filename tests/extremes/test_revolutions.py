@@ -142,7 +142,6 @@ def test_steps_of_a_twentieth_of_a_turn_are_refused():
         spin("index-3", 30, 200, 0.9)
 
 
-@pytest.mark.xfail(strict=True, reason="the energy balance takes the work that drifting joints do for work that was put in")
 def test_what_too_long_steps_lose_shows_in_the_energy():
     """Every turn loses the same small part, so that many add up: a quarter of the energy after 400, where no single step is coarse."""
     run = spin("index-1", 60, 400)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.equations import Inputs, allocate_terms, allocate_work
+from toolkit.equations import Inputs, Plan, allocate_terms, allocate_work
 from toolkit.kernel import kernel
 from toolkit.solution import Solution
 
@@ -56,6 +56,14 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
             out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])
 
 
+def _driven(plan: Plan) -> np.ndarray:
+    """Which unknowns are multipliers of drivers, (n,)."""
+    found = np.zeros(plan.n, bool)
+    driven = plan.joints.curve >= 0
+    found[(plan.joints.row + plan.joints.n_rows - 1)[driven]] = True
+    return found
+
+
 def energy_balance(solution: Solution) -> EnergyBalance:
     """Energies and work of a transient solution; the work is integrated by the trapezoidal rule, so its error is of second order.
 
@@ -68,6 +76,7 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
     q, v, lam = states
     q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
+    lam[:, ~_driven(plan)] = 0  # other joints do no work: what they do while they drift is the scheme's doing
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)
     system.run(

@@ -133,11 +133,11 @@ def integrate(
             begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
         outcome.counts[0] = newton(evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome)
         outcome.counts[4] += outcome.counts[2]
-        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
         if outcome.counts[0] == CONVERGED:
             outcome.counts[0] = judge(plan, now, weights, control, history, step, memory, outcome)
         if outcome.counts[0] != CONVERGED:
             return
+        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
         outcome.correction[4] = max(outcome.correction[2], outcome.correction[4])
         fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory, ggl)
         if plan.n_x > 0:
