@@ -43,7 +43,7 @@ LAYERS = [
         "listed_names",
         "static_path",
     ),
-    ("description", "validation_messages", "run_options", "time_grid", "profile"),
+    ("description", "validation_messages", "run_options", "option_checks", "time_grid", "profile"),
     ("dependence", "reduced_model", "reduced_model_check", "reduced_model_file", "reduced_model_units", "design_point", "linear"),
     ("point", "component", "bodies"),
     ("loads", "joints"),
