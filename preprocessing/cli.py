@@ -16,7 +16,9 @@ app = typer.Typer(pretty_exceptions_enable=False)
 
 @app.command()
 def preprocess(
-    skin: Annotated[Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, or of a body with a mesh or matrices.")],
+    skin: Annotated[
+        Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, or of a body with a mesh or matrices.")
+    ],
     force: Annotated[
         bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")
     ] = False,

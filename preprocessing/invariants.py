@@ -21,7 +21,6 @@ from preprocessing.section import Monomial
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.reduced_model import Invariants
 
-
 BEAM = 3
 """Coordinates of a node of a beam, x, y and rotation; nodes of solids have x and y only."""
 

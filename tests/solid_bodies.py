@@ -47,13 +47,14 @@ def _cut(kind: str, s: np.ndarray) -> list[list[int]]:
 def write_mesh(mesh: SolidMesh, path: Path) -> None:
     """The mesh as a file of the format that the name's ending says."""
     points = np.column_stack([mesh.nodes, np.zeros(len(mesh.nodes))])
-    meshio.write(path, meshio.Mesh(points, list(mesh.blocks.items())))
+    gmsh = {"file_format": "gmsh"} if path.suffix == ".msh" else {}  # not that of ANSYS Fluent
+    meshio.write(path, meshio.Mesh(points, list(mesh.blocks.items())), **gmsh)
 
 
 def write_body(
     folder: Path, mesh: SolidMesh, basis: str = 'kind = "full"', poisson_ratio: float = 0.3, tie: str = "averaged", more: str = ""
 ) -> Path:
-    """body.toml of a rectangle that is clamped at its left edge, with the interface points hub, on the clamp, and tip, at the right edge."""
+    """body.toml of a rectangle clamped at its left edge, with the interface points hub, on the clamp, and tip, at the right edge."""
     left, right = (mesh.groups[name].tolist() for name in ("left", "right"))
     write_mesh(mesh, folder / "body.vtu")
     path = folder / "body.toml"

@@ -198,7 +198,8 @@ def test_model_at_other_parameters_is_that_of_a_fresh_preprocessing(basis, tmp_p
     fresh, moved = build_body(path, values), DesignPoint(model, values).invariants()
     np.testing.assert_allclose(moved.mass, fresh.invariants.mass, rtol=1e-13)
     here = compliance_of(model, moved)
-    np.testing.assert_allclose(here, compliance(fresh), rtol=1e-9, atol=1e-9 * np.abs(here).max())  # round-off times the condition
+    # round-off times the condition of the stiffness
+    np.testing.assert_allclose(here, compliance(fresh), rtol=1e-9, atol=1e-9 * np.abs(here).max())
 
 
 def compliance_of(model, inv) -> np.ndarray:

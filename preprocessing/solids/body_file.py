@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from pydantic import Field, ValidationError, model_validator
 
+from preprocessing.skin_file import explain
 from preprocessing.skin_tables import BasisTable, Damping, InterfaceName, Table
 from preprocessing.solids.body_tables import (
     MatricesTable,

@@ -32,7 +32,7 @@ class MatricesTable(Table):
 
     mass: FileName  # relative to body.toml
     stiffness: FileName
-    nodes: FileName | None = None  # coordinates x, y of one node per line (.csv), or an array of that shape (.npy, .npz); else the mesh's
+    nodes: FileName | None = None  # x, y of one node per line (.csv), or such an array (.npy, .npz); else those of the mesh
     stress: FileName | None = None  # stress per nodal displacement, one row for each stress point; needs no mesh
 
 
@@ -80,7 +80,7 @@ class SolidMaterial(Table):
 
     youngs_modulus: Positive  # stress
     density: Positive  # mass / length^3
-    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # needed with a mesh, without meaning for finished matrices
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # elements need it
     state: Literal["plane-stress", "plane-strain"] = "plane-stress"  # thin, or kept from contracting across the plane
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
-from preprocessing.discretisation import derivative_of
+from preprocessing.build import WRITER_VERSION
 from preprocessing.invariants import contract, contract_derivative, listed, polynomials
 from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_file import BodyFile, read_body_file
@@ -22,14 +22,13 @@ from preprocessing.solids.parts import QUANTITIES
 from preprocessing.solids.solid_basis import solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
 from preprocessing.solids.ties import freedom
-from preprocessing.build import WRITER_VERSION
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
 from toolkit.units import unit
 
 PER_NODE = 2
-STATE = "poisson_ratio"
+"""Coordinates of a node: x and y."""
 
 
 def build_body(
@@ -126,7 +125,7 @@ def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:
 
 
 def _interface_rates(body: DiscreteBody, d_z: np.ndarray) -> dict[str, np.ndarray]:
-    found = {}
+    found: dict[str, np.ndarray] = {}
     for name, each in body.ties.items():
         moved = each.rows @ d_z
         found |= {f"interfaces.{name}.position": moved[None, :2], f"interfaces.{name}.rotation": moved[None, 2]}

@@ -37,8 +37,8 @@ def changed_body(file: BodyFile, values: Mapping[str, float], keys: Mapping[str,
         return file
     if values and file.matrices is not None:
         raise InputError(
-            f"{str(path)!r}: finished matrices hold for the values that they were made with. Change {', '.join(values)} in the scene, where "
-            "the model follows it exactly, or export other matrices."
+            f"{str(path)!r}: finished matrices hold for the values that they were made with. Change {', '.join(values)} in the scene, "
+            "where the model follows it exactly, or export other matrices."
         )
     content = file.model_dump(exclude_none=True)
     for name in values:

@@ -1,11 +1,10 @@
-"""A body of solid elements, or of finished matrices, ready for the choice of a basis: matrices, places, and how they depend on Poisson's ratio."""
+"""A body of solid elements, or of finished matrices, ready for the choice of a basis."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -27,6 +26,9 @@ from preprocessing.solids.solid_stress import stress_rows
 from preprocessing.solids.ties import Tie, tie
 from toolkit.errors import InputError
 
+AT_ONE_PLACE = 1e-6
+"""Distance of clamped nodes, in parts of the body's extent, below which they leave the body free to turn."""
+
 
 @dataclass(frozen=True, eq=False)
 class DiscreteBody:
@@ -35,8 +37,8 @@ class DiscreteBody:
     mesh: SolidMesh
     parts: Parts
     values: Mapping[str, float]  # parameters by which the matrices are polynomials
-    by_poisson_ratio: Mapping[str, Matrices]  # derivatives of the matrices by the parameter `poisson_ratio`; none of finished ones
-    poisson_ratio: Mapping[str, float]  # its nominal value, where it is a parameter
+    by_poisson_ratio: Mapping[str, Matrices]  # derivatives by `poisson_ratio`, if it is one
+    poisson_ratio: Mapping[str, float]  # its nominal value, if it is a parameter
     clamped: np.ndarray  # numbers of nodes
     ties: Mapping[str, Tie]
 
@@ -114,7 +116,7 @@ def _clamped(path: Path, file: BodyFile, mesh: SolidMesh) -> np.ndarray:
     with at_key(path, "clamp"):
         nodes = nodes_in(mesh, file.clamp)
         held = rigid_motions((mesh.nodes[nodes] - mesh.nodes[nodes[0]]) / mesh.size)
-        if np.linalg.svd(held, compute_uv=False)[-1] < 1e-6:
+        if np.linalg.eigvalsh(held.T @ held)[0] < AT_ONE_PLACE**2:
             raise InputError(
                 f"the clamp on {file.clamp.words} holds {len(nodes)} node at one place, and the body can still turn about it. Clamp nodes "
                 "that are apart, for example a whole edge."

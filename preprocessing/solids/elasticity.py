@@ -44,7 +44,7 @@ def solid_matrices(blocks: Sequence[ElementBlock], n_nodes: int, dimension: int)
     gradients |= {(b, a): matrix.T for (a, b), matrix in gradients.items() if a < b}
     divergence = sum(gradients[a, a] for a in axes)
     first = sum(in_block(gradients[a, b], a, b, dimension) for a in axes for b in axes)
-    shear = sum(in_block(gradients[b, a] + (divergence if a == b else 0 * divergence), a, b, dimension) for a in axes for b in axes)
+    shear = sum(in_block(gradients[b, a] + (a == b) * divergence, a, b, dimension) for a in axes for b in axes)
     return SolidMatrices(mass, first.tocsr(), shear.tocsr())
 
 

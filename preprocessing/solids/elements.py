@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import skfem
 from scipy import sparse
+from skfem.quadrature import get_quadrature
 
 from preprocessing.solids.solid_mesh import SolidMesh
 from toolkit.errors import InputError
@@ -82,7 +83,7 @@ def _refuse_degenerate(block: ElementBlock, nodes: np.ndarray) -> None:
     extent = np.ptp(corners, axis=1).max(axis=1)
     least, most = np.full(len(corners), np.inf), np.full(len(corners), -np.inf)
     for points in _test_points(block):
-        area = block.geometry.mapping().detDF(points) / np.where(extent > 0, extent, 1.0)[:, None] ** 2
+        area = _determinant(block.geometry.mapping().DF(points)) / np.where(extent > 0, extent, 1.0)[:, None] ** 2
         least, most = np.minimum(least, area.min(axis=1)), np.maximum(most, area.max(axis=1))
     wrong = np.flatnonzero(~(np.maximum(least, -most) > DEGENERATE))
     if len(wrong):
@@ -94,7 +95,12 @@ def _refuse_degenerate(block: ElementBlock, nodes: np.ndarray) -> None:
         )
 
 
+def _determinant(gradient: np.ndarray) -> np.ndarray:
+    """Of (d, d, n_e, n_points)."""
+    return np.linalg.det(np.moveaxis(gradient, (0, 1), (-2, -1)))
+
+
 def _test_points(block: ElementBlock) -> Iterator[np.ndarray]:
     """Points of the reference element at which its area must not vanish: the nodes, and those of integration."""
     yield block.shapes.doflocs.T
-    yield block.functions().X
+    yield get_quadrature(block.shapes.refdom, 2 * block.shapes.maxdeg + 2)[0]

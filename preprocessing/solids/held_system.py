@@ -54,7 +54,8 @@ def held_system(stiffness: Any, rows: Any) -> HeldSystem:
     InputError
         The rows depend on each other.
     """
-    factors = splu(sparse.csc_array(stiffness), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+    symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    factors = splu(sparse.csc_array(stiffness), **symmetric)
     bare = HeldSystem(stiffness, rows, factors, np.zeros((stiffness.shape[0], 0)), None)
     if not rows.shape[0]:
         return bare

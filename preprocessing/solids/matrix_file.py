@@ -25,7 +25,9 @@ def read_square(path: Path, n: int) -> Any:
     """
     matrix = read_matrix(path, n)
     if matrix.shape != (n, n):
-        raise InputError(f"the matrix {str(path)!r} has shape {matrix.shape}; its nodes have {n} coordinates. Give both of one model.")
+        raise InputError(
+            f"the matrix {str(path)!r} has shape {matrix.shape}; its nodes have {n} coordinates. Give both of one model."
+        )
     difference = abs(matrix - matrix.T).max()
     if not difference <= ASYMMETRIC * abs(matrix).max():
         raise InputError(
@@ -45,7 +47,9 @@ def read_matrix(path: Path, n: int) -> Any:
         else:
             found = _abaqus(path, n)
     if found.shape[1] != n or found.dtype.kind not in "iuf" or not np.all(np.isfinite(found.data)):
-        raise InputError(f"the matrix {str(path)!r} of shape {found.shape} needs {n} columns of finite real numbers. Export it again.")
+        raise InputError(
+            f"the matrix {str(path)!r} of shape {found.shape} needs {n} columns of finite real numbers. Export it again."
+        )
     return found.astype(float)
 
 
@@ -65,7 +69,8 @@ def read_nodes(path: Path) -> np.ndarray:
             nodes = np.loadtxt(path, delimiter=",", ndmin=2)
     if nodes.ndim == 2 and nodes.shape[1] == 3 and len(nodes):
         raise InputError(f"{str(path)!r} holds nodes in space, but bodies move in the plane here. Give x and y alone.")
-    if nodes.ndim != 2 or nodes.shape[1] != 2 or not len(nodes) or nodes.dtype.kind not in "iuf" or not np.all(np.isfinite(nodes)):
+    real = nodes.dtype.kind in "iuf" and bool(np.all(np.isfinite(nodes)))
+    if nodes.ndim != 2 or nodes.shape[1] != 2 or not len(nodes) or not real:
         raise InputError(f"{str(path)!r} has shape {nodes.shape}; give two finite numbers, x and y, for each node.")
     return nodes.astype(float)
 

@@ -37,7 +37,7 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     wanted = [block for block in raw.cells if block.type in PLANE]
     _refuse_kinds(path, [block.type for block in raw.cells])
     kinds = dict.fromkeys(block.type for block in wanted)
-    blocks = {kind: np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind]) for kind in kinds}
+    blocks = {kind: _once(np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind])) for kind in kinds}
     used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
@@ -46,6 +46,12 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     mesh = SolidMesh(nodes, {kind: number[block] for kind, block in blocks.items()}, {k: np.unique(v) for k, v in groups.items()})
     refuse_parts(mesh)
     return mesh
+
+
+def _once(elements: np.ndarray) -> np.ndarray:
+    """Every element once; gmsh 2.2 writes those that are in several groups several times."""
+    _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
+    return elements[np.sort(first)]
 
 
 def _read(path: Path) -> Any:
@@ -61,7 +67,7 @@ def _read(path: Path) -> Any:
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
-            return meshio.read(path)
+            return meshio.read(path, file_format="gmsh" if path.suffix == ".msh" else None)  # not that of ANSYS Fluent
     except (meshio.ReadError, *FAILURES) as error:
         reason = " ".join(f"{said.getvalue()} {error}".split())
         raise InputError(
@@ -98,12 +104,16 @@ def _groups(raw: Any) -> Iterator[tuple[str, np.ndarray]]:
     """Names and nodes of node sets, element sets and physical groups."""
     yield from ((name, np.asarray(members, int)) for name, members in raw.point_sets.items())
     for name, sets in raw.cell_sets.items():
-        nodes = [block.data[np.asarray(s, int)].ravel() for block, s in zip(raw.cells, sets, strict=True) if s is not None and len(s)]
-        if nodes and name not in raw.point_sets and not name.startswith("gmsh:"):
-            yield name, np.unique(np.concatenate(nodes)).astype(int)
+        if name not in raw.point_sets and not name.startswith("gmsh:"):
+            of = zip(raw.cells, sets, strict=True)
+            yield name, _nodes([block.data[np.asarray(own, int)] for block, own in of if own is not None])
     for name, (tag, dimension) in raw.field_data.items():  # gmsh 2.2
         tags = raw.cell_data.get("gmsh:physical")
         if tags is not None and name not in raw.cell_sets:
             of = zip(raw.cells, tags, strict=True)
-            nodes = [block.data[np.asarray(own) == tag].ravel() for block, own in of if block.dim == dimension]
-            yield name, np.unique(np.concatenate([np.zeros(0, int), *nodes])).astype(int)
+            yield name, _nodes([block.data[np.asarray(own) == tag] for block, own in of if block.dim == dimension])
+
+
+def _nodes(elements: list[np.ndarray]) -> np.ndarray:
+    """Numbers of the nodes of elements."""
+    return np.unique(np.concatenate([np.zeros(0, int), *(np.ravel(each) for each in elements)])).astype(int)

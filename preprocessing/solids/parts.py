@@ -27,7 +27,14 @@ QUANTITIES = {
 
 
 def parts_of(mass: Any, stiffness: Any, stress: Any, inertial: Monomial, elastic: Monomial, stressed: Monomial) -> Parts:
-    """Parts from the scalar mass matrix (n_nodes, n_nodes), the stiffness (n, n) and the stress operator (n_stress, n), per unit parameters."""
+    """Parts from matrices for unit parameters.
+
+    Parameters
+    ----------
+    mass : sparse (n_nodes, n_nodes), of one component of the displacement
+    stiffness, stress : sparse (n, n), (n_stress, n)
+    inertial, elastic, stressed : the monomials that these are multiplied by
+    """
     blocks = {(a, b): in_block(mass, a, b, 2) for a in (0, 1) for b in (0, 1) if a <= b}
     damped = [("damping_mass", inertial, blocks[0, 0] + blocks[1, 1]), ("damping_stiffness", elastic, stiffness)]
     found = [
@@ -57,8 +64,8 @@ def finished_parts(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made
     _refuse_supports(mesh, stiffness)
     scalar = _scalar_mass(mass)
     if not made_with:
-        inertial, elastic = (("mass_scale", 1),), (("stiffness_scale", 1),)
-        return parts_of(scalar, stiffness, stress, inertial, elastic, elastic)
+        scale: Monomial = (("stiffness_scale", 1),)
+        return parts_of(scalar, stiffness, stress, (("mass_scale", 1),), scale, scale)
     modulus, density, width = (made_with[name] for name in ("youngs_modulus", "density", "width"))
     inertial, elastic = (("density", 1), ("width", 1)), (("youngs_modulus", 1), ("width", 1))
     scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus

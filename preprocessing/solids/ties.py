@@ -81,7 +81,9 @@ def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool
     """The displacement of the node, and the rotation of those around it."""
     place = mesh.nodes[node]
     if rigid or (at is not None and not np.allclose(at, place, rtol=0, atol=NARROW * mesh.size)):
-        raise InputError(f"node {node} alone ties no rotation and no other place; name a group of nodes, or leave tie and at out.")
+        raise InputError(
+            f"node {node} alone ties no rotation and no other place; name a group of nodes, or leave tie and at out."
+        )
     others = mesh.around(node)
     if not len(others):
         raise InputError(f"node {node} alone has no rotation without elements around it; name several nodes.")
