@@ -12,7 +12,9 @@ from toolkit.replaced_file import replaced
 from toolkit.scene_schema import DRAFT, scene_schema, tidy
 
 skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexible skin of ffrf-toolkit"})
-body = tidy({"$schema": DRAFT, **BodyFile.model_json_schema(), "title": "A flexible body of ffrf-toolkit from a mesh or matrices"})
+body = tidy(
+    {"$schema": DRAFT, **BodyFile.model_json_schema(), "title": "A flexible body of ffrf-toolkit from a mesh or matrices"}
+)
 schemas = {"scene": scene_schema(), "skin": skin, "body": body}
 texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in schemas.items()}
 

@@ -18,12 +18,13 @@ from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_file import BodyFile, read_body_file
 from preprocessing.solids.changed_body import changed_body
 from preprocessing.solids.discrete_body import DiscreteBody, discrete_body
+from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.parts import QUANTITIES
 from preprocessing.solids.solid_basis import solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
 from preprocessing.solids.ties import freedom
 from toolkit.errors import InputError
-from toolkit.reduced_model import MEAN_AXES, InterfacePoint, ReducedModel, StressPoints
+from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
 from toolkit.units import unit
 
@@ -115,8 +116,16 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
         "invariants": contract(matrices, z, PER_NODE),
         "derivatives": listed(rates, list(nominal)),
         "affine": polynomials(body.parts, list(nominal), z, PER_NODE),
+        "outline": None if body.outline is None else _outline(body.outline, z),
         "interfaces": {name: _interface(*each.motion(z)) for name, each in body.ties.items()},
     }
+
+
+def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
+    """The nodes on the boundary, and its edges between them."""
+    edges = np.where(lines.edges[:, [2]] >= 0, lines.edges[:, [0, 2, 1]], lines.edges[:, [0, 0, 1]])
+    nodes, number = np.unique(edges, return_inverse=True)
+    return Outline(z.reshape(-1, PER_NODE, z.shape[1])[nodes], number.reshape(edges.shape))
 
 
 def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:

@@ -18,7 +18,7 @@ from preprocessing.solids.elements import element_blocks
 from preprocessing.solids.matrix_file import read_matrix, read_nodes, read_square
 from preprocessing.solids.mesh_file import read_mesh
 from preprocessing.solids.node_sets import nodes_in, weights_of
-from preprocessing.solids.outline import Outline, outline_of
+from preprocessing.solids.outline import BoundaryLines, outline_of
 from preprocessing.solids.parts import element_parts, finished_parts, parameters_of
 from preprocessing.solids.plane_material import lame_factors
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
@@ -41,6 +41,7 @@ class DiscreteBody:
     poisson_ratio: Mapping[str, float]  # its nominal value, if it is a parameter
     clamped: np.ndarray  # numbers of nodes
     ties: Mapping[str, Tie]
+    outline: BoundaryLines | None  # None without elements
 
 
 def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
@@ -63,10 +64,12 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
         derivative, nominal = {"poisson_ratio": imaginary(stepped.at(values))}, {"poisson_ratio": _ratio(file)}
     else:
         parts = _from_files(path, file, mesh, outline, made_with)
-    return DiscreteBody(mesh, parts, values, derivative, nominal, _clamped(path, file, mesh), _ties(path, file, mesh, outline))
+    return DiscreteBody(
+        mesh, parts, values, derivative, nominal, _clamped(path, file, mesh), _ties(path, file, mesh, outline), outline
+    )
 
 
-def _mesh(path: Path, file: BodyFile) -> tuple[SolidMesh, Outline | None]:
+def _mesh(path: Path, file: BodyFile) -> tuple[SolidMesh, BoundaryLines | None]:
     if file.mesh is not None:
         with at_key(path, "mesh.file"):
             mesh = read_mesh(path.parent / file.mesh.file, file.mesh.scale)
@@ -79,7 +82,7 @@ def _ratio(file: BodyFile) -> float:
     return (file.material.poisson_ratio if file.material else None) or 0.0
 
 
-def _from_elements(path: Path, file: BodyFile, mesh: SolidMesh, outline: Outline | None) -> tuple[Parts, Parts]:
+def _from_elements(path: Path, file: BodyFile, mesh: SolidMesh, outline: BoundaryLines | None) -> tuple[Parts, Parts]:
     """Parts of the body, and with a complex step in Poisson's ratio."""
     assert file.material is not None
     assert outline is not None
@@ -91,7 +94,9 @@ def _from_elements(path: Path, file: BodyFile, mesh: SolidMesh, outline: Outline
     return element_parts(matrices, rows, nominal), element_parts(matrices, rows, stepped)
 
 
-def _from_files(path: Path, file: BodyFile, mesh: SolidMesh, outline: Outline | None, made_with: Mapping[str, float]) -> Parts:
+def _from_files(
+    path: Path, file: BodyFile, mesh: SolidMesh, outline: BoundaryLines | None, made_with: Mapping[str, float]
+) -> Parts:
     assert file.matrices is not None
     found = []
     for key in ("mass", "stiffness"):
@@ -124,7 +129,7 @@ def _clamped(path: Path, file: BodyFile, mesh: SolidMesh) -> np.ndarray:
         return nodes
 
 
-def _ties(path: Path, file: BodyFile, mesh: SolidMesh, outline: Outline | None) -> dict[str, Tie]:
+def _ties(path: Path, file: BodyFile, mesh: SolidMesh, outline: BoundaryLines | None) -> dict[str, Tie]:
     found = {}
     for name, region in file.interface_points.items():
         with at_key(path, f"interface_points.{name}"):

@@ -7,7 +7,7 @@ from difflib import get_close_matches
 import numpy as np
 
 from preprocessing.solids.body_tables import Region
-from preprocessing.solids.outline import Outline
+from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.solid_mesh import SolidMesh
 from toolkit.errors import InputError
 
@@ -52,7 +52,7 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
-def weights_of(outline: Outline | None, nodes: np.ndarray) -> np.ndarray:
+def weights_of(outline: BoundaryLines | None, nodes: np.ndarray) -> np.ndarray:
     """Share of each node in a mean over the nodes, positive, sum 1.
 
     Where every node is on an edge of the boundary between these nodes, the mean is that along the boundary, so that it does not depend

@@ -11,7 +11,7 @@ CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
 
 @dataclass(frozen=True, eq=False)
-class Outline:
+class BoundaryLines:
     """Edges of the boundary, line by line; the body is to the left of every edge where its elements count anticlockwise."""
 
     nodes: np.ndarray  # (n_nodes, 2) of the whole mesh
@@ -24,7 +24,7 @@ class Outline:
         return chords / np.linalg.norm(chords, axis=1, keepdims=True)
 
 
-def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> Outline:
+def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:
     """The edges that belong to one element only.
 
     Parameters
@@ -34,7 +34,7 @@ def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> Outline:
     every = np.concatenate([_edges(kind, block) for kind, block in blocks.items()])
     key = np.sort(every[:, :2], axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
-    return Outline(nodes, _in_lines(every[np.sort(first[count == 1])]))
+    return BoundaryLines(nodes, _in_lines(every[np.sort(first[count == 1])]))
 
 
 def _edges(kind: str, block: np.ndarray) -> np.ndarray:

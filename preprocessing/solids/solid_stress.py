@@ -17,7 +17,7 @@ import skfem
 from scipy import sparse
 
 from preprocessing.solids.elements import ElementBlock
-from preprocessing.solids.outline import Outline
+from preprocessing.solids.outline import BoundaryLines
 
 AXES = {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1)}
 MIDDLE_OF_EDGE = (np.array([[0.5]]), np.ones(1))
@@ -26,7 +26,7 @@ Rows = tuple[Any, Any]
 """Those for lambda and for mu, sparse (n_stress, n)."""
 
 
-def stress_rows(quantity: str, blocks: Sequence[ElementBlock], outline: Outline) -> Rows:
+def stress_rows(quantity: str, blocks: Sequence[ElementBlock], outline: BoundaryLines) -> Rows:
     """Rows of one quantity of the table [stress], for unit Lame's constants."""
     n = outline.nodes.size
     if quantity == "none":
@@ -43,7 +43,7 @@ def _centre(block: ElementBlock) -> np.ndarray:
     return block.geometry.elem.refdom.p.mean(axis=1)
 
 
-def _along(blocks: Sequence[ElementBlock], outline: Outline) -> Rows:
+def _along(blocks: Sequence[ElementBlock], outline: BoundaryLines) -> Rows:
     """Stress along the boundary in the middle of its edges, in their order."""
     n, places, found = outline.nodes.size, [], []
     number = {tuple(sorted(pair)): k for k, pair in enumerate(outline.edges[:, :2].tolist())}
