@@ -30,6 +30,7 @@ from tests.solid_bodies import (
 )
 from toolkit.design_point import DesignPoint
 from toolkit.reduced_model_file import load, save
+from toolkit.render.configuration import lines_of
 
 BASES = {
     "full": 'kind = "full"',
@@ -80,6 +81,17 @@ def test_outline_follows_the_outer_line_and_then_the_hole():
         np.testing.assert_array_equal(part[:, 1], np.roll(part[:, 0], -1))
     centre = mesh.nodes[edges[12:, 0]].mean(axis=0)
     np.testing.assert_allclose(centre, [1.5, 0.0], atol=1e-12)
+
+
+def test_stress_points_are_the_middles_of_the_edges_of_the_outline_that_is_drawn(tmp_path):
+    model = cantilever(tmp_path, rectangle("triangle6", (4, 2), 2.0, 1.0))
+    assert len(model.outline.edges) == len(model.stress.element) == 12
+    place = model.outline.position[:, :, 0]
+    np.testing.assert_allclose(place[model.outline.edges[:, 1]], place[model.outline.edges[:, [0, 2]]].mean(axis=1), atol=1e-15)
+    (line,) = lines_of(model.outline)
+    assert line.shape == (2 * 12 + 1, 2, 1 + model.n_f)
+    np.testing.assert_array_equal(line[0], line[-1])
+    assert np.hypot(*np.diff(line[:, :, 0], axis=0).T).sum() == pytest.approx(6.0)
 
 
 @pytest.mark.parametrize("kind", KINDS)

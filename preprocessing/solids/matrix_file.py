@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from scipy import io, sparse
@@ -11,6 +14,8 @@ from scipy import io, sparse
 from toolkit.errors import InputError
 
 MATRIX_MARKET = b"%%MatrixMarket"
+FAILURES = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile)
+"""What readers raise on files that are not what their names say."""
 ASYMMETRIC = 1e-9
 """Largest relative difference of entries that should be equal; programs write 6 to 16 digits."""
 
@@ -91,18 +96,12 @@ def _starts_with(path: Path, start: bytes) -> bool:
         return file.read(len(start)) == start
 
 
-class _reading:
+@contextmanager
+def _reading(path: Path, what: str) -> Iterator[None]:
     """Failures of readers as errors of the input."""
-
-    def __init__(self, path: Path, what: str) -> None:
-        self.path, self.what = path, what
-
-    def __enter__(self) -> None:
-        if not self.path.is_file():
-            raise InputError(f"there is no file {str(self.path)!r}. Mend the path; it is relative to the TOML file.")
-
-    def __exit__(self, kind: Any, error: Any, _: Any) -> None:
-        if isinstance(error, (OSError, ValueError, KeyError, IndexError, TypeError, EOFError, AttributeError)):
-            if isinstance(error, InputError):
-                return
-            raise InputError(f"{str(self.path)!r} cannot be read as {self.what} ({error}). Export it again.") from error
+    if not path.is_file():
+        raise InputError(f"there is no file {str(path)!r}. Mend the path; it is relative to the TOML file.")
+    try:
+        yield
+    except FAILURES as error:
+        raise InputError(f"{str(path)!r} cannot be read as {what} ({error}). Export it again.") from error
