@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -12,8 +13,8 @@ from preprocessing.geometry import Remark
 from preprocessing.skin_file import read_skin_file
 from preprocessing.skin_tables import Table
 from preprocessing.solids.body_file import is_body, read_body_file
-from preprocessing.solids.build_body import body_hash, build_body
 from preprocessing.solids.changed_body import changed_body
+from toolkit.errors import InputError
 from toolkit.reduced_model import ReducedModel
 from toolkit.toml_file import read_toml
 
@@ -38,12 +39,12 @@ def source(path: Path) -> Source:
         It is missing, or neither a skin.toml nor a body.toml.
     """
     if is_body(read_toml(path, "a skin.toml or body.toml")):
-        body = read_body_file(path)
+        body, solids = read_body_file(path), _solids()
         return Source(
             [path, *(path.parent / name for name in body.inputs)],
             body,
-            lambda changes: body_hash(path, body, changes),
-            lambda _, values, keys: build_body(path, values, keys),
+            lambda changes: solids.body_hash(path, body, changes),
+            lambda _, values, keys: solids.build_body(path, values, keys),
             lambda values, keys: changed_body(body, values, keys, path),
             ("invariants", "derivatives", "affine", "interfaces", "stress"),
         )
@@ -56,6 +57,16 @@ def source(path: Path) -> Source:
         lambda values, keys: file_at(path, values, keys),
         ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", "mesh"),
     )
+
+
+def _solids() -> Any:
+    """The preprocessing of solids, loaded where a body needs it: scikit-fem takes a second."""
+    try:
+        return import_module("preprocessing.solids.build_body")
+    except ImportError as error:
+        raise InputError(
+            f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+        ) from error
 
 
 def tables_changed(described: Source, values: Mapping[str, float], keys: Mapping[str, Any]) -> dict[str, Any]:

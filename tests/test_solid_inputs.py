@@ -72,6 +72,7 @@ def test_physical_groups_of_gmsh_and_both_kinds_of_elements_in_one_mesh(version,
         gmsh.model.geo.mesh.setRecombine(2, surfaces[1])
         gmsh.model.geo.synchronize()
         gmsh.model.addPhysicalGroup(2, surfaces, name="sheet")
+        gmsh.model.addPhysicalGroup(2, surfaces[:1], name="half")  # version 2.2 writes its elements twice
         gmsh.model.addPhysicalGroup(1, [lines[3]], name="wall")
         gmsh.model.addPhysicalGroup(1, [lines[5]], name="end")
         gmsh.model.mesh.generate(2)
@@ -130,7 +131,7 @@ def test_finished_matrices_give_the_body_that_its_elements_give(kind, tmp_path):
     expected = build_body(write_body(tmp_path / "elements", MESH, BASIS, tie="rigid"))
     found = build_body(write_matrices(tmp_path, kind))
     # sums in another order, 1e-16, are multiplied by the condition of the stiffness in the shapes only, and these are of least energy
-    same(expected, found, 1e-12 if kind == "npz" else 1e-11)
+    same(expected, found, 1e-12)
     for item, polynomial in found.affine.items():
         np.testing.assert_array_equal(polynomial.power, expected.affine[item].power)
 

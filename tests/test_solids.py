@@ -16,7 +16,7 @@ from preprocessing.solids.outline import outline_of
 from preprocessing.solids.plane_material import lame_factors
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.solids.solid_stress import stress_rows
-from preprocessing.solids.ties import freedom
+from preprocessing.solids.ties import freedom, tie
 from tests.solid_bodies import (
     DENSITY,
     KINDS,
@@ -95,11 +95,11 @@ def test_stress_points_are_the_middles_of_the_edges_of_the_outline_that_is_drawn
 
 
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("tie", ["averaged", "rigid"])
-def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, tie, tmp_path):
+@pytest.mark.parametrize("kind_of_tie", ["averaged", "rigid"])
+def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, kind_of_tie, tmp_path):
     """T = 1/2 int rho |v|^2 dV of a random state, with the field interpolated and integrated far beyond the needed order."""
     mesh, rng = rectangle(kind, (3, 2), 2.0, 1.0, bent=0.03), np.random.default_rng(3)
-    path = write_body(tmp_path, mesh, tie=tie)
+    path = write_body(tmp_path, mesh, tie=kind_of_tie)
     body = discrete_body(path, read_body_file(path))
     free = freedom(body.mesh, body.clamped, body.ties)
     inv = build_body(path).invariants
@@ -161,17 +161,29 @@ def test_lowest_frequencies_are_those_of_beam_and_rod(tmp_path):
 
 def test_rigid_tie_is_stiffer_than_averaged_one_by_the_warping_that_it_prevents(tmp_path):
     mesh = rectangle("quad8", (16, 3), 1.0, 0.1)
-    averaged, rigid = (compliance(cantilever(tmp_path, mesh, BASES["static"], tie=tie)) for tie in ("averaged", "rigid"))
+    averaged, rigid = (compliance(cantilever(tmp_path, mesh, BASES["static"], tie=each)) for each in ("averaged", "rigid"))
     assert np.linalg.eigvalsh(averaged - rigid).min() > -1e-12 * averaged.max()  # round-off
     # Saint-Venant: what the end section is forced to reaches about its height, 1 / 10 of the length, where the moment is small
     np.testing.assert_allclose(np.diag(rigid), np.diag(averaged), rtol=2e-2)
     np.testing.assert_allclose(rigid[1, 1], averaged[1, 1], rtol=1e-3)
 
 
-@pytest.mark.parametrize("tie", ["averaged", "rigid"])
-def test_static_shapes_are_statically_exact_at_the_interface(tie, tmp_path):
+@pytest.mark.parametrize("nodes", ["group", "one"])
+def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
+    mesh = rectangle("quad8", (6, 2), 1.0, 0.2, bent=0.01)
+    members = mesh.groups["right"] if nodes == "group" else np.array([20])
+    weights = np.arange(1.0, 1 + len(members)) / np.arange(1.0, 1 + len(members)).sum()
+    at = [1.3, -0.4] if nodes == "group" else None
+    found = tie(mesh, members, weights, at, rigid=False)
+    x, y = found.point
+    # columns: unit translations, and the unit rotation about the origin; round-off over arms of a tenth
+    np.testing.assert_allclose(found.rows @ rigid_motions(mesh.nodes), [[1, 0, -y], [0, 1, x], [0, 0, 1]], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind_of_tie", ["averaged", "rigid"])
+def test_static_shapes_are_statically_exact_at_the_interface(kind_of_tie, tmp_path):
     mesh = rectangle("triangle6", (8, 2), 1.0, 0.1)
-    full, static = (compliance(cantilever(tmp_path, mesh, BASES[basis], tie=tie)) for basis in ("full", "craig-bampton"))
+    full, static = (compliance(cantilever(tmp_path, mesh, BASES[basis], tie=kind_of_tie)) for basis in ("full", "craig-bampton"))
     np.testing.assert_allclose(static, full, rtol=1e-8, atol=1e-10 * np.abs(full).max())  # round-off times the condition 1e7
 
 
