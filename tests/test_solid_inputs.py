@@ -23,6 +23,7 @@ from toolkit.reduced_model import ReducedModel
 from toolkit.reduced_model_file import load
 
 MESH = rectangle("quad8", (6, 2), 1.0, 0.2)
+LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()
 BASIS = 'kind = "craig-bampton"\ncount = 3'
 
 
@@ -51,6 +52,16 @@ def test_nastran_mesh_of_linear_elements_gives_the_same_body(tmp_path):
     write_mesh(mesh, tmp_path / "body.bdf")
     path.write_text(path.read_text().replace("body.vtu", "body.bdf"))
     same(expected, build_body(path), 1e-5)  # numbers in fields of 8 or 16 characters
+
+
+def test_nodes_keep_their_numbers_when_others_of_the_file_have_no_element(tmp_path):
+    path = write_body(tmp_path, MESH, BASIS)
+    expected = build_body(path)
+    points = np.column_stack([np.vstack([[[9.0, 9.0]], MESH.nodes]), np.zeros(1 + len(MESH.nodes))])
+    meshio.write(tmp_path / "body.vtu", meshio.Mesh(points, [("quad8", 1 + MESH.blocks["quad8"])]))
+    for nodes in (LEFT, RIGHT):
+        path.write_text(path.read_text().replace(str(nodes), str([node + 1 for node in nodes])))
+    same(expected, build_body(path), 1e-14)
 
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
@@ -227,9 +238,6 @@ def test_meshes_that_cannot_be_used_are_refused(spoil, message, tmp_path):
         build_body(path)
 
 
-LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()
-
-
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
@@ -245,7 +253,7 @@ LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()
             "[interface_points.tip]\nbox = [2.0, 0.0, 3.0, 1.0]",
             "tip: box .* holds no node",
         ),
-        (f"[interface_points.tip]\nnodes = {RIGHT}", "[interface_points.tip]\nnodes = [999]", "there is no node 999"),
+        (f"[interface_points.tip]\nnodes = {RIGHT}", "[interface_points.tip]\nnodes = [999]", "no element has node 999"),
         (f"[interface_points.tip]\nnodes = {RIGHT}", "[interface_points.tip]\nbox = [1, 1, 0, 0]", "turned inside out"),
         ('tie = "averaged"', 'tie = "glued"', "interface_points.tip.tie: "),
         (f'nodes = {RIGHT}\ntie = "averaged"', f'nodes = {RIGHT[:1]}\ntie = "rigid"', "alone ties no rotation"),

@@ -31,7 +31,7 @@ class MatricesTable(Table):
     """
 
     mass: FileName  # relative to body.toml
-    stiffness: FileName
+    stiffness: FileName  # relative to body.toml, as the others
     nodes: FileName | None = None  # x, y of one node per line (.csv), or such an array (.npy, .npz); else those of the mesh
     stress: FileName | None = None  # stress per nodal displacement, one row for each stress point; needs no mesh
 
@@ -87,8 +87,8 @@ class SolidMaterial(Table):
 class StressTable(Table):
     """What the stress operator gives: one number for each stress point, linear in the displacements.
 
-    `tangential` is the stress along the boundary in the middle of every edge of it, in the order of `outline.py`: the only one that a
-    free boundary has. `xx`, `yy` and `xy` are components in the body's axes in the middle of every element.
+    `tangential` is the stress along the boundary in the middle of every edge of it, in the order of `outline/edges` of the reduced
+    model: the only one that a free boundary has. `xx`, `yy` and `xy` are components in the body's axes in the middle of every element.
     """
 
     quantity: Literal["tangential", "xx", "yy", "xy", "none"] = "tangential"

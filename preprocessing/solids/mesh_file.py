@@ -43,7 +43,8 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     number[used] = np.arange(len(used))
     groups = {name: number[members][number[members] >= 0] for name, members in _groups(raw)}
     nodes = scale * _plane(path, np.asarray(raw.points, float)[used])
-    mesh = SolidMesh(nodes, {kind: number[block] for kind, block in blocks.items()}, {k: np.unique(v) for k, v in groups.items()})
+    members = {name: np.unique(group) for name, group in groups.items()}
+    mesh = SolidMesh(nodes, {kind: number[block] for kind, block in blocks.items()}, members, used)
     refuse_parts(mesh)
     return mesh
 

@@ -28,12 +28,20 @@ def nodes_in(mesh: SolidMesh, region: Region) -> np.ndarray:
     elif region.box is not None:
         found = _in_box(mesh, region.box)
     else:
-        found = np.unique(np.asarray(region.nodes, int))
-        if found[-1] >= len(mesh.nodes):
-            raise InputError(f"there is no node {found[-1]}: the nodes count from 0 to {len(mesh.nodes) - 1}.")
+        found = _numbered(mesh, np.unique(np.asarray(region.nodes, int)))
     if not len(found):
         raise InputError(f"{region.words} holds no node of the elements. Choose another group, or a larger box.")
     return found
+
+
+def _numbered(mesh: SolidMesh, wanted: np.ndarray) -> np.ndarray:
+    """Nodes by their numbers in the file."""
+    known = np.arange(len(mesh.nodes)) if mesh.in_file is None else mesh.in_file
+    if lacking := wanted[~np.isin(wanted, known)].tolist():
+        raise InputError(
+            f"no element has node {lacking[0]}; the nodes of the elements count from {known[0]} to {known[-1]}, from 0 in the file."
+        )
+    return np.searchsorted(known, wanted)
 
 
 def _of_group(mesh: SolidMesh, group: str) -> np.ndarray:

@@ -22,6 +22,7 @@ class SolidMesh:
     nodes: np.ndarray  # (n_nodes, d)
     blocks: Mapping[str, np.ndarray] = field(default_factory=dict)  # kind in the words of meshio -> (n_e, nodes of one element)
     groups: Mapping[str, np.ndarray] = field(default_factory=dict)  # name -> numbers of nodes
+    in_file: np.ndarray | None = None  # (n_nodes,) number of each node in its file, rising, if some of the file were left out
 
     @property
     def dimension(self) -> int:
