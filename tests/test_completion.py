@@ -26,7 +26,7 @@ def completed(program: str, module: str, line: str) -> list[str]:
 @pytest.mark.parametrize(
     ("line", "offered"),
     [
-        ("ffrf sta", ["statics"]),
+        ("ffrf stat", ["statics"]),
         ("ffrf new ", ["wing"]),
         ("ffrf sensitivity --method c", ["complex-step", "central-difference"]),
         ("ffrf new wing --air", ["--airfoil"]),

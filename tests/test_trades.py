@@ -28,6 +28,7 @@ from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
+from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
@@ -73,7 +74,7 @@ def test_steps_of_changing_length_keep_the_second_order(exact, formulation, rho_
         assert 1.85 < order < 3.1, name  # the next power of the step contributes, mostly to the better
 
 
-@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 1.0])
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9])
 def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, rho_inf):
     def options(count: int) -> RunOptions:
         return RunOptions(end_time=0.8, step=0.8 / count, formulation="index-3", rho_inf=rho_inf, tolerance=1e-13)
@@ -87,7 +88,7 @@ def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, 
     "options",
     [
         {"formulation": "index-3"},
-        {"formulation": "index-3", "rho_inf": 1.0},
+        {"formulation": "index-3", "rho_inf": 0.9},
         {"newton": "modified"},
         {"times": UNEVEN},
         {"times": UNEVEN, "formulation": "index-3", "rho_inf": 0.0},
@@ -213,6 +214,14 @@ def test_a_quasi_static_wing_is_in_equilibrium_at_every_time():
     assert not np.any(run.a)
 
 
+def test_the_work_done_on_a_quasi_static_wing_is_its_strain_energy_to_second_order():
+    def defect(step: str) -> float:
+        scene = read_scene(WING, {**WING_CHANGES, "solver.quasi_static": "true", "solver.step": step})
+        return energy_balance(simulate(compile_scene(scene))).relative_defect
+
+    assert np.log2(defect("0.05") / defect("0.025")) == pytest.approx(2.0, abs=0.3)  # the next power of the step
+
+
 def test_a_quasi_static_run_refuses_to_jump():
     """A shallow arch of two springs is pushed through: there is no equilibrium near the limit point."""
     scene = Scene(
@@ -320,7 +329,8 @@ def test_an_error_below_round_off_is_refused():
         ({"times": (0.0, 0.7)}, "end_time = 1"),
         ({"times": (0.0, 1.0), "local_error": 1e-3}, "leave one of them out"),
         ({"scheme": "paper", "local_error": 1e-3}, "has no estimate of its local error"),
-        ({"formulation": "index-3", "rho_inf": 1.0, "local_error": 1e-3}, "rho_inf below 0.9"),
+        ({"formulation": "index-3", "rho_inf": 1.0, "local_error": 1e-3}, "rho_inf of at most 0.5"),
+        ({"formulation": "index-3", "rho_inf": 0.95}, "of at most 0.9: .* errors grow while the motion still looks right"),
         ({"scheme": "paper", "formulation": "index-3"}, "is of index 1"),
     ],
 )

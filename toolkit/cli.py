@@ -31,6 +31,7 @@ from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import print_receipt, receipt_of
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
+from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
 from toolkit.errors import ToolkitError
 from toolkit.sensitivity.method_names import Method
@@ -219,6 +220,7 @@ app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)
 app.command()(report)
+app.command()(stability)
 app.command()(tradeoff)
 
 

@@ -72,7 +72,7 @@ class Work(NamedTuple):
 class Inputs(NamedTuple):
     """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
 
-    Without `inertia` bodies feel neither accelerations nor, apart from dampers, velocities.
+    Without `inertia` bodies feel neither accelerations nor, apart from dampers, velocities. With `joints_only` all other terms are zero.
     """
 
     curves: np.ndarray  # (n_curves, 3)
@@ -80,6 +80,7 @@ class Inputs(NamedTuple):
     scale: float
     levels: np.ndarray  # (k_2, k_1, k_0), see joint_kernel
     inertia: bool
+    joints_only: bool
 
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
@@ -109,13 +110,15 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     terms.applied[:] = 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     update_markers(plan.markers, work.markers, q, v, acc, work.scratch)
-    constant_residual(
-        plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
-    )
-    floating_residual(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.inertial, terms.applied)
     if linearize:
         for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
             values[:] = 0
+    if not inputs.joints_only:
+        constant_residual(
+            plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
+        )
+        floating_residual(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.inertial, terms.applied)
+    if linearize and not inputs.joints_only:
         constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
         floating_jacobian(
             plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
@@ -130,7 +133,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
                 plan.joints, j, plan.markers, work.markers, inputs.levels, work.joint,
                 terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
             )  # fmt: skip
-    for k in range(len(plan.loads.family)):
+    for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
         load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
         if linearize:
@@ -145,8 +148,9 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
         terms.I_x[i, x], terms.A_x[i, x] = 0, 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
     update_marker_designs(plan.markers, work.markers, q, v, acc, work.scratch)
-    constant_design(plan.constant, q, v, acceleration, inputs.scale, terms.I_x, terms.A_x)
-    floating_design(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x)
+    if not inputs.joints_only:
+        constant_design(plan.constant, q, v, acceleration, inputs.scale, terms.I_x, terms.A_x)
+        floating_design(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x)
     for j in range(len(plan.joints.family)):
         if not plan.joints.designed[j]:
             continue
@@ -155,7 +159,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             plan.joints, j, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.levels, work.joint, terms.I_x, terms.A_x,
         )  # fmt: skip
-    for k in range(len(plan.loads.family)):
+    for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         if not plan.loads.designed[k]:
             continue
         evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)

@@ -98,8 +98,8 @@ class Table(Description):
     """f(t) through given points: cubic spline (f'' continuous) or straight lines; constant outside.
 
     Straight lines have no second derivative at their corners and are refused as the curve of a driver. The cubic's slope is zero at
-    both ends, so that it joins the constants outside without a jump in f'. A derivative by a time of the table is one-sided where a
-    time step hits that corner exactly: as if the corner came later.
+    both ends, so that it joins the constants outside without a jump in f'. A derivative by a time of the table is the mean of both sides
+    where a time step hits that corner exactly.
 
     Attributes
     ----------
@@ -125,16 +125,20 @@ class Table(Description):
         return self
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """f, f', f'' at the times, shape (n_t, 3); f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1."""
+        """f, f', f'' at the times, shape (n_t, 3); at a corner the mean of both sides, which only derivatives of f can tell apart."""
+        return (self._from_one_side(time, "left") + self._from_one_side(time, "right")) / 2
+
+    def _from_one_side(self, time: np.ndarray, side: Literal["left", "right"]) -> np.ndarray:
+        """f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1; a corner belongs to the piece on that side."""
         corners, values = np.array(self.times), np.array(self.values)
         width, slope = np.diff(corners), np.diff(values) / np.diff(corners)
         m = corner_slopes(width, slope) if self.interpolation == "cubic" else None
         b = np.zeros_like(slope) if m is None else (3 * slope - 2 * m[:-1] - m[1:]) / width
         c = np.zeros_like(slope) if m is None else (m[:-1] + m[1:] - 2 * slope) / width**2
         first = slope if m is None else m[:-1]
-        k = np.clip(np.searchsorted(corners.real, time, side="left") - 1, 0, len(width) - 1)
-        begun, ended = time > corners[0].real, time > corners[-1].real
-        inside = begun & (time < corners[-1].real)
+        place = np.searchsorted(corners.real, time, side=side)
+        k, begun, ended = np.clip(place - 1, 0, len(width) - 1), place > 0, place == len(corners)
+        inside = (time > corners[0].real) & (time < corners[-1].real)
         d = np.where(ended, width[-1], np.where(begun, time - corners[k], 0))
         rates = [first[k] + d * (2 * b[k] + 3 * d * c[k]), 2 * b[k] + 6 * d * c[k]]
         return np.stack([values[k] + d * (first[k] + d * (b[k] + d * c[k])), rates[0] * inside, rates[1] * inside], axis=1)

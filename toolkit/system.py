@@ -113,7 +113,7 @@ class System:
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
         curves, curves_x = self.curves(np.array([time]))
-        return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True)
+        return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:

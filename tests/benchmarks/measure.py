@@ -20,13 +20,10 @@ REPEATS = 9
 
 
 def variables(scene: Scene, count: int) -> tuple[Scene, list[str]]:
-    """The scene's own design variables first, then any other number, and the scene with names for them.
-
-    The wing has fewer than 50 numbers that can vary; the rest are the same ones under second names, which cost as much as others.
-    """
+    """The scene's own design variables first, then other numbers as far as it has so many, and the scene with names for them."""
     paths = [path for path in scene.available_paths() if not path.startswith(("bodies.skin.position", "bodies.skin.angle"))]
     paths = list(dict.fromkeys([*scene.design.values(), *paths]))
-    design = {f"x{k}": paths[k % len(paths)] for k in range(count)}
+    design = {f"x{k}": path for k, path in enumerate(paths[:count])}
     return scene.model_copy(update={"design": design}), list(design)
 
 

@@ -80,7 +80,8 @@ def record_of(found: Certificate) -> dict:
 def print_certificate(found: Certificate) -> None:
     """Gradients with the digits on which adjoint and complex step agree with them, Taylor rates, and the V of the differences."""
     console = Console(width=WIDE, highlight=False)
-    gradients = table("gradient", "by", "direct", "agreeing digits: adjoint", "complex step", "round-off leaves")
+    others = [method.replace("-", " ") for method in found.differences]
+    gradients = table("gradient", "by", "direct", f"agreeing digits: {others[0]}", *others[1:], "round-off leaves")
     for response, slopes in found.exact.gradients.items():
         for x, slope in slopes.items():
             gradients.add_row(

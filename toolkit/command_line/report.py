@@ -157,7 +157,9 @@ def chosen_steps(result: Result) -> list[str]:
     times = result.solution.whole_run
     lengths = times[1:] - times[:-1]
     lines = [f"Steps were chosen from {lengths.min():.2g} to {lengths.max():.2g}."]
-    return lines + (["Gradients are those of the motion by these steps, held as they are."] if any(result.gradients.values()) else [])
+    return lines + (
+        ["Gradients are those of the motion by these steps, held as they are."] if any(result.gradients.values()) else []
+    )
 
 
 def remarks(result: Result) -> list[str]:

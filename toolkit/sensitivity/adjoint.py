@@ -23,6 +23,8 @@ from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.system import System
 
+NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
+
 
 def adjoint(
     scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, system: System | None = None
@@ -31,6 +33,8 @@ def adjoint(
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
     """
+    if not has_adjoint(scene, kind):
+        raise NeedsDirectError(NO_BACKWARD_RUN)
     primal_system = prepare(scene)
     if kind == "transient" and not fits(scene, primal_system):
         return checkpointed_adjoint(scene, design, progress)
@@ -39,6 +43,11 @@ def adjoint(
     extra, (found, gradient) = repeated(lambda told: adjoint_gradients(compiled, solution, told), progress)
     values = {name: partials.value for name, partials in found.items()}
     return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra)
+
+
+def has_adjoint(scene: Scene, kind: Kind) -> bool:
+    """Whether a run of the scene can be differentiated backwards: all but those in stabilised index 2."""
+    return kind == "static" or scene.solver.formulation != "ggl"
 
 
 def adjoint_gradients(
@@ -60,8 +69,12 @@ def adjoint_gradients(
     SingularSystemError
         A step's transposed equations have no unique solution.
     NeedsDirectError
-        A response needs the states' own derivatives (a length that is zero), or the run had a start of its own.
+        A response needs the states' own derivatives (a length that is zero), the run had a start of its own, or its formulation has no
+        backward run.
     """
+    options = solution.options or system.scene.solver
+    if moving(solution) and options.formulation == "ggl":
+        raise NeedsDirectError(NO_BACKWARD_RUN)
     if solution.own_start:
         raise NeedsDirectError("the run has a start of its own, whose derivatives are unknown to the adjoint")
     seen = replace(solution, system=system)

@@ -12,8 +12,8 @@ from toolkit.responses.response import Partials
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
-from toolkit.solvers.formulation import constraint_levels, scheme_of
-from toolkit.solvers.prediction import SAME
+from toolkit.solvers.formulation import constraint_levels, relaxed, scheme_of
+from toolkit.solvers.prediction import SAME, STEEP
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.scheme import Scheme
 from toolkit.system import System
@@ -29,7 +29,8 @@ class Sweep(NamedTuple):
     system: System
     options: RunOptions
     lengths: np.ndarray  # (n_t,) of the step to each state of the run, that to the start like the one after it
-    ratios: np.ndarray  # (n_t,) to the length before
+    ratios: np.ndarray  # (n_t,) see `step_ratio`
+    relaxation: np.ndarray  # (n_t,) see `relaxed`
     scheme: Scheme
     transposition: np.ndarray
     memory: AdjointMemory
@@ -42,9 +43,10 @@ def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int
     to_each = np.append(lengths[:1], lengths)
     ratios = np.append(1.0, to_each[1:] / to_each[:-1])
     ratios[np.abs(ratios - 1) <= SAME] = 1.0
+    ratios[ratios > STEEP] = 0.0
     memory = adjoint_memory(system.plan, system.lu_plan, system.weights, n_r)
     gradient = np.zeros((system.n_x, n_r))
-    return Sweep(system, options, to_each, ratios, scheme_of(options), transposition(system), memory, gradient)
+    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme_of(options), transposition(system), memory, gradient)
 
 
 def sweep(
@@ -72,7 +74,7 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
     begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
     by_q, by_v, by_acc = (_stacked(system, piece, found, name) for name in ("q", "v", "multipliers"))
     curves, curves_x = system.curves(window.times[piece])
-    levels = constraint_levels(state.options, state.lengths[steps])
+    levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
     failed = system.run(
         integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, state.lengths[steps],
         state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.errors import InputError, ToolkitError
 from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.round_off import Gradients, round_off
@@ -31,7 +31,7 @@ class Certificate:
     exact : Result
         By direct differentiation.
     differences : dict
-        "adjoint" and "complex-step" -> response -> variable -> relative difference to `exact`.
+        "adjoint" (where the run has one) and "complex-step" -> response -> variable -> relative difference to `exact`.
     limits : dict
         Response -> variable -> relative difference up to which round-off explains it, see `round_off`: a derivative whose effect is a
         billionth of others' has fewer digits than they, whatever computes it.
@@ -89,8 +89,10 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system
     scene, design = system.scene, list(system.design.names)
-    found, gradient = adjoint_gradients(system, exact.solution)
-    others = {"adjoint": by_name(system.design, found, gradient.T), "complex-step": stepped}
+    others = {"complex-step": stepped}
+    if has_adjoint(scene, kind):
+        found, gradient = adjoint_gradients(system, exact.solution)
+        others = {"adjoint": by_name(system.design, found, gradient.T), **others}
     progress(1, 4)
     floors = round_off(scene, exact, kind)
     limits = {

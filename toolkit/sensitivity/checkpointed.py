@@ -22,7 +22,12 @@ from toolkit.time_grid import time_grid
 
 
 def fits(scene: Scene, system: System) -> bool:
-    """Whether all states and the responses' partials by them, 8 n_t (3 n + n_r (n + n_q)) bytes, fit into `solver.memory`."""
+    """Whether all states and the responses' partials by them, 8 n_t (3 n + n_r (n + n_q)) bytes, fit into `solver.memory`.
+
+    A run that chooses its steps is not repeated in windows: it keeps all states, or refuses.
+    """
+    if scene.solver.local_error is not None:
+        return True
     per_step = 3 * system.n + len(responses_of(scene)) * (system.n + system.n_q)
     return bool(8 * len(time_grid(scene.solver)) * per_step <= GIGABYTE * scene.solver.memory)
 

@@ -52,7 +52,7 @@ def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = Fals
         return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
     system = prepare(scene, design)
     needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
-    if needed > GIGABYTE * scene.solver.memory:
+    if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
         return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.", system)
     n_r = len(responses_of(scene))
     by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT

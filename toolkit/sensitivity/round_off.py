@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.errors import InputError
 from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, Result, by_name, frozen, prepare, responses_of, solve
 from toolkit.sensitivity.numerical import typical_size
 
@@ -80,7 +80,7 @@ def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
     scales = response_scales(exact, sizes)
     found = {f: {x: UNSEEN * scales[f] / sizes[x] for x in slopes} for f, slopes in exact.gradients.items()}
     for _ in range(SAMPLES):
-        for sample in _both(rounded_anew(scene, paths, rng), design, kind):
+        for sample in _by_exact_methods(rounded_anew(scene, paths, rng), design, kind):
             for f, slopes in sample.items():
                 for x, slope in slopes.items():
                     found[f][x] = max(found[f][x], SAFETY * abs(slope - exact.gradients[f][x]))
@@ -108,13 +108,12 @@ def can_move(scene: Scene, path: str) -> bool:
     return True
 
 
-def _both(scene: Scene, design: list[str], kind: Kind) -> tuple[Gradients, Gradients]:
-    """Gradients by direct differentiation and by the adjoint, from one run."""
+def _by_exact_methods(scene: Scene, design: list[str], kind: Kind) -> list[Gradients]:
+    """Gradients by direct differentiation and, where the run has one, by the adjoint."""
     system = prepare(scene, design)
     solution = solve(system, kind)
     responses = responses_of(scene, kind == "transient")
-    direct = (response.evaluate(solution)[1] for response in responses.values())
-    return (
-        by_name(system.design, responses, direct),
-        by_name(system.design, responses, adjoint_gradients(system, solution)[1].T),
-    )
+    slopes: list[Iterable[np.ndarray]] = [(response.evaluate(solution)[1] for response in responses.values())]
+    if has_adjoint(scene, kind):
+        slopes.append(adjoint_gradients(system, solution)[1].T)
+    return [by_name(system.design, responses, each) for each in slopes]

@@ -16,17 +16,20 @@ from itertools import pairwise
 import numpy as np
 
 from toolkit.run_options import RunOptions
+from toolkit.solvers.formulation import relaxed
 from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.newton import CONVERGED, EASY, REJECTED
 from toolkit.solvers.run import Run, check_memory, empty_history, failure, take_steps
 from toolkit.solvers.step_memory import History
 from toolkit.system import System
 
-SAFETY, SHRINK, RETRY, GROW, MOST = 0.8, 0.1, 0.25, 5.0, 50
+SAFETY, SHRINK, RETRY, GROW, MOST = 0.8, 0.1, 0.25, 4.0, 50
 """Part of the length that the estimate allows; least and, where Newton failed, usual part of a rejected length; largest growth; most steps
 before the length is looked at again."""
 WORTH = 1.5
 """Growth for which the loop is stopped: Jacobians that were kept would have to be made anew."""
+GRADE = 10.0
+"""Towards two stops that lie close together steps shrink by at most this: a joint's velocity error is a blow to a much shorter step."""
 SMALLEST = 1e-9
 """Part of the run below which a step is not shortened any more."""
 
@@ -43,14 +46,16 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
     allowed = float(options.local_error or np.inf)
     run = run._replace(control=run.control._replace(largest_error=allowed, easy_error=allowed * (SAFETY / WORTH) ** order))
     chunks: list[tuple[np.ndarray, ...]] = [tuple(item[None] for item in start)]
-    times, h = [0.0], min(options.step, options.end_time)
-    for stop in stops(run.system, options):
+    times, h, places = [0.0], min(options.step, options.end_time), stops(run.system, options)
+    for stop, after in pairwise([*places, np.inf]):
         while times[-1] < stop:
-            done, piece, chunk = _attempt(run, tuple(item[-1] for item in chunks[-1]), times[-1], stop, h, options.step)
+            most = max(GRADE * (after - stop), (1 - 1 / GRADE) * (stop - times[-1]))
+            done, piece, chunk = _attempt(run, tuple(item[-1] for item in chunks[-1]), times[-1], stop, min(h, most))
             status, length = run.outcome.counts[0], piece.lengths[0]
             if done:
                 chunks.append(chunk)
                 times += piece.times[1 : done + 1].tolist()
+                run = run._replace(relaxation=piece.relaxation[done - 1 : done])
                 check_memory(run.system, options, len(times), start)
             if status in (REJECTED, EASY):
                 made = run.outcome.correction[2 if status == REJECTED else 3]
@@ -65,14 +70,11 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
                 progress(round(1000 * times[-1] / options.end_time), 1000)
     states = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
     found = np.array(times)
-    return run._replace(times=found, lengths=np.diff(found)), History(
-        *states, *(array.reshape(len(found), -1) for array in states[3:])
-    )
+    run = run._replace(times=found, lengths=np.diff(found), relaxation=relaxed(np.diff(found)))
+    return run, History(*states, *(array.reshape(len(found), -1) for array in states[3:]))
 
 
-def _attempt(
-    run: Run, state: tuple, time: float, stop: float, h: float, longest: float
-) -> tuple[int, Run, tuple[np.ndarray, ...]]:
+def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tuple[int, Run, tuple[np.ndarray, ...]]:
     """Steps of about the length h towards a stop: how many were accepted, the run that they are of, and their states."""
     needed = max(1, int(np.ceil((stop - time) / h * (1 - SMALLEST))))
     count = min(needed, MOST)
@@ -80,8 +82,9 @@ def _attempt(
     times = time + length * np.arange(count + 1)
     if needed == count:
         times[-1] = stop
-    piece = run._replace(times=times, lengths=np.full(count, length))
-    if length >= longest * (1 - SMALLEST):
+    lengths, before = np.full(count, length), float(run.relaxation[-1]) if time > 0 else 0.0
+    piece = run._replace(times=times, lengths=lengths, relaxation=relaxed(lengths, before))
+    if length >= run.options.step * (1 - SMALLEST):
         piece = piece._replace(control=piece.control._replace(easy_error=0.0))
     history = empty_history(run.system, count + 1, state)
     take_steps(piece, history, run.system.curves(times), time == 0, 0, count)

@@ -161,7 +161,7 @@ def integrate_backwards(
     """
     for step in range(len(q) - 1, -1, -1):
         now, is_start = with_step(scheme, lengths[step]), begins and step == 0
-        inputs = Inputs(curves[step], curves_x[step], 1.0, levels[step], scheme.inertia)
+        inputs = Inputs(curves[step], curves_x[step], 1.0, levels[step], scheme.inertia, False)
         if carries(scheme) or not is_start:
             evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
         if carries(scheme) and not (ends and step == len(q) - 1):

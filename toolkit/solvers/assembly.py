@@ -19,6 +19,8 @@ from toolkit.system import System
 
 CLOSED = 1e-13
 """Last correction, as a part of the scene's size: Newton's method is quadratic, so that round-off is left."""
+ROUND_OFF = 1e-13
+"""Correction, per distance of the bodies from the origin, that is round-off if it does not shrink any more."""
 REACH = 0.3
 """Furthest move, as a part of the scene's size or in rad, that is an adjustment; more is another configuration, or a mistake."""
 MOST = 30
@@ -36,16 +38,18 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
         Joints are redundant.
     """
     system, is_q = _stiffened(system), np.arange(system.n) < system.n_q
-    q, acc, largest = given.copy(), np.zeros_like(given), np.inf
+    q, acc, largest, before = given.copy(), np.zeros_like(given), np.inf, np.inf
+    far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
     for _ in range(MOST):
-        closed = largest <= CLOSED  # once more then: an imaginary part of a complex step is as exact as the last solve
+        stagnated = largest <= ROUND_OFF * far and largest > 0.5 * before
+        closed = largest <= CLOSED or stagnated  # once more then: an imaginary part is as exact as the last solve
         terms = _evaluate(system, q, acc, time)
         step = solve_linear(system, _matrix(system, terms), -np.where(is_q, terms.inertial, terms.applied), WHERE)
         q, acc = q + np.where(is_q, step, 0), acc + step
         moved = (system.weights * np.abs(np.real(q - given)))[: system.n_q]
         if closed or not np.all(moved <= REACH):
             break
-        largest = (system.weights * np.abs(np.real(step)))[: system.n_q].max()
+        before, largest = largest, (system.weights * np.abs(np.real(step)))[: system.n_q].max()
     if not closed or not np.all(moved <= REACH):
         raise ConvergenceError(
             f"the joints do not close near the given positions: {system.numbering.names[int(np.argmax(moved))]} would move by "

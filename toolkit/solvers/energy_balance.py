@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.equations import Inputs, allocate_terms, allocate_work
+from toolkit.equations import Inputs, Plan, allocate_terms, allocate_work
 from toolkit.kernel import kernel
 from toolkit.solution import Solution
 
@@ -40,7 +40,7 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
     """
     n_q = plan.n_q
     for n in range(len(q)):
-        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia)
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
         for i in range(plan.n):
             acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
         evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
@@ -56,18 +56,29 @@ def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, 
             out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])
 
 
+def _driven(plan: Plan) -> np.ndarray:
+    """Which unknowns are multipliers of drivers, (n,)."""
+    found = np.zeros(plan.n, bool)
+    driven = plan.joints.curve >= 0
+    found[(plan.joints.row + plan.joints.n_rows - 1)[driven]] = True
+    return found
+
+
 def energy_balance(solution: Solution) -> EnergyBalance:
     """Energies and work of a transient solution; the work is integrated by the trapezoidal rule, so its error is of second order.
 
     Dampers count as loads that take energy out, gravity as a load, not as a potential.
     """
     system, plan, n_t = solution.system, solution.system.plan, len(solution.times)
+    inertia = not (solution.options or system.scene.solver).quasi_static
+    # without inertia velocities are those of the middle of a step, which would cost an order of the work
+    velocity = solution.v if inertia else np.gradient(solution.q, solution.times, axis=0, edge_order=2 if n_t > 2 else 1)
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
     q, v, lam = states
-    q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, solution.v, solution.multipliers
+    q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
+    lam[:, ~_driven(plan)] = 0  # other joints do no work: what they do while they drift is the scheme's doing
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)
-    inertia = not (solution.options or system.scene.solver).quasi_static
     system.run(
         powers, system.evaluator(), plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
         out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
@@ -75,6 +86,6 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     constant = plan.constant
     shape = (system.n_q, system.n_q)
     force = solution.q @ coo_array((constant.stiffness, (constant.row, constant.column)), shape=shape).T.tocsr()
-    power = out[:, 1] + np.sum(solution.v * force, axis=1)
+    power = out[:, 1] + np.sum(velocity * force, axis=1)
     gained = np.diff(solution.times) * (power[1:] + power[:-1]) / 2
     return EnergyBalance(out[:, 0], np.sum(solution.q * force, axis=1) / 2, np.append(0, np.cumsum(gained)))

@@ -16,6 +16,8 @@ LEVELS = np.array([0.0, 0.0, 1.0])
 ROUND_OFF = 1e-15
 """Correction below which nothing is left to gain. A static Newton iteration goes on, beyond its tolerance, until round-off stops it from
 halving its correction: few solves, and gradients feel the last digits of the state."""
+FAR = 1e3
+"""Corrections of this many roundings of the coordinates are still round-off: far from the origin they are larger than any tolerance."""
 
 
 class Equilibrium(NamedTuple):
@@ -34,7 +36,7 @@ def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
     curves[driven] = first.curves[driven] + factor * (last.curves[driven] - first.curves[driven])
     pairs = np.isin(system.plan.curve_index, driven)
     curves_x[pairs] = first.curves_x[pairs] + factor * (last.curves_x[pairs] - first.curves_x[pairs])
-    return Inputs(curves, curves_x, factor, LEVELS, True)
+    return Inputs(curves, curves_x, factor, LEVELS, True, False)
 
 
 def static_matrix(system: System, terms) -> np.ndarray:
@@ -60,6 +62,8 @@ def find_equilibrium(
     """
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
     moved, size = np.zeros_like(q), np.inf
+    far = (system.weights * np.abs(np.real(q)))[:n_q].max(initial=0)
+    reachable = max(options.tolerance, ROUND_OFF, FAR * ROUND_OFF * far)
     for iteration in range(options.max_iterations):
         terms = system.evaluate(inputs, q + moved, rest, acc)
         residual = terms.inertial + terms.applied
@@ -71,7 +75,7 @@ def find_equilibrium(
         strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.numbering.names[int(np.argmax(weighted))]}")
-        if (size <= max(options.tolerance, ROUND_OFF) and size > 0.5 * before) or size <= ROUND_OFF:
+        if (size <= reachable and size > 0.5 * before) or size <= ROUND_OFF:
             return _with_tangent(system, options, factor, q + moved, acc), iteration + 1
     worst = system.numbering.names[int(np.argmax(weighted))]
     raise ConvergenceError(

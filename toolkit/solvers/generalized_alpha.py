@@ -6,8 +6,8 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 
 from toolkit.equations import Inputs
 from toolkit.kernel import copy, inner, kernel
-from toolkit.linear.linear_solver import factorize
-from toolkit.solvers.newton import CONVERGED, EASY, JUMPED, REJECTED, newton, newton_matrix
+from toolkit.solvers.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
+from toolkit.solvers.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
 from toolkit.solvers.scheme import with_step
 from toolkit.solvers.staggered import carries, carry_over, sensitivity_step
@@ -86,52 +86,65 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 
 
 @inner
-def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory):
+def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian.
+    Returns whether the factors belong to the Jacobian. With `ggl` derivatives are always those of the converged state: its joint forces
+    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
     """
-    relinearize = plan.n_x > 0 and (control.modified or correction > REUSED)
+    close = not control.modified and correction <= REUSED
+    relinearize = plan.n_x > 0 and not close
+    if ggl is not None:
+        relinearize = plan.n_x > 0
     if plan.n_x > 0 or carries(scheme):
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
-    if relinearize:
+    if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         if control.modified or correction > SHARP:
-            factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+            factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
-    return not relinearize
+        elif ggl is not None:
+            ggl_matrix(scheme, memory, ggl)
+    return close
 
 
 @kernel
 def integrate(
     evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
-    outcome,
+    ggl, outcome,
 ):  # fmt: skip
     """Steps first ... last - 1; step n goes from time n to n + 1, over lengths[n]. Stops at the first step that is not CONVERGED.
 
     `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left. An EASY step is
-    accepted, all others at which the loop stops are not.
+    accepted, all others at which the loop stops are not. `ggl` is None, for which the loop is compiled without it, or memory of
+    stabilised index 2.
     """
     memory.kept[0] = 0
     if begins:
-        begin(evaluator, plan, functions, Inputs(curves[0], curves_x[0], 1.0, levels[0], scheme.inertia), scheme, history, memory)
+        inputs = Inputs(curves[0], curves_x[0], 1.0, levels[0], scheme.inertia, False)
+        begin(evaluator, plan, functions, inputs, scheme, history, memory)
     for step in range(first, last):
         now = with_step(scheme, lengths[step])
-        inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia)
+        inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia, False)
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
         foresee(plan, now, history, step, memory)
         outcome.counts[1] = step
-        outcome.counts[0] = newton(evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, outcome)
+        if ggl is not None:
+            begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
+        outcome.counts[0] = newton(evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome)
         outcome.counts[4] += outcome.counts[2]
-        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
         if outcome.counts[0] == CONVERGED:
             outcome.counts[0] = judge(plan, now, weights, control, history, step, memory, outcome)
         if outcome.counts[0] != CONVERGED:
             return
+        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
         outcome.correction[4] = max(outcome.correction[2], outcome.correction[4])
-        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory)
+        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory, ggl)
         if plan.n_x > 0:
-            sensitivity_step(plan, now, history, step, fresh, memory)
+            if ggl is None:
+                sensitivity_step(plan, now, history, step, fresh, memory)
+            else:
+                ggl_sensitivity_step(evaluator, plan, functions, inputs, now, history, step, fresh, memory, ggl)
         advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
         if carries(scheme):
             carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])

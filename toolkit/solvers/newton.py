@@ -6,6 +6,7 @@ import numpy as np
 
 from toolkit.kernel import copy, inner
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.prediction import step_ratio
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
@@ -84,8 +85,11 @@ def left_over(kept, iteration, before, size):
 
 
 @inner
-def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, outcome):
-    """Iterate on [a; lam] until what is left moves nothing by more than the tolerance, or than round-off; returns the status."""
+def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
+    """Iterate on [a; lam] until what is left moves nothing by more than the tolerance, or than round-off; returns the status.
+
+    With `ggl`, which is None in other formulations, on [a; lam; eta].
+    """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1
@@ -98,17 +102,27 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
             memory.residual[i] = total + memory.carried[i]
         outcome.counts[2] = iteration + 1
-        failed = solve_kept(memory) if kept else solve_anew(plan, scheme, memory)
+        if not kept:
+            newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+            memory.kept[0] = scheme.h
+        if ggl is None:
+            failed = solve(plan, kept, memory)
+        else:
+            failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
             outcome.counts[3] = failed
             return SINGULAR if is_finite(memory.residual) else NOT_FINITE
         before = outcome.correction[0]
         correct(plan, scheme, weights, memory, q, v, acc, outcome)
+        if ggl is not None:
+            correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[0]
         if kept and iteration > 0 and not size <= SLOW * before:
             trusted = False  # for the rest of this step
             if not size <= before:
                 copy(memory.guess, acc)
+                if ggl is not None:
+                    ggl.eta[:] = 0
                 place(scheme, memory, plan.n_q, acc, q, v)
             continue
         if not np.isfinite(size):
@@ -120,19 +134,21 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
 
 
 @inner
-def solve_kept(memory):
-    """Correction with the factors that are there."""
-    copy(memory.residual, memory.correction)
-    apply_inverse(memory.solver, memory.correction)
-    return -1
-
-
-@inner
-def solve_anew(plan, scheme, memory):
-    """Correction with the exact Jacobian; -1, or the unknown that it does not determine."""
-    newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+def solve(plan, kept, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
+    if kept:
+        copy(memory.residual, memory.correction)
+        apply_inverse(memory.solver, memory.correction)
+        return -1
     failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
     if failed < 0:
         failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
-    memory.kept[0] = scheme.h
     return failed
+
+
+@inner
+def factorize_step(plan, scheme, memory, ggl):
+    """Factors of the step's matrix, from the Jacobian; as `factorize`."""
+    if ggl is None:
+        return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+    return factorize_ggl(scheme, memory, ggl)

@@ -4,6 +4,8 @@ from toolkit.kernel import inner
 
 SAME = 1e-9
 """Relative difference of two step lengths that is round-off."""
+STEEP = 4.0
+"""Growth of a step beyond which w says nothing about the new one: what it has of round-off and of the joints would grow with it."""
 
 
 @inner
@@ -25,8 +27,10 @@ def advance_auxiliary(scheme, acc, acc_new, count, aux):
 
 @inner
 def step_ratio(h, before):
-    """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off."""
+    """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off, 0 beyond STEEP."""
     ratio = h / before if before > 0 else 1.0
+    if ratio > STEEP:
+        return 0.0
     return ratio if abs(ratio - 1) > SAME else 1.0
 
 
@@ -34,7 +38,8 @@ def step_ratio(h, before):
 def rescale_auxiliary(ratio, acc, count, aux):
     """w for another step length, a_n + ratio (w_n - a_n); also of its sensitivities, flattened.
 
-    w_n - a_n = D h a' belongs to a point of the step (see `scheme`); left as it is, it would cost an order of accuracy.
+    w_n - a_n = D h a' belongs to a point of the step (see `scheme`); left as it is, it would cost an order of accuracy. With the ratio 0
+    the step begins anew, as the first one.
     """
     for i in range(count):
         aux[i] = acc[i] + ratio * (aux[i] - acc[i])

@@ -8,8 +8,9 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.run_options import RunOptions
-from toolkit.solvers.formulation import constraint_levels, scheme_of
+from toolkit.solvers.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.generalized_alpha import integrate
+from toolkit.solvers.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.scheme import Scheme
 from toolkit.solvers.step_memory import History, Memory, Outcome, allocate_memory
@@ -26,9 +27,11 @@ class Run(NamedTuple):
     options: RunOptions
     times: np.ndarray
     lengths: np.ndarray  # (n_t - 1,)
+    relaxation: np.ndarray  # (n_t - 1,) see `relaxed`
     scheme: Scheme
     control: Control
     memory: Memory
+    ggl: Ggl | None  # only of that formulation
     outcome: Outcome
 
 
@@ -39,16 +42,17 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     lengths = step_lengths(times)
     control = Control(options.tolerance, options.max_iterations, options.newton == "modified", np.inf, 0.0)
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
+    ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
-    return Run(system, options, times, lengths, scheme_of(options), control, memory, outcome)
+    return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
 
 
 def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:
     """Steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`; the outcome tells how far they came."""
-    system, levels = run.system, constraint_levels(run.options, run.lengths)
+    system, levels = run.system, constraint_levels(run.options, run.lengths, run.relaxation)
     system.run(
         integrate, system.evaluator(), system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
-        run.control, begins, first, last, history, run.memory, run.outcome,
+        run.control, begins, first, last, history, run.memory, run.ggl, run.outcome,
     )  # fmt: skip
 
 
@@ -68,10 +72,11 @@ def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) ->
     """Refuse more states than fit into memory, as `allocate_history`."""
     needed = 8 * n_t * sum(item.size for item in start)
     if needed > GIGABYTE * options.memory:
+        coarser = "solver.step" if options.local_error is None else "solver.local_error"
         raise InputError(
             f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {in_gigabytes(needed)}, more than "
-            f"solver.memory = {options.memory:g} GB. Choose a larger solver.step, a shorter time, or fewer design variables at once; "
-            "or the adjoint method, which keeps checkpoints only."
+            f"solver.memory = {options.memory:g} GB. Choose a larger {coarser}, a shorter time, or fewer design variables at once; "
+            "or the adjoint method, which keeps checkpoints only, unless steps are chosen."
         )
 
 
@@ -110,6 +115,12 @@ def failure(run: Run) -> Exception:
         return SingularSystemError(
             f"the equations do not determine {name} at t = {time:g}: redundant joints, or a mechanism in a singular position. "
             "Remove the redundant joint, or start off the singular position."
+        )
+    if run.options.quasi_static:
+        return ConvergenceError(
+            f"without inertia the motion ends at t = {time:g}: Newton finds no equilibrium after {iterations} iterations, with a step of "
+            f"{step_length:.2g}; largest correction in {name}. At a limit point (snap-through) there is none nearby: only a run with "
+            "inertia can follow, and statics names the point. Before one, try a smaller solver.step, or solver.local_error."
         )
     what = f"correction {run.outcome.correction[0]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
     return ConvergenceError(

@@ -85,7 +85,8 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
     """
     total = len(run.times) - 1
     count = len(history.q) - 1
-    run = run._replace(times=run.times[first : first + count + 1], lengths=run.lengths[first : first + count])
+    part = slice(first, first + count)
+    run = run._replace(times=run.times[first : first + count + 1], lengths=run.lengths[part], relaxation=run.relaxation[part])
     curves = run.system.curves(run.times)
     for low in range(0, count, PIECE):
         high = min(low + PIECE, count)

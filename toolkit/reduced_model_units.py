@@ -1,0 +1,137 @@
+"""A reduced model in other units: the same body, with elastic coordinates that preprocessing would have made in those units.
+
+With the factors f of mass, length, ... every array changes by the factor of its dimension, and by s_k for every elastic coordinate:
+
+    q_k' = s_k q_k,   s_k = f_length if the coordinate moves nodes, 1 if it turns them only
+    Z' = f_length Z / [1, s],   T' = T / [1, s],   K' = f_energy K / (s s^T)
+
+So nodal coordinates stay nodal coordinates: displacements in the new length, rotations in rad.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from toolkit.dependence import Derivatives, Polynomial
+from toolkit.dimensions import LABELLED, NONE, Dimension, dimension_of_label, factor
+from toolkit.errors import InputError
+from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model_check import SHAPES
+from toolkit.units import unit
+
+LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
+ITEMS: dict[str, Dimension] = {
+    "mass": MASS, "first_moment": MASS.times(LENGTH), "inertia": MASS.times(LENGTH.power(2)),
+    "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
+    "stress_operator": LABELLED["stress"],
+    "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
+    "nodes": LENGTH, "connectivity": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
+    "element": NONE, "end": NONE, "fibre": NONE,
+}  # fmt: skip
+"""Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
+POLYNOMIALS = ("position", "rotation")
+"""Arrays of an interface point whose first axis counts powers of the arc length."""
+
+
+def converted_model(model: ReducedModel, units: str) -> ReducedModel:
+    """The model in another unit system.
+
+    Raises
+    ------
+    InputError
+        The unit system or the unit of a parameter is unknown, or the model lacks the mesh that tells what its coordinates are.
+    """
+    if model.units == units:
+        return model
+    dimensions = {name: dimension_of_label(label, model.units) for name, label in model.nominal_units.items()}
+    by = {name: factor(dimensions[name], model.units, units) for name in model.nominal}
+    parameter, scale = np.array(list(by.values())), _Scales(model, units)
+    return replace(
+        model,
+        units=units,
+        nominal={name: value * by[name] for name, value in model.nominal.items()},
+        nominal_units={name: _label(dimensions[name], label, model.units, units) for name, label in model.nominal_units.items()},
+        derivatives=_each(model.derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)),
+        affine=_each(model.affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
+        interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
+        **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
+    )
+
+
+def _single_parts(model: ReducedModel) -> dict[str, Any]:
+    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh")}
+
+
+def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
+    return None if group is None else {name: change(name, item) for name, item in group.items()}
+
+
+def _label(dimension: Dimension, label: str, source: str, target: str) -> str:
+    """The same quantity's label: of all with this dimension the one that had the label."""
+    names = (name for name, each in LABELLED.items() if each == dimension and unit(source, name) == label)
+    return unit(target, next(names))
+
+
+class _Scales:
+    """Factors of all entries of a model's arrays."""
+
+    def __init__(self, model: ReducedModel, units: str) -> None:
+        self.model, self.units = model, units
+        self.length = factor(LENGTH, model.units, units)
+        coordinate = np.where(_moving(model), self.length, 1.0)
+        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate)}
+
+    def part(self, part: Any, point: bool = False) -> Any:
+        """All arrays of one object."""
+        shapes = SHAPES[type(part)]
+        changed = {}
+        for item in fields(part):
+            array = getattr(part, item.name)
+            scale = self.entries(item.name, shapes[item.name], array.shape, point)
+            changed[item.name] = array if array.dtype.kind in "iu" else np.asarray(array * scale)
+        return type(part)(**changed)
+
+    def entries(self, name: str, letters: str, shape: tuple[int, ...], point: bool = False) -> Any:
+        """Factors of one array, of a shape that fits it."""
+        found = np.full(shape, factor(ITEMS[name], self.model.units, self.units))
+        for axis, letter in enumerate(letters):
+            along = self.per_axis.get(letter, np.ones(shape[axis]))
+            if letter == "r":
+                along = np.resize([self.length, self.length, 1.0], shape[axis])
+            if point and name in POLYNOMIALS and axis == 0:
+                along = self.length ** -np.arange(shape[axis], dtype=float)
+            found = found * along.reshape([-1 if k == axis else 1 for k in range(len(shape))])
+        return found
+
+    def flat(self, item: str) -> np.ndarray:
+        """Factors of the flattened array of an item."""
+        group, *rest = item.split(".")
+        array = self.model.item(item)
+        owner: Any = self.model.invariants if not rest else getattr(self.model, group)
+        owner = owner[rest[0]] if group == "interfaces" else owner
+        name = rest[-1] if rest else group
+        return self.entries(name, SHAPES[type(owner)][name], array.shape, point=group == "interfaces").ravel()
+
+
+def _moving(model: ReducedModel) -> np.ndarray:
+    """Which elastic coordinates move nodes and do not only turn them, (n_f,)."""
+    if model.mesh is None:
+        raise InputError(
+            f"reduced model {model.label} was loaded without its mesh, which tells displacements from rotations. Load all its parts."
+        )
+    by_node = model.mesh.recovery[:, 1:].reshape(-1, 3, model.n_f)
+    return np.any(by_node[:, :2] != 0, axis=(0, 1))
+
+
+def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -> Derivatives:
+    return replace(found, value=found.value * scale[found.entry] / parameter[found.parameter])
+
+
+def _polynomial(found: Polynomial, scale: np.ndarray, parameter: np.ndarray) -> Polynomial:
+    """c_k' = f_item c_k / prod_j f_kj ** power_kj."""
+    term = np.prod(np.append(parameter, 1.0)[found.factor] ** found.power, axis=1)
+    return replace(found, value=found.value * scale[found.entry] / term[found.term])

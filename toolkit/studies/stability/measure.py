@@ -1,0 +1,215 @@
+"""One cell of a map: a scene run once with its gradient, and the numbers that tell whether either can be trusted."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import count
+from typing import Any, Literal
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from toolkit.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
+from toolkit.scene import Scene
+from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.sensitivity.analysis import by_name, prepare, responses_of
+from toolkit.sensitivity.numerical import typical_size
+from toolkit.solution import Solution
+from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
+from toolkit.solvers.transient import simulate
+from toolkit.system import System
+
+Status = Literal["ended", "failed", "refused"]
+Slopes = dict[str, dict[str, float]]
+MOST_REPORTS = 2000
+"""Of progress, by one run; one that chooses its steps reports after 50 of them, or where their length changes, others after 200."""
+NO_LIMIT = 1e300
+"""Of the drift during a run: a map states how far joints opened, where an ordinary run only refuses."""
+
+MOST_MEMORY = 0.5
+"""GB for the states of one run: several cells are measured at once, and one that chooses its steps may choose millions."""
+
+
+@dataclass(frozen=True)
+class Run:
+    """How a run, or the differentiation of one, ended; the error's text if it did not."""
+
+    status: Status = "ended"
+    message: str = ""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What one cell gave.
+
+    `drift` is the largest opening of a joint, relative to the scene's size or in rad; `created` is `created_energy`. `slopes` are
+    derivatives times the size of their variable, so that all slopes of a response are comparable; `disagreement` is the largest
+    difference of direct differentiation and adjoint, over the largest slope of each response.
+    """
+
+    run: Run
+    gradient: Run | None = None  # None: no variables
+    drift: float = 0.0
+    created: float = 0.0
+    values: dict[str, float] = field(default_factory=dict)
+    slopes: Slopes = field(default_factory=dict)
+    disagreement: float = 0.0
+    steps: int = 0
+    newton_iterations: int = 0
+    seconds: float = 0.0
+
+
+def measure(scene: Scene, design: list[str], sizes: Mapping[str, float] | None = None, both_methods: bool = True) -> Measured:
+    """Run a scene with all derivatives; whatever it raises becomes part of the result.
+
+    Parameters
+    ----------
+    scene : Scene
+    design : design variables; without any there is no gradient to judge
+    sizes : variable -> what its derivatives are multiplied by; by default its value
+    both_methods : whether the adjoint judges direct differentiation; a run that others are compared with needs no judge
+    """
+    begun = clock.perf_counter()
+    with np.errstate(all="ignore"):  # a run that blows up does so in numpy too
+        found = _measured(scene, design, sizes, both_methods)
+    return replace(found, seconds=clock.perf_counter() - begun)
+
+
+def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None, both_methods: bool) -> Measured:
+    try:
+        system = prepare(scene, design)
+        solution = simulate(system, _without_limit(scene), progress=None if scene.solver.local_error is None else _patience())
+        responses = {name: response.evaluate(solution) for name, response in responses_of(scene).items()}
+    except (ToolkitError, np.linalg.LinAlgError) as error:
+        return _without_gradient(scene, error) if design else Measured(_outcome(error))
+    values = {name: float(np.real(value)) for name, (value, _) in responses.items()}
+    cost: dict[str, Any] = {"steps": solution.steps, "newton_iterations": solution.newton_iterations}
+    found = Measured(Run(), None, float(solution.drift), created_energy(solution), values, **cost)
+    if not design:
+        return found
+    sizes = sizes or {variable.name: typical_size(scene, variable) for variable in system.design}
+    slopes = _times(by_name(system.design, responses, (slope for _, slope in responses.values())), sizes)
+    outcome, disagreement = _judged(system, solution, slopes, sizes) if both_methods else (Run(), np.nan)
+    return replace(found, gradient=outcome, slopes=slopes, disagreement=disagreement)
+
+
+def _without_gradient(scene: Scene, error: Exception) -> Measured:
+    """The run alone: perhaps only its derivatives failed."""
+    alone = _measured(scene, [], None, False)
+    return replace(alone, gradient=_outcome(error) if alone.run.status == "ended" else alone.run)
+
+
+def _without_limit(scene: Scene):
+    memory = min(scene.solver.memory, MOST_MEMORY)
+    return scene.solver.model_copy(update={"drift_tolerance": NO_LIMIT, "memory": memory})
+
+
+def _patience() -> Callable[[int, int], None]:
+    """Ends a run that reports its progress too often: one that chooses its steps, and they become ever shorter."""
+    reports = count()
+
+    def told(_done: int, _all: int) -> None:
+        if next(reports) > MOST_REPORTS:
+            raise ConvergenceError(
+                "the steps that error control chooses are so short that the run does not end in a reasonable time. Allow a larger "
+                "solver.local_error."
+            )
+
+    return told
+
+
+def _outcome(error: Exception) -> Run:
+    refused = isinstance(error, (InputError, ModelFileError))
+    return Run("refused" if refused else "failed", str(error))
+
+
+def created_energy(solution: Solution) -> float:
+    """Largest energy that came from nowhere, over the largest energy or work; infinite where it is no number.
+
+        max over time of  E - E_start - |E_2 - E|,   E = T + U - W - integral of v . D v
+
+    The damping D of flexible bodies can only take energy, so what it took is left out: of stiff damping that no step resolves, the sum
+    over the steps is wrong by far more than there is. E_2 is summed over every second state alone: what the sum of the work is wrong by
+    was not created.
+    """
+    states = ("times", "q", "v", "a", "multipliers")
+    every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
+    balance = energy_balance(solution)
+    surplus, coarse = _surplus(solution, balance), _surplus(every_second, energy_balance(every_second))
+    parts = (balance.kinetic + balance.strain, balance.work)
+    largest = max(unresolved_energy(solution), *(np.abs(part).max() for part in parts))
+    created = (surplus[::2] - np.abs(coarse - surplus[::2])).max()
+    relative = float(created / largest) if largest != 0 else 0.0
+    return relative if np.isfinite(relative) else np.inf
+
+
+def _surplus(solution: Solution, balance: EnergyBalance) -> np.ndarray:
+    """E minus its start, (n_t,)."""
+    constant, shape = solution.system.plan.constant, (solution.system.n_q, solution.system.n_q)
+    force = solution.v @ coo_array((constant.damping, (constant.row, constant.column)), shape=shape).T.tocsr()
+    taken = np.sum(solution.v * force, axis=1)
+    return balance.defect - np.append(0, np.cumsum(np.diff(solution.times) * (taken[1:] + taken[:-1]) / 2))
+
+
+def unresolved_energy(solution: Solution) -> float:
+    """Energy of what Newton leaves open, at the start: sum_i (M_ii v_i^2 + |K_ii| q_i^2) / 2.
+
+    q_i is the coordinate's part of `solver.tolerance`, v_i = q_i / h. Less than this is round-off: a scene at rest creates some.
+    """
+    system, n_q = solution.system, solution.system.n_q
+    pad = np.zeros(system.n - n_q)
+    q, v = np.append(solution.q[0], pad), np.append(solution.v[0], pad)
+    acc = np.append(solution.a[0], solution.multipliers[0])
+    terms = system.evaluate(system.inputs(solution.times[0], np.array([0, 0, 1.0])), q, v, acc)
+    open_q = system.scene.solver.tolerance / system.weights[:n_q]
+    open_v = open_q / (solution.times[1] - solution.times[0])
+    mass, stiffness = (np.abs(system.matrix(each).diagonal()[:n_q]) for each in (terms.I_acc, terms.A_q))
+    return float(np.real(mass @ open_v**2 + stiffness @ open_q**2) / 2)
+
+
+def _judged(system: System, solution: Solution, slopes: Slopes, sizes: Mapping[str, float]) -> tuple[Run, float]:
+    """How the adjoint ended, and how far its slopes are from those of direct differentiation; nan where it has none."""
+    try:
+        responses, found = adjoint_gradients(system, solution)
+    except NeedsDirectError:
+        return Run(), np.nan  # one method is left, and nothing to compare it with
+    except ToolkitError as error:
+        return Run("failed", f"adjoint: {error}"), np.nan
+    return Run(), slope_difference(_times(by_name(system.design, responses, found.T), sizes), slopes)
+
+
+def _times(gradients: Slopes, sizes: Mapping[str, float]) -> Slopes:
+    return {f: {x: slope * sizes[x] for x, slope in row.items()} for f, row in gradients.items()}
+
+
+def slope_difference(one: Slopes, other: Slopes) -> float:
+    """Largest difference of slopes, over the largest slope in `other` of the same response.
+
+    Derivatives that do not exist in `other` are left out; one that is lost, or a response that gained one, counts as infinite.
+    """
+    largest = 0.0
+    for f, row in other.items():
+        theirs, ours = np.array(list(row.values())), np.array([one[f][x] for x in row])
+        exists = ~np.isnan(theirs)
+        if exists.any():
+            largest = max(largest, _ratio(np.abs(ours[exists] - theirs[exists]).max(), np.abs(theirs[exists]).max()))
+    return largest
+
+
+def value_difference(one: Measured, other: Measured) -> float:
+    """Largest difference of responses, each over what it is in `other` or over what a variable's own size changes there."""
+    largest = 0.0
+    for f, value in other.values.items():
+        scale = max([abs(value), *(abs(s) for s in other.slopes.get(f, {}).values() if np.isfinite(s))])
+        largest = max(largest, _ratio(abs(one.values[f] - value), scale))
+    return largest
+
+
+def _ratio(difference: float, scale: float) -> float:
+    """Relative difference; nan and the change of a zero are infinite."""
+    if difference == 0:
+        return 0.0
+    found = difference / scale if scale > 0 else np.inf
+    return float(found) if np.isfinite(found) else np.inf

@@ -1,0 +1,83 @@
+"""A study as one JSON object, and its criteria in words."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+from toolkit.studies.stability.limits_found import breakdowns, mapped_range, stable_where
+from toolkit.studies.stability.map import Axis
+from toolkit.studies.stability.measure import Measured
+from toolkit.studies.stability.study import Cell, Mapped, Study
+from toolkit.studies.stability.verdict import Limits, Verdict
+
+
+def record_of(study: Study) -> dict[str, Any]:
+    """Everything that was found; numbers that are not finite are None."""
+    best = study.reference
+    return {
+        "criteria": asdict(study.limits),
+        "variables": study.design,
+        "as_it_stands": _cell(study.own),
+        "reference": None if best is None else {
+            "step": best.step, "next_step_differs_by": {"responses": _finite(best.next_values), "gradients": _finite(best.next_slopes)},
+        },
+        "maps": {each.map.name: _map(each) for each in study.maps},
+        "without_map": study.missing,
+    }  # fmt: skip
+
+
+def criteria(limits: Limits) -> list[str]:
+    """When a cell is called stable."""
+    return [
+        f"Stable: the run ends, joints open by at most {limits.drift:g} of the scene's size, at most {100 * limits.energy:g} % of the "
+        f"energy is created, and responses are within {100 * limits.accuracy:g} % of the reference (solver maps: the finest step of the "
+        "scene; other maps: half the step).",
+        f"Stable gradient: the run is not drifting, direct differentiation and adjoint agree to {limits.agreement:g}, and the gradient is "
+        f"within {100 * limits.accuracy:g} % of that of the reference.",
+    ]
+
+
+def _map(each: Mapped) -> dict[str, Any]:
+    return {
+        "title": each.map.title,
+        "compared_with": each.map.judge,
+        "axes": [_axis(axis) for axis in each.map.axes],
+        "mapped": mapped_range(each),
+        "stable": {"run": stable_where(each, "run"), "gradient": stable_where(each, "gradient")},
+        "beyond": [{"at": b.place, "of": b.of, **_verdict(b.verdict)} for b in breakdowns(each)],
+        "cells": [{"at": list(at), **_cell(cell)} for at, cell in each.cells.items()],
+    }
+
+
+def _axis(axis: Axis) -> dict[str, Any]:
+    return {**vars(axis), "values": list(axis.values)}
+
+
+def _cell(cell: Cell) -> dict[str, Any]:
+    gradient = None if cell.gradient is None else _verdict(cell.gradient)
+    return {"run": _verdict(cell.run), "gradient": gradient, **({} if cell.measured is None else _measured(cell.measured))}
+
+
+def _verdict(verdict: Verdict) -> dict[str, str]:
+    return {"class": verdict.name, "reason": verdict.reason}
+
+
+def _measured(found: Measured) -> dict[str, Any]:
+    numbers = {
+        "drift": found.drift,
+        "energy_created": found.created,
+        "methods_differ_by": found.disagreement,
+        "seconds": found.seconds,
+    }
+    return {
+        **{name: _finite(value) for name, value in numbers.items()},
+        "steps": found.steps,
+        "newton_iterations": found.newton_iterations,
+        "values": {name: _finite(value) for name, value in found.values.items()},
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
