@@ -8,6 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from preprocessing.skin_file import SkinFile, explain
+from preprocessing.skin_tables import Table
 from toolkit.errors import InputError
 
 ELEMENTS = "skin.elements"
@@ -44,7 +45,7 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
         raise InputError("the changed skin cannot be used:\n" + "\n".join(explain(item) for item in error.errors())) from error
 
 
-def changed_tables(file: SkinFile, other: SkinFile) -> dict[str, Any]:
+def changed_tables(file: Table, other: Table) -> dict[str, Any]:
     """Tables of the second file that differ from those of the first; only what is not the default in them, unless that is nothing."""
     mine, theirs = (each.model_dump(exclude_none=True) for each in (file, other))
     brief = other.model_dump(exclude_none=True, exclude_defaults=True)

@@ -1,4 +1,4 @@
-"""The command `ffrf-preprocess`: build the reduced model of a skin, unless the file is there and up to date."""
+"""The command `ffrf-preprocess`: build the reduced model of a skin or of any meshed body, unless the file is there and up to date."""
 
 from __future__ import annotations
 
@@ -7,33 +7,34 @@ from typing import Annotated
 
 import typer
 
-from preprocessing.build import build, input_hash
-from preprocessing.skin_file import read_skin_file
+from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError
-from toolkit.reduced_model_file import PARTS, is_reduced_model, load, save
+from toolkit.reduced_model_file import is_reduced_model, load, save
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
 
 @app.command()
 def preprocess(
-    skin: Annotated[Path, typer.Argument(metavar="SKIN.toml", help="Description of the skin.")],
+    skin: Annotated[
+        Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, or of a body with a mesh or matrices.")
+    ],
     force: Annotated[
         bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")
     ] = False,
     parameters: Annotated[
         list[str] | None, typer.Option("--parameter", metavar="NAME=VALUE", help="Another value of a parameter; repeatable.")
     ] = None,
-    output: Annotated[Path | None, typer.Option(help="File to write; by default SKIN.h5 next to SKIN.toml.")] = None,
+    output: Annotated[Path | None, typer.Option(help="File to write; by default BODY.h5 next to BODY.toml.")] = None,
 ) -> None:
-    """Build the reduced model of a flexible skin from its TOML file."""
-    file, values = read_skin_file(skin), _values(parameters or [])
+    """Build the reduced model of a flexible body from its TOML file."""
+    described, values = source(skin), _values(parameters or [])
     output = output or skin.with_suffix(".h5")
-    _refuse_output(output, [skin, *(skin.parent / name for name in (file.airfoil.file, file.airfoil.target))], force)
-    if not force and _hash_in(output) == input_hash(skin, file, values):
+    _refuse_output(output, described.inputs, force)
+    if not force and _hash_in(output, described.parts) == described.hash(values):
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
-    model = build(skin, _remark, values)
+    model = described.build(_remark, values, {})
     save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
@@ -77,7 +78,7 @@ def _refuse_output(output: Path, inputs: list[Path], force: bool) -> None:
         )
 
 
-def _hash_in(path: Path) -> str | None:
+def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     """Input hash of the file that is there; None if there is none or it cannot be used as a whole."""
     if not path.exists():
         return None
@@ -86,7 +87,7 @@ def _hash_in(path: Path) -> str | None:
     except ModelFileError as error:
         _remark(f"{error} It is built anew.")
         return None
-    lacking = [part for part in PARTS if getattr(model, part) is None]
+    lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
         _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
     return None if lacking else model.input_hash

@@ -1,4 +1,4 @@
-"""The program behind the end-to-end part of `ffrf certify` and `ffrf tradeoff`: reduced models of many designs of one skin, in one process.
+"""The program behind the end-to-end part of `ffrf certify` and `ffrf tradeoff`: reduced models of many designs of one body, in one process.
 
 `python -m preprocessing.designs_command SKIN.toml`; every line of its input is a JSON object
 
@@ -14,9 +14,7 @@ import json
 import sys
 from pathlib import Path
 
-from preprocessing.build import build, file_at
-from preprocessing.changed_keys import changed_tables
-from preprocessing.skin_file import read_skin_file
+from preprocessing.source_file import source, tables_changed
 from toolkit.errors import ToolkitError
 from toolkit.reduced_model_file import save
 
@@ -26,9 +24,9 @@ def main(skin: Path) -> None:
     for line in sys.stdin:
         wanted = json.loads(line)
         try:
-            values, keys = wanted.get("values", {}), wanted.get("keys", {})
-            save(build(skin, values=values, keys=keys), wanted["file"])
-            tables = changed_tables(read_skin_file(skin), file_at(skin, values, keys)) if keys else {}
+            described, values, keys = source(skin), wanted.get("values", {}), wanted.get("keys", {})
+            save(described.build(None, values, keys), wanted["file"])
+            tables = tables_changed(described, values, keys)
         except ToolkitError as error:
             print(error, file=sys.stderr)
             raise SystemExit(1) from None

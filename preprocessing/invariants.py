@@ -21,18 +21,21 @@ from preprocessing.section import Monomial
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.reduced_model import Invariants
 
+BEAM = 3
+"""Coordinates of a node of a beam, x, y and rotation; nodes of solids have x and y only."""
 
-def translation(n: int, axis: int) -> np.ndarray:
+
+def translation(n: int, axis: int, per_node: int = BEAM) -> np.ndarray:
     """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1, (n,)."""
     column = np.zeros(n)
-    column[axis::3] = 1
+    column[axis::per_node] = 1
     return column
 
 
-def contract(matrices: Matrices, z: np.ndarray) -> Invariants:
+def contract(matrices: Matrices, z: np.ndarray, per_node: int = BEAM) -> Invariants:
     """Invariants for Z = [xi, Psi], shape (n, 1 + n_f)."""
     psi = z[:, 1:]
-    t_1, t_2 = translation(len(z), 0), translation(len(z), 1)
+    t_1, t_2 = translation(len(z), 0, per_node), translation(len(z), 1, per_node)
     return Invariants(
         mass=np.asarray(t_1 @ (matrices.m_11 @ t_1)),
         first_moment=np.stack([t_1 @ (matrices.m_11 @ z), t_2 @ (matrices.m_22 @ z)]),
@@ -44,16 +47,18 @@ def contract(matrices: Matrices, z: np.ndarray) -> Invariants:
     )
 
 
-def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None) -> Invariants:
+def contract_derivative(
+    matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None, per_node: int = BEAM
+) -> Invariants:
     """Derivative of `contract` by one design variable, theory section 2.
 
     The product rule on the derivatives of the matrices, `d_matrices`, and of the basis, `d_z` = [dxi, dPsi] (None: zero).
     """
-    by_matrices = contract(d_matrices, z)
+    by_matrices = contract(d_matrices, z, per_node)
     if d_z is None:
         return by_matrices
     psi, d_psi = z[:, 1:], d_z[:, 1:]
-    t_1, t_2 = translation(len(z), 0), translation(len(z), 1)
+    t_1, t_2 = translation(len(z), 0, per_node), translation(len(z), 1, per_node)
     by_basis = {
         "mass": np.asarray(0.0),
         "first_moment": np.stack([t_1 @ (matrices.m_11 @ d_z), t_2 @ (matrices.m_22 @ d_z)]),
@@ -66,16 +71,16 @@ def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray,
     return Invariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray) -> dict[str, Polynomial]:
+def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, per_node: int = BEAM) -> dict[str, Polynomial]:
     """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
     invariants that are zero at every design have no polynomial.
     """
-    sparse_z = csr_array(z)
+    factor = csr_array(z) if np.count_nonzero(z) < SPARSE * z.size else z
     terms: dict[str, list[Term]] = {f.name: [] for f in fields(Invariants)}
     for part in parts.parts:
-        for name, contraction in _contractions(part, sparse_z):
+        for name, contraction in _contractions(part, factor, per_node):
             found = coo_array(contraction)
             if np.any(found.data):
                 terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
@@ -98,9 +103,13 @@ def _polynomial(terms: list[Term], parameters: list[str]) -> Polynomial:
     )
 
 
-def _contractions(part: Part, z: Any) -> Iterator[tuple[str, Any]]:
-    """What one part of one matrix adds to the invariants, for unit parameters and sparse Z."""
-    psi, t, matrix = z[:, 1:], [translation(z.shape[0], axis) for axis in (0, 1)], part.matrix
+SPARSE = 0.2
+"""Part of the entries of Z that are not zero, above which its products cost less as a dense matrix."""
+
+
+def _contractions(part: Part, z: Any, per_node: int) -> Iterator[tuple[str, Any]]:
+    """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
+    psi, t, matrix = z[:, 1:], [translation(z.shape[0], axis, per_node) for axis in (0, 1)], part.matrix
     if part.name in ("stiffness", "damping"):
         yield part.name, psi.T @ (matrix @ psi)
     elif part.name == "stress":

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import NoneType
 from typing import Any, Literal, get_args
 
-from pydantic import Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from preprocessing.skin_tables import (
     Airfoil,
@@ -58,23 +59,34 @@ def read_skin_file(path: str | Path) -> SkinFile:
         raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error
 
 
-def explain(item: Any) -> str:
-    """One line on one wrong key: where it is, what is wrong, what would be right."""
-    location = item["loc"][:-2] if item["loc"][-1] == "[key]" else item["loc"]
+def explain(item: Any, schema: type[BaseModel] | None = None) -> str:
+    """One line on one wrong key: where it is, what is wrong, what would be right.
+
+    Parameters
+    ----------
+    schema : that of the file, skin.toml by default
+    """
+    location = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
     key = ".".join(str(part) for part in location)
     if item["type"] == "extra_forbidden":
-        return f"{key}: unknown key; allowed here: {', '.join(_keys(location[:-1]))}."
+        return f"{key}: unknown key; allowed here: {', '.join(_keys(schema or SkinFile, location[:-1]))}."
     if item["type"] == "missing":
         return f"{key}: this key is missing; add it."
     reason = item["msg"].removeprefix("Value error, ")
     value = "" if isinstance(item["input"], dict) else f" (got {item['input']!r})"
-    return f"{key}: {reason[0].lower()}{reason[1:]}{value}."
+    return f"{key}: {reason[0].lower()}{reason[1:]}{value}.".removeprefix(": ")
 
 
-def _keys(location: tuple[str | int, ...]) -> list[str]:
+def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]:
     """Keys of the table at a location of the schema."""
-    table: Any = SkinFile
+    table: Any = schema
     for part in location:
         of_mapping = get_args(table)  # (InterfaceName, Place) of dict
-        table = of_mapping[1] if of_mapping else table.model_fields[str(part)].annotation
+        table = of_mapping[1] if of_mapping else _optional(table.model_fields[str(part)].annotation)
     return list(table.model_fields)
+
+
+def _optional(annotation: Any) -> Any:
+    """The type of a key, without the None of one that may be left out."""
+    options = get_args(annotation)
+    return options[0] if options[1:] == (NoneType,) else annotation

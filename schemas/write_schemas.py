@@ -1,4 +1,4 @@
-"""Write the JSON schemas of scene.toml and skin.toml beside this script, from the classes that read those files.
+"""Write the JSON schemas of scene.toml, skin.toml and body.toml beside this script, from the classes that read those files.
 
 Run it after a change of those classes: python schemas/write_schemas.py
 """
@@ -7,11 +7,16 @@ import json
 from pathlib import Path
 
 from preprocessing.skin_file import SkinFile
+from preprocessing.solids.body_file import BodyFile
 from toolkit.replaced_file import replaced
 from toolkit.scene_schema import DRAFT, scene_schema, tidy
 
 skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexible skin of ffrf-toolkit"})
-texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in {"scene": scene_schema(), "skin": skin}.items()}
+body = tidy(
+    {"$schema": DRAFT, **BodyFile.model_json_schema(), "title": "A flexible body of ffrf-toolkit from a mesh or matrices"}
+)
+schemas = {"scene": scene_schema(), "skin": skin, "body": body}
+texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in schemas.items()}
 
 if __name__ == "__main__":
     for name, text in texts.items():

@@ -12,6 +12,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
+from preprocessing.solids.build_body import build_body
+from tests.solid_bodies import compliance, frequencies
 from toolkit.errors import LimitPointError
 from toolkit.reduced_model_file import load
 from toolkit.scene_file import read_scene
@@ -34,7 +36,7 @@ def run(name: str, changes: dict[str, str] | None = None) -> Result:
 
 
 def test_the_models_are_those_that_are_checked_here():
-    checked = ["four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank", "snap_through"]
+    checked = ["bracket", "four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank", "snap_through"]
     assert checked == NAMES
     assert [name for name in NAMES if not (MODELS / name / "README.md").exists()] == []
 
@@ -148,6 +150,29 @@ def test_rotating_beam_ends_in_the_closed_form_of_a_stretched_bar():
     # second order: the sudden stretch of the first milliseconds costs a little momentum, (50/s x 0.5 ms)^2 / 80 of it
     assert max(errors[1]) < 1e-5
     np.testing.assert_allclose(np.divide(*errors), 4, rtol=0.02)
+
+
+def test_bracket_moves_its_piston_as_the_rigid_slider_crank_does():
+    """x = r cos(a) + s, s^2 = l^2 - r^2 sin(a)^2, at a quarter of a turn with constant rate w: x = s, x'' = w^2 r^2 / s."""
+    radius, length, mass = 30.0, 120.0, 5e-4
+    s, rate = np.sqrt(length**2 - radius**2), 15 / 8 * np.pi / 0.02  # of the smooth step, in its middle
+    found = run("bracket")
+    assert found.values["stroke"] == pytest.approx(s - radius - length, abs=5e-3)  # mm; the rod is stretched by some micrometres
+    assert found.values["pin_force"] == pytest.approx(-mass * rate**2 * radius**2 / s, rel=5e-3)  # it vibrates a little
+    assert found.gradients["pin_force"]["m"] == pytest.approx(-(rate**2) * radius**2 / s, rel=1e-2)
+    scaled = found.gradients["stress"]["E"] * 70e3 / found.values["stress"]
+    assert abs(scaled) < 5e-3  # inertia forces make the same stress in a stiffer rod, but for its vibrations
+
+
+def test_bracket_file_is_what_its_mesh_gives():
+    """The same body: vectors of modes may turn their signs, so the compliance of the pin and the frequencies are compared."""
+    folder = MODELS / "bracket"
+    committed, fresh = load(folder / "body.h5"), build_body(folder / "body.toml")
+    assert committed.input_hash == fresh.input_hash
+    assert committed.nominal == fresh.nominal
+    # other versions of the libraries may sum in another order: round-off times the condition of the stiffness
+    np.testing.assert_allclose(compliance(committed, "pin"), compliance(fresh, "pin"), rtol=1e-7, atol=1e-12)
+    np.testing.assert_allclose(frequencies(committed), frequencies(fresh), rtol=1e-7)
 
 
 def test_rotating_beam_file_is_what_its_script_gives(tmp_path):

@@ -88,7 +88,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
     assert {name.split("/")[1] for name, _ in read} == {"invariants", "interfaces"}
     read.clear()
     load(SKIN)
-    assert {name.split("/")[1] for name, _ in read} >= set(PARTS) - {"derivatives"}
+    assert {name.split("/")[1] for name, _ in read} >= set(PARTS) - {"derivatives", "outline"}  # a skin has a mesh
     assert lean < 0.6 * sum(size for _, size in read)  # polynomials, places and pictures make up the other half
 
 

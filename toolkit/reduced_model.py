@@ -109,6 +109,17 @@ class Mesh:
 
 
 @dataclass(frozen=True)
+class Outline:
+    """The boundary of a meshed body, for pictures: points are `position @ [1; q_f]`.
+
+    Stress points along the boundary are the middles of its edges, in their order.
+    """
+
+    position: np.ndarray  # (n_points, 2, 1 + n_f)
+    edges: np.ndarray  # (n_edges, 3) first, middle and last point; the first twice where an edge is straight
+
+
+@dataclass(frozen=True)
 class ReducedModel:
     """Everything the runtime knows about one flexible body, in the units of its file.
 
@@ -146,6 +157,7 @@ class ReducedModel:
     stress: StressPoints | None = None
     shape: Shape | None = None
     mesh: Mesh | None = None
+    outline: Outline | None = None
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 

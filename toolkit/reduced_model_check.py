@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
-from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints, generalized_mass
+from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints, generalized_mass
 from toolkit.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 
 RIGID = 1e-12
@@ -37,6 +37,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     StressPoints: {"element": "s", "end": "s", "fibre": "s"},
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
+    Outline: {"position": "p2z", "edges": "e3"},
 }  # fmt: skip
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
 
@@ -52,7 +53,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2}
+    sizes: Sizes = {"2": 2, "3": 3}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -62,7 +63,7 @@ def check(model: ReducedModel, path: Path) -> None:
         low, high = point.arc_length_range
         if not low <= point.arc_length <= high:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
-    for part in ("stress", "shape", "mesh"):
+    for part in ("stress", "shape", "mesh", "outline"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     _check_numbers(model, path)
@@ -142,7 +143,9 @@ def _numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: 
 
 def _check_numbers(model: ReducedModel, path: Path) -> None:
     """Numbers of nodes, elements, ends and fibres that pictures index with."""
-    mesh, stress = model.mesh, model.stress
+    mesh, stress, outline = model.mesh, model.stress, model.outline
+    if outline is not None and not np.isin(outline.edges, np.arange(len(outline.position))).all():
+        _refuse(path, "outline/edges", f"names points other than 0 to {len(outline.position) - 1}")
     if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
         _refuse(path, "mesh/connectivity", f"names nodes other than 0 to {len(mesh.nodes) - 1}")
     if stress is None:

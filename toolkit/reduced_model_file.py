@@ -14,7 +14,7 @@ import numpy as np
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
 from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_array
-from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, ReducedModel, Shape, StressPoints
+from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.replaced_file import replaced
 
@@ -32,6 +32,7 @@ PARTS: dict[str, Any] = {
     "stress": StressPoints,
     "shape": Shape,
     "mesh": Mesh,
+    "outline": Outline,
 }
 """Groups of the file; those that hold several named objects are `derivatives`, `affine` and `interfaces`."""
 _NAMED = ("derivatives", "affine", "interfaces")

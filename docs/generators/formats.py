@@ -24,6 +24,16 @@ from preprocessing.skin_tables import (
     ShapeMode,
     SkinCut,
 )
+from preprocessing.solids.body_file import BodyFile
+from preprocessing.solids.body_tables import (
+    MatricesTable,
+    MeshTable,
+    Region,
+    SolidMaterial,
+    SolidSection,
+    StressTable,
+    TiedRegion,
+)
 from toolkit.bodies.body import Body
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import Gravity
@@ -96,6 +106,14 @@ TABLES: dict[str, Callable[[], str]] = {
     "shape-modes": table(ShapeMode),
     "groups": table(ElementGroup),
     "basis": table(BasisTable),
+    "body-file": table(BodyFile),
+    "body-mesh": table(MeshTable),
+    "body-matrices": table(MatricesTable),
+    "body-material": table(SolidMaterial),
+    "body-section": table(SolidSection),
+    "body-clamp": table(Region),
+    "body-interface-points": table(TiedRegion),
+    "body-stress": table(StressTable),
     "reduced-model": layout,
 }
 """What a page can ask for."""

@@ -18,6 +18,7 @@ UNREAD = {
     "interfaces": "nothing grips the body",
     "shape": "no response asks for the distance to a target",
     "stress": "places of the stress points, for results files and pictures",
+    "outline": "for pictures",
     "mesh": "for pictures, and after a run for the small-deformation meter",
 }
 

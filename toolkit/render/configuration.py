@@ -11,6 +11,7 @@ from toolkit.bodies.rigid import Rod
 from toolkit.component import Component
 from toolkit.joints.joint import PointJoint
 from toolkit.planar import rotation
+from toolkit.reduced_model import Outline
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 
@@ -77,7 +78,7 @@ class Configuration:
     def segments(self, body: str) -> list[np.ndarray]:
         """Lines that stand for a body, each (n, 2): along a rod, or from the centre of mass of a rigid body to every gripped point.
 
-        A flexible body without a mesh is a line through its interface points; with one it is drawn as it is, without lines.
+        A flexible body with a mesh is drawn as it is, without lines; else it is its outline, or a line through its interface points.
         """
         found = self.scene.body(body)
         if isinstance(found, Flexible):
@@ -88,7 +89,9 @@ class Configuration:
         return [np.array([centre, self.position(body, point)]) for name, point in self._grips() if name == body]
 
     def _chain(self, body: str, found: Flexible) -> list[np.ndarray]:
-        model = self.scene.model(found.model, "interfaces", "mesh")
+        model = self.scene.model(found.model, "interfaces", "mesh", "outline")
+        if model.outline:
+            return [self.place(body, line @ np.append(1.0, self.elastic(body))) for line in lines_of(model.outline)]
         points = sorted((model.interfaces or {}).values(), key=lambda point: float(point.arc_length))
         if model.mesh or len(points) < 2:
             return []
@@ -119,3 +122,12 @@ def names_by_place(configuration: Configuration, tolerance: float) -> list[tuple
         else:
             found.append((here, [name]))
     return [(place, ", ".join(names)) for place, names in found]
+
+
+def lines_of(outline: Outline) -> list[np.ndarray]:
+    """Positions (n, 2, 1 + n_f) along every line of edges that follow one another."""
+    first, last = outline.edges[:, 0], outline.edges[:, 2]
+    starts = np.flatnonzero(np.append(True, first[1:] != last[:-1]))
+    pieces = np.split(outline.edges, starts[1:])
+    chains = [np.append(piece[:, :2].ravel(), piece[-1, 2]) for piece in pieces]
+    return [outline.position[chain[np.append(True, np.diff(chain) != 0)]] for chain in chains]

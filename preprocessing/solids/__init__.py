@@ -1,0 +1,1 @@
+"""Flexible bodies from a finite-element mesh of any program, or from finished matrices."""

@@ -1,0 +1,99 @@
+"""The file body.toml: a flexible body made of a mesh or of finished matrices, checked key by key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, ValidationError, model_validator
+
+from preprocessing.skin_file import explain
+from preprocessing.skin_tables import BasisTable, Damping, InterfaceName, Table
+from preprocessing.solids.body_tables import (
+    MatricesTable,
+    MeshTable,
+    Region,
+    SolidMaterial,
+    SolidSection,
+    StressTable,
+    TiedRegion,
+)
+from toolkit.errors import InputError
+from toolkit.toml_file import read_toml
+
+
+class BodyFile(Table):
+    """Schema of body.toml; all numbers in the units of the named system.
+
+    It has a mesh, or finished matrices, or both: then the mesh gives the nodes, their groups and the stress.
+    """
+
+    units: Literal["mm-t-s", "m-kg-s"]
+    mesh: MeshTable | None = None
+    matrices: MatricesTable | None = None
+    material: SolidMaterial | None = None
+    section: SolidSection | None = None
+    damping: Damping = Damping()
+    clamp: Region | None = None  # the nodes that the body's frame is tied to
+    interface_points: dict[InterfaceName, TiedRegion] = Field(default_factory=dict)
+    basis: BasisTable = BasisTable()
+    stress: StressTable = StressTable()
+
+    @model_validator(mode="after")
+    def _can_be_meant(self) -> BodyFile:
+        for complaint in (self._lacking(), self._frame()):
+            if complaint:
+                raise ValueError(complaint)
+        return self
+
+    def _lacking(self) -> str:
+        if self.mesh is None and self.matrices is None:
+            return "a body needs [mesh], or [matrices]; add one of them"
+        if (self.material is None) != (self.section is None):
+            return "[material] and [section] belong together; add the other one"
+        if self.matrices is None and (self.material is None or self.material.poisson_ratio is None):
+            return "elements need [material] with youngs_modulus, poisson_ratio and density, and [section] with width; add what lacks"
+        if self.mesh is None and self.matrices is not None and self.matrices.nodes is None:
+            return "finished matrices need the places of their nodes; add matrices.nodes, or [mesh]"
+        return ""
+
+    def _frame(self) -> str:
+        if self.basis.boundary == "free" and self.clamp is not None:
+            return 'a body with boundary = "free" floats about mean axes; leave [clamp] out'
+        if self.basis.boundary != "free" and self.clamp is None:
+            return 'the body\'s frame needs a place; add [clamp], or take kind = "eigenmodes" with boundary = "free" in [basis]'
+        return ""
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of all other files that the body is made of."""
+        matrices = self.matrices
+        named = [self.mesh.file if self.mesh else None]
+        named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress] if matrices else []
+        return [name for name in named if name is not None]
+
+
+def is_body(content: Mapping[str, Any]) -> bool:
+    """Whether a TOML file's content is meant as a body.toml rather than a skin.toml."""
+    return "mesh" in content or "matrices" in content
+
+
+def read_body_file(path: str | Path) -> BodyFile:
+    """Read and check body.toml.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+    """
+    return body_from(read_toml(Path(path), "a body.toml"), Path(path))
+
+
+def body_from(content: Mapping[str, Any], path: Path) -> BodyFile:
+    """The same from the content of the file at `path`; raises as `read_body_file`."""
+    try:
+        return BodyFile.model_validate(content)
+    except ValidationError as error:
+        problems = "\n".join(f"  {explain(item, BodyFile)}" for item in error.errors())
+        raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error

@@ -1,0 +1,100 @@
+"""The matrices of a solid as polynomials of its parameters: from elements, or finished ones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from preprocessing.assembly import Part, Parts
+from preprocessing.section import Monomial
+from preprocessing.solids.elasticity import SolidMatrices, in_block
+from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.solids.solid_stress import Rows
+from toolkit.errors import InputError
+
+UNEQUAL = 1e-9
+"""Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
+RESISTED = 1e-6
+"""Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
+
+QUANTITIES = {
+    "youngs_modulus": "stress", "density": "density", "width": "length", "stiffness_scale": "none", "mass_scale": "none",
+    "poisson_ratio": "none", "damping_mass": "rate", "damping_stiffness": "time",
+}  # fmt: skip
+"""Parameters of solids, and what they are, for their units."""
+
+
+def parts_of(mass: Any, stiffness: Any, stress: Any, inertial: Monomial, elastic: Monomial, stressed: Monomial) -> Parts:
+    """Parts from matrices for unit parameters.
+
+    Parameters
+    ----------
+    mass : sparse (n_nodes, n_nodes), of one component of the displacement
+    stiffness, stress : sparse (n, n), (n_stress, n)
+    inertial, elastic, stressed : the monomials that these are multiplied by
+    """
+    blocks = {(a, b): in_block(mass, a, b, 2) for a in (0, 1) for b in (0, 1) if a <= b}
+    damped = [("damping_mass", inertial, blocks[0, 0] + blocks[1, 1]), ("damping_stiffness", elastic, stiffness)]
+    found = [
+        *(Part(inertial, f"m_{a + 1}{b + 1}", block) for (a, b), block in blocks.items()),
+        Part(elastic, "stiffness", stiffness),
+        *(Part(((name, 1), *factors), "damping", matrix) for name, factors, matrix in damped),
+        Part(stressed, "stress", stress),
+    ]
+    return Parts(tuple(found), stiffness.shape[0], stress.shape[0])
+
+
+def element_parts(matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any]) -> Parts:
+    """Of elements: M = rho b M_1, K = E b (lambda/E K_lambda + mu/E K_mu), stress = E (lambda/E ... + mu/E ...)."""
+    stiffness, stress = (lame[0] * first + lame[1] * shear for first, shear in ((matrices.first, matrices.shear), rows))
+    inertial, elastic = (("density", 1), ("width", 1)), (("youngs_modulus", 1), ("width", 1))
+    return parts_of(matrices.scalar_mass, stiffness, stress, inertial, elastic, (("youngs_modulus", 1),))
+
+
+def finished_parts(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made_with: Mapping[str, float]) -> Parts:
+    """Of finished matrices, which are proportional to the material that they were made with, or else to a scale.
+
+    Raises
+    ------
+    InputError
+        The matrices are not those of displacement-based elements, or of a body with supports.
+    """
+    _refuse_supports(mesh, stiffness)
+    scalar = _scalar_mass(mass)
+    if not made_with:
+        scale: Monomial = (("stiffness_scale", 1),)
+        return parts_of(scalar, stiffness, stress, (("mass_scale", 1),), scale, scale)
+    modulus, density, width = (made_with[name] for name in ("youngs_modulus", "density", "width"))
+    inertial, elastic = (("density", 1), ("width", 1)), (("youngs_modulus", 1), ("width", 1))
+    scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
+    return parts_of(*scaled, inertial, elastic, (("youngs_modulus", 1),))
+
+
+def _scalar_mass(mass: Any) -> Any:
+    """The mass matrix (n_nodes, n_nodes) of one component, which is that of all."""
+    first, limit = mass[0::2, 0::2], UNEQUAL * abs(mass).max()
+    if abs(mass[0::2, 1::2]).max() > limit or abs(mass[1::2, 1::2] - first).max() > limit:
+        raise InputError(
+            "the mass matrix treats x and y differently or couples them, as displacement-based solids do not. Export it in the order "
+            "x and y of node 0, x and y of node 1, ..., without rotations, and all of it."
+        )
+    return first
+
+
+def _refuse_supports(mesh: SolidMesh, stiffness: Any) -> None:
+    centred = rigid_motions(mesh.nodes - mesh.nodes.mean(axis=0))
+    for axis, motion in zip(("x", "y", "rotation"), centred.T, strict=True):
+        force, own = np.abs(stiffness @ motion).max(), (abs(stiffness) @ np.abs(motion)).max()
+        if force > RESISTED * own:
+            raise InputError(
+                f"the stiffness matrix resists a rigid motion ({axis}) by {force / own:.0e} of the forces of its elements. Export it "
+                "without supports, with nodes in the same order, and with x and y of every node."
+            )
+
+
+def parameters_of(material: Mapping[str, float], damping: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Parameters by which the matrices are polynomials, and their nominal values; without a material they are scales."""
+    yield from (material or {"stiffness_scale": 1.0, "mass_scale": 1.0}).items()
+    yield from ((f"damping_{name}", value) for name, value in damping.items())

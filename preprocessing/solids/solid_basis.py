@@ -1,0 +1,140 @@
+"""The basis of a solid: the shapes that were chosen, and their derivatives by what changes the stiffness alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from preprocessing.basis_choice import BasisChoice
+from preprocessing.mode_count import count_by_frequency
+from preprocessing.normal_modes import NormalModes
+from preprocessing.solids.free_system import free_system
+from preprocessing.solids.held_system import held_system
+from preprocessing.solids.sparse_modes import System, lowest_modes, mode_rates
+from preprocessing.solids.static_error import count_by_static_error
+from preprocessing.solids.ties import Freedom, Tie
+from preprocessing.subspace_rates import refuse_cut_cluster
+from toolkit.errors import InputError
+
+LARGEST_FULL = 3000
+"""Coordinates of the largest full basis: its dense matrices take some 100 MB."""
+STILL = 1e-12
+"""Largest entry of the rows of a point on the clamp."""
+MORE = 4
+"""Modes beyond those that are kept: the last ones that Lanczos finds come last."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidShapes:
+    """Columns of Psi on the independent coordinates, with the system that they solve."""
+
+    columns: np.ndarray  # (n^, n_f)
+    words: str
+    system: System | None = None
+    modes: NormalModes | None = None
+    n_held: int = 0  # last coordinates, which the system does not have
+
+    def rates(self, d_stiffness: Any) -> np.ndarray:
+        """Derivatives (n^, n_f) by a variable that changes the stiffness on the independent coordinates by dK (n^, n^)."""
+        found = np.zeros_like(self.columns)
+        if self.system is None:
+            return found
+        inside = len(found) - self.n_held
+        n_static = self.columns.shape[1] - (self.modes.count if self.modes else 0)
+        if n_static:
+            found[:inside, :n_static] = self.system.solve(-(d_stiffness @ self.columns[:, :n_static])[:inside])
+        if self.modes:
+            found[:inside, n_static:] = mode_rates(self.system, self.modes, d_stiffness[:inside, :inside])
+        return found
+
+
+def solid_shapes(
+    choice: BasisChoice, mass: Any, stiffness: Any, motions: np.ndarray, free: Freedom, ties: Mapping[str, Tie]
+) -> SolidShapes:
+    """The shapes that were chosen.
+
+    Parameters
+    ----------
+    mass, stiffness : sparse (n^, n^), on the independent coordinates
+    motions : (n^, 3), rigid motions of a body that nothing holds
+    ties : interface points
+
+    Raises
+    ------
+    InputError
+        The choice asks for what the body or its interface points cannot give.
+    """
+    n = stiffness.shape[0]
+    if choice.kind == "full":
+        if n > LARGEST_FULL:
+            raise InputError(
+                f'a full basis of {n} coordinates is too large for a mechanism. Take kind = "craig-bampton" with some modes in [basis].'
+            )
+        return SolidShapes(np.eye(n), "differentiated: identity on the free coordinates, the same at every design")
+    rows = {name: (each.rows @ free.map) for name, each in ties.items()}
+    moving = {name: row for name, row in rows.items() if abs(row).max() > STILL}
+    if choice.kind != "eigenmodes":
+        return _with_interface(choice, mass, stiffness, free, moving)
+    held = choice.boundary == "clamped"
+    system: System = held_system(stiffness, sparse.csr_array((0, n))) if held else free_system(stiffness, mass, motions)
+    kept = _modes(choice, mass, moving, system)
+    return SolidShapes(kept.shapes, _words(choice, {}, kept), system, kept)
+
+
+def _with_interface(choice: BasisChoice, mass: Any, stiffness: Any, free: Freedom, rows: Mapping[str, Any]) -> SolidShapes:
+    """Constraint modes of the points in their order, then fixed-interface modes."""
+    if not rows:
+        raise InputError(f"a {choice.kind} basis needs an interface point away from the clamp.")
+    n_held, inside = 3 * len(free.rigid), free.n_free
+    averaged = [name for name in rows if name not in free.rigid]
+    border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
+    system = held_system(stiffness[:inside, :inside].tocsr(), border[:, :inside])
+    unit = np.eye(n_held)
+    carried = system.solve(-(stiffness[:inside, inside:] @ unit), -(border[:, inside:] @ unit))
+    lifted = system.solve(np.zeros((inside, border.shape[0])), np.eye(border.shape[0]))
+    shapes = {name: np.vstack([carried, unit])[:, 3 * k : 3 * k + 3] for k, name in enumerate(free.rigid)}
+    for k, name in enumerate(averaged):
+        shapes[name] = np.vstack([lifted, np.zeros((n_held, border.shape[0]))])[:, 3 * k : 3 * k + 3]
+    static = np.column_stack([shapes[name] for name in rows])
+    if choice.kind == "static":
+        return SolidShapes(static, _words(choice, rows, None), system, None, n_held)
+    kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
+    inner = np.vstack([kept.shapes, np.zeros((n_held, kept.count))])
+    return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), system, kept, n_held)
+
+
+def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> NormalModes:
+    """The modes to keep; one more than these is computed, to tell a cut cluster."""
+
+    def by_static_error(found: NormalModes) -> int | None:
+        return count_by_static_error(found, rows, system, choice.static_error or 0.0)
+
+    def enough(found: NormalModes) -> bool:
+        if choice.count is not None:
+            return found.count > choice.count
+        if choice.frequency is not None:
+            return bool(found.frequencies[-1] > choice.frequency)
+        return (by_static_error(found) or found.count) < found.count
+
+    every = lowest_modes(system, mass, enough, (choice.count or 0) + MORE)
+    count = choice.count or 0
+    if choice.frequency is not None:
+        count = count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)
+    if choice.static_error is not None:
+        count = by_static_error(every) or every.count
+    kept = every.lowest(count)
+    if choice.derivative == "differentiated":
+        refuse_cut_cluster(kept)
+    return kept
+
+
+def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:
+    found = [f"{3 * len(points)} constraint modes of the interface points {', '.join(points)}"] if points else []
+    if modes and modes.count:
+        fixed = "fixed-interface" if points else choice.boundary
+        found.append(f"{modes.count} {fixed} eigenmodes up to {modes.frequencies[-1]:.6g} Hz")
+    return f"{choice.derivative}: {choice.kind}, {' and '.join(found)}"

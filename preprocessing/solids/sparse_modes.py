@@ -1,0 +1,126 @@
+"""The lowest normal modes of large sparse pencils by shift-invert Lanczos, and their derivatives by a material constant."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse.linalg import LinearOperator, eigsh
+
+from preprocessing.constrained_pencil import ConstrainedPencil
+from preprocessing.normal_modes import NormalModes, normal_modes
+from toolkit.errors import InputError
+
+SMALL = 300
+"""Coordinates up to which all modes are computed with dense matrices."""
+CONVERGED, PATIENCE = 1e-11, 500
+"""Of the conjugate gradients for derivatives: relative residual, and steps; the round-off of the factors is smaller by some 1e-3."""
+
+
+class System(Protocol):
+    """A stiffness that is factored, under conditions."""
+
+    @property
+    def stiffness(self) -> Any:
+        """K (n, n), sparse."""
+
+    @property
+    def rows(self) -> Any:
+        """B (m, n) of B u = 0, sparse."""
+
+    def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
+        """u (n, k) under loads (n, k)."""
+
+
+def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool], first: int) -> NormalModes:
+    """The lowest modes of K phi = lambda M phi - B^T eta, B phi = 0, as many as are `enough`; more may be found.
+
+    Parameters
+    ----------
+    mass : (n, n) sparse
+    first : number of modes to begin with; it is doubled until there are enough
+
+    Raises
+    ------
+    InputError
+        All modes of a small body, or a third of those of a large one, are not enough.
+    """
+    n = mass.shape[0] - system.rows.shape[0]
+    if mass.shape[0] <= SMALL:
+        dense = ConstrainedPencil(system.stiffness.toarray(), mass.toarray(), system.rows.toarray())
+        return normal_modes(dense)
+    count = first
+    while not enough(found := _lanczos(system, mass, count)):
+        if count > n // 3:
+            raise InputError(f"more than {n // 3} modes of a body with {n} coordinates were asked for. Ask for fewer.")
+        count *= 2
+    return found
+
+
+def _lanczos(system: System, mass: Any, count: int) -> NormalModes:
+    n = mass.shape[0]
+    inverse = LinearOperator((n, n), matvec=lambda f: system.solve(f.reshape(-1, 1)).ravel(), dtype=float)
+    start = inverse @ (mass @ np.random.default_rng(0).normal(size=n))
+    _, found = eigsh(system.stiffness, count, mass, sigma=0.0, OPinv=inverse, v0=start)
+    shapes = system.solve(mass @ found)  # once more: round-off along the stiffest modes goes
+    values, turn = eigh(shapes.T @ (system.stiffness @ shapes), shapes.T @ (mass @ shapes))
+    return _modes(system, mass, values, shapes @ turn)
+
+
+def _modes(system: System, mass: Any, values: np.ndarray, shapes: np.ndarray) -> NormalModes:
+    """Modes in order; the sign is that of the first coordinate that carries at least half as much as the strongest."""
+    weighted = np.sqrt(mass.diagonal())[:, None] * shapes
+    strong = np.abs(weighted) > 0.5 * np.abs(weighted).max(axis=0)
+    signs = np.sign(np.take_along_axis(weighted, strong.argmax(axis=0)[None], axis=0))[0]
+    pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
+    return NormalModes(pencil, values, shapes * signs, np.zeros((system.rows.shape[0], len(values))), np.zeros(0))
+
+
+def mode_rates(system: System, modes: NormalModes, d_stiffness: Any) -> np.ndarray:
+    """Derivatives (n, m) of the span of the kept modes by a variable that changes the stiffness alone, by dK.
+
+    For every mode j, on all u with B u = 0 and Phi^T M u = 0,
+
+        (K - lambda_j M) dphi_j = -dK phi_j     up to B^T p and M Phi r
+
+    There the matrix is positive definite, because the kept modes are the lowest ones. So conjugate gradients serve, with K^-1 to speed
+    them: the eigenvalues are 1 - lambda_j / lambda_k, k > m. See `subspace_rates` for the same with dense factors.
+    """
+    shapes, pencil = modes.shapes, modes.pencil
+    inertia = pencil.mass @ shapes
+
+    def forces(r: np.ndarray) -> np.ndarray:
+        return r - inertia @ (shapes.T @ r)
+
+    def nearly(r: np.ndarray) -> np.ndarray:
+        u = system.solve(r[:, None])[:, 0]
+        return u - shapes @ (inertia.T @ u)
+
+    found = np.zeros_like(shapes)
+    for j, value in enumerate(modes.eigenvalues):
+        found[:, j] = _conjugate_gradients(
+            lambda u, v=value: forces(pencil.stiffness @ u - v * (pencil.mass @ u)), nearly, forces(-(d_stiffness @ shapes[:, j]))
+        )
+    return found
+
+
+def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.ndarray) -> np.ndarray:
+    """Solution on the space that `nearly_inverse` (n,) -> (n,), symmetric, leads into, as far as round-off lets the residual fall."""
+    u, residual = np.zeros_like(force), force
+    step = direction = nearly_inverse(residual)
+    first = size = residual @ step
+    for _ in range(PATIENCE):
+        if not size > CONVERGED**2 * first:
+            return u
+        moved = matrix(direction)
+        length = size / (direction @ moved)
+        u, residual = u + length * direction, residual - length * moved
+        step = nearly_inverse(residual)
+        size, before = residual @ step, size
+        direction = step + size / before * direction
+    raise InputError(
+        "the derivative of the eigenmodes by poisson_ratio cannot be told: the last mode that is kept and the first that is left out are "
+        'too close. Keep one mode more or less, or take the derivative "frozen".'
+    )
