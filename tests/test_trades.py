@@ -10,7 +10,7 @@ import pytest
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.test_orders import DESIGN, driven_pendulum
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import ConvergenceError
+from toolkit.errors import ConvergenceError, InputError
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
 from toolkit.loads.gravity import Gravity
@@ -314,6 +314,12 @@ def test_the_certificate_of_chosen_steps_holds_them_fixed():
     found.check(1e-9)
     for rate in found.rates.values():
         assert rate == pytest.approx(2.0, abs=0.1)  # third-order terms of the remainder
+
+
+def test_the_adjoint_of_chosen_steps_never_falls_back_on_coarse_ones():
+    """Beyond `solver.memory` other runs are repeated in windows of equal steps; this one keeps its steps, or is refused."""
+    with pytest.raises(InputError, match=r"more than solver.memory = 1e-06 GB. Choose a larger solver.local_error"):
+        adjoint(swinging(local_error=1e-4, memory=1e-6), ["loads.motor.torque"], "transient")
 
 
 def test_an_error_below_round_off_is_refused():
