@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
-from pydantic import ValidationError
-
+from preprocessing.changed_content import put, skin_from
 from preprocessing.section import QUANTITIES
-from preprocessing.skin_file import SkinFile, explain
+from preprocessing.skin_file import SkinFile
 from toolkit.errors import InputError
 
 _KEYS = {
@@ -47,15 +45,8 @@ def changed(file: SkinFile, values: Mapping[str, float]) -> SkinFile:
         elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
             raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
         elif keys:
-            *tables, last = keys
-            table: Any = content
-            for key in tables:
-                table = table[key]
-            table[last] = value
-    try:
-        return SkinFile.model_validate(content)
-    except ValidationError as error:
-        raise InputError("the changed design cannot be used:\n" + "\n".join(explain(item) for item in error.errors())) from error
+            put(content, keys, value)
+    return skin_from(content, "design")
 
 
 def _place(file: SkinFile, name: str) -> tuple[str, ...]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from pydantic import ValidationError
-
-from preprocessing.skin_file import SkinFile, explain
+from preprocessing.changed_content import put, skin_from
+from preprocessing.skin_file import SkinFile
 from preprocessing.skin_tables import Table
 from toolkit.errors import InputError
 
@@ -34,15 +33,8 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
     if ELEMENTS in keys:
         _remesh(file, content, keys[ELEMENTS], stations)
     for key, value in keys.items():
-        *tables, last = key.split(".")
-        table: Any = content
-        for name in tables:
-            table = table[name]
-        table[last] = value
-    try:
-        return SkinFile.model_validate(content)
-    except ValidationError as error:
-        raise InputError("the changed skin cannot be used:\n" + "\n".join(explain(item) for item in error.errors())) from error
+        put(content, key.split("."), value)
+    return skin_from(content, "skin")
 
 
 def changed_tables(file: Table, other: Table) -> dict[str, Any]:

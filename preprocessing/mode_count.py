@@ -45,12 +45,23 @@ def count_by_static_error(modes: NormalModes, interface_rows: np.ndarray, larges
     InputError
         The wish cannot be meant, or no interface point can move.
     """
+    check_static_error(largest)
+    errors = static_errors(modes, interface_rows)
+    return cluster(modes.spectrum, int(np.argmax(errors <= largest)) - 1)[1]
+
+
+def check_static_error(largest: float) -> None:
+    """Refuse a wanted static error that no number of modes can have.
+
+    Raises
+    ------
+    InputError
+        It is not between 0 and 1.
+    """
     if not 0 < largest < 1:
         raise InputError(
             f"a static error of {largest:g} cannot be meant: without modes it is 1, with all it is 0; write 0.01, say."
         )
-    errors = static_errors(modes, interface_rows)
-    return cluster(modes.spectrum, int(np.argmax(errors <= largest)) - 1)[1]
 
 
 def static_errors(modes: NormalModes, interface_rows: np.ndarray) -> np.ndarray:

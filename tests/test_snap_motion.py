@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.command_line.report import coarseness
+from toolkit.command_line.remarks import coarseness
 from toolkit.errors import ConvergenceError, LimitPointError
 from toolkit.scene_file import read_scene
 from toolkit.solution import Solution

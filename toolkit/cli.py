@@ -25,10 +25,10 @@ from toolkit.command_line.certification import certify
 from toolkit.command_line.deformation import watched_speed
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
-from toolkit.command_line.inspection import describe, print_description
+from toolkit.command_line.inspection import describe, describe_scene, print_description
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
-from toolkit.command_line.receipt import print_receipt, receipt_of
+from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.report import print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
@@ -74,14 +74,12 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.receipt.everything import prepare_everything
-    from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, timed
+    from toolkit.sensitivity.analysis import evaluate_responses, result, timed
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
     with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
-        system = prepare_everything(described) if keep_all else prepare(described)
-        seconds, solution = timed(system, "transient", progress)
+        seconds, solution = timed(compiled(described, keep_all), "transient", progress)
     found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
@@ -175,11 +173,11 @@ def inspect(
     quiet: Quiet = False,
 ) -> None:
     """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
-    record = describe(file, changes)
     if file.suffix != ".toml":
-        (print_json if as_json else print_description)(record)
+        (print_json if as_json else print_description)(describe(file))
         return
     scene = read(file, changes)
+    record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
     found = receipt_of(scene, names, keep_all, measure, quiet)
     if as_json:

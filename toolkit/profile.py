@@ -125,23 +125,24 @@ class Table(Description):
         return self
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
-        """f, f', f'' at the times, shape (n_t, 3); at a corner the mean of both sides, which only derivatives of f can tell apart."""
-        return (self._from_one_side(time, "left") + self._from_one_side(time, "right")) / 2
+        """f, f', f'' at the times, shape (n_t, 3); f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1.
 
-    def _from_one_side(self, time: np.ndarray, side: Literal["left", "right"]) -> np.ndarray:
-        """f = f_k + d (m_k + d (b + d c)) with d = t - t_k between points k and k + 1; a corner belongs to the piece on that side."""
+        At a corner it is the mean of both sides, which only derivatives by the table's numbers can tell apart.
+        """
         corners, values = np.array(self.times), np.array(self.values)
         width, slope = np.diff(corners), np.diff(values) / np.diff(corners)
         m = corner_slopes(width, slope) if self.interpolation == "cubic" else None
         b = np.zeros_like(slope) if m is None else (3 * slope - 2 * m[:-1] - m[1:]) / width
         c = np.zeros_like(slope) if m is None else (m[:-1] + m[1:] - 2 * slope) / width**2
         first = slope if m is None else m[:-1]
-        place = np.searchsorted(corners.real, time, side=side)
-        k, begun, ended = np.clip(place - 1, 0, len(width) - 1), place > 0, place == len(corners)
         inside = (time > corners[0].real) & (time < corners[-1].real)
-        d = np.where(ended, width[-1], np.where(begun, time - corners[k], 0))
-        rates = [first[k] + d * (2 * b[k] + 3 * d * c[k]), 2 * b[k] + 6 * d * c[k]]
-        return np.stack([values[k] + d * (first[k] + d * (b[k] + d * c[k])), rates[0] * inside, rates[1] * inside], axis=1)
+        sides = []
+        for place in (np.searchsorted(corners.real, time, side) for side in ("left", "right")):
+            k = np.clip(place - 1, 0, len(width) - 1)
+            d = np.where(place == len(corners), width[-1], np.where(place > 0, time - corners[k], 0))
+            rates = [first[k] + d * (2 * b[k] + 3 * d * c[k]), 2 * b[k] + 6 * d * c[k]]
+            sides.append([values[k] + d * (first[k] + d * (b[k] + d * c[k])), rates[0] * inside, rates[1] * inside])
+        return (np.stack(sides[0], axis=1) + np.stack(sides[1], axis=1)) / 2
 
     def corners(self) -> tuple[Any, ...]:
         """Times of the points: the slope jumps at those of straight lines, the third derivative at those of a cubic."""

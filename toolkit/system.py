@@ -87,6 +87,10 @@ class System:
         """Values on the common pattern as a sparse matrix (n, n)."""
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
+    def most_moved(self, change: np.ndarray) -> str:
+        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad)."""
+        return self.numbering.names[int(np.argmax(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q]))))]
+
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
 

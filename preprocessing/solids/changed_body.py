@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from preprocessing.changed_content import put
 from preprocessing.solids.body_file import BodyFile, body_from
 from toolkit.errors import InputError
 
@@ -45,9 +46,5 @@ def changed_body(file: BodyFile, values: Mapping[str, float], keys: Mapping[str,
         if name not in PLACES:
             raise InputError(f"{str(path)!r} has no parameter {name!r}; there are {', '.join(PLACES)}.")
     for key, value in {**{PLACES[name]: value for name, value in values.items()}, **keys}.items():
-        *tables, last = key.split(".")
-        table: Any = content
-        for name in tables:
-            table = table.setdefault(name, {})
-        table[last] = value
+        put(content, key.split("."), value)
     return body_from(content, path)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
+from preprocessing.mode_count import check_static_error
 from preprocessing.normal_modes import NormalModes
 from toolkit.errors import InputError
 
@@ -25,10 +26,7 @@ def count_by_static_error(modes: NormalModes, rows: Mapping[str, Any], system: A
     InputError
         The wish cannot be meant, or no interface point can move.
     """
-    if not 0 < largest < 1:
-        raise InputError(
-            f"a static error of {largest:g} cannot be meant: without modes it is 1, with all it is 0; write 0.01, say."
-        )
+    check_static_error(largest)
     if not rows:
         raise InputError("a static error needs an interface point that can move: name one away from the clamp.")
     every = sparse.vstack(list(rows.values()), format="csr")

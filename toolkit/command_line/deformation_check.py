@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.console import Console
 
-from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, Static, read
-from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of
+from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of, solved
 from toolkit.command_line.report import WIDE, print_json, table
 from toolkit.errors import InputError
 
@@ -44,11 +43,7 @@ def _solution(file: Path, static: bool, changes: list[str] | None, models: Path 
         return motion_of(file, changes, models, quiet)()
     if is_results(file):
         raise InputError("--static belongs to a scene; results are of the analysis that they were kept of. Leave it out.")
-    from toolkit.sensitivity.analysis import prepare, solve
-
-    scene = read(file, changes)
-    with at_work("load steps", scene, "static", quiet=quiet) as progress:
-        return solve(prepare(scene), "static", progress)
+    return solved(read(file, changes), "static", quiet)
 
 
 def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from toolkit.command_line.arguments import read
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
@@ -17,16 +16,14 @@ if TYPE_CHECKING:
     from toolkit.scene import Scene
 
 
-def describe(path: Path, changes: list[str] | None = None) -> dict[str, Any]:
-    """Content of a scene (.toml) with its changed values, of results, or of a reduced model (anything else).
+def describe(path: Path) -> dict[str, Any]:
+    """Content of results, or of a reduced model (anything else).
 
     Raises
     ------
     InputError, ModelFileError, ResultsFileError
         The file is missing or is none of them.
     """
-    if path.suffix == ".toml":
-        return describe_scene(read(path, changes))
     from toolkit.hdf5 import schema_of
     from toolkit.reduced_model_file import is_reduced_model, load
     from toolkit.results.layout import SCHEMA

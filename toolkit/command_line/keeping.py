@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import at_work
+from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import read, split
 from toolkit.errors import InputError
 
@@ -83,11 +83,12 @@ def motion_of(file: Path, changes: list[str] | None, models: Path | None, quiet:
         solution = restore_solution(load_results(file), models)
         return lambda: solution
     scene = read(file, changes)
-    return lambda: _solve(scene, quiet)
+    return lambda: solved(scene, "transient", quiet)
 
 
-def _solve(scene: Scene, quiet: bool) -> Solution:
+def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
+    """The motion or the equilibrium of a scene, with a progress bar."""
     from toolkit.sensitivity.analysis import prepare, solve
 
-    with at_work("time steps", scene, "transient", quiet=quiet) as progress:
-        return solve(prepare(scene), "transient", progress)
+    with at_work("load steps" if kind == "static" else "time steps", scene, kind, quiet=quiet) as progress:
+        return solve(prepare(scene), kind, progress)

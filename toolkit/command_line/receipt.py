@@ -12,6 +12,18 @@ from toolkit.errors import ToolkitError
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene
+    from toolkit.system import System
+
+
+def compiled(scene: Scene, keep_all: bool) -> System:
+    """The scene with what it needs, or with everything put back."""
+    if not keep_all:
+        from toolkit.sensitivity.analysis import prepare
+
+        return prepare(scene)
+    from toolkit.receipt.everything import prepare_everything
+
+    return prepare_everything(scene)
 
 
 def receipt_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:

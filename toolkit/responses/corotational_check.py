@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.errors import InputError
 from toolkit.preprocessing_process import run
-from toolkit.responses.deformation import Deformation, chain, deformation, flexible_bodies
+from toolkit.responses.deformation import Deformation, chain, deformation_of, flexible_bodies
 from toolkit.responses.stress import elastic_coordinates
 from toolkit.solution import Solution
 
@@ -41,12 +41,13 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
         The preprocessing is not installed; the reduced model does not hold its finite elements; or the corotational body has no
         equilibrium under the forces.
     """
-    behind, estimate = chain(solution.system.scene, body), deformation(solution, body)
-    if behind is None or estimate is None:
+    behind = chain(solution.system.scene, body)
+    if behind is None:
         raise InputError(
             f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "
             "again with ffrf-preprocess."
         )
+    estimate = deformation_of(behind, solution, body)
     elastic = np.real(solution.q[solution.times == estimate.time][:1, elastic_coordinates(solution, body)])
     content = {
         "nodes": behind.elements.nodes,

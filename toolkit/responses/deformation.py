@@ -93,8 +93,11 @@ def deformations(solution: Solution) -> dict[str, Deformation | None]:
 def deformation(solution: Solution, body: str) -> Deformation | None:
     """The meter's numbers for one body."""
     behind = chain(solution.system.scene, body)
-    if behind is None:
-        return None
+    return None if behind is None else deformation_of(behind, solution, body)
+
+
+def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
+    """The meter's numbers for one body whose finite elements are known."""
     elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
     instants = largest_instants(elastic)
     u = behind.displacements(elastic[instants])

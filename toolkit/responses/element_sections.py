@@ -11,6 +11,7 @@ An element of length L, with direction e and normal n = e turned by +90 degrees,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -34,27 +35,27 @@ class Elements:
     nodes: np.ndarray  # (n_nodes, 2)
     connectivity: np.ndarray  # (n_e, 2)
 
-    @property
+    @cached_property
     def dofs(self) -> np.ndarray:
         """Numbers of the nodal coordinates of every element, (n_e, 6)."""
         return (3 * self.connectivity[:, :, None] + np.arange(3)).reshape(-1, 6)
 
-    @property
+    @cached_property
     def lengths(self) -> np.ndarray:
         """Lengths, (n_e,)."""
         return np.linalg.norm(self._sides, axis=1)
 
-    @property
+    @cached_property
     def along(self) -> np.ndarray:
         """Directions e, (n_e, 2)."""
         return self._sides / self.lengths[:, None]
 
-    @property
+    @cached_property
     def across(self) -> np.ndarray:
         """Normals n, (n_e, 2)."""
         return np.column_stack([-self.along[:, 1], self.along[:, 0]])
 
-    @property
+    @cached_property
     def _sides(self) -> np.ndarray:
         return self.nodes[self.connectivity[:, 1]] - self.nodes[self.connectivity[:, 0]]
 

@@ -16,7 +16,7 @@ from toolkit.responses.stress import flexible_body, stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Result, by_name, moving, responses_of, result
+from toolkit.sensitivity.analysis import Result, evaluate_with_gradients, moving, result
 from toolkit.solution import Solution
 
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
@@ -77,11 +77,9 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
 def _result(solution: Solution) -> Result:
     """A bare solution with its responses, and with their gradients if it has derivatives."""
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
-    found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
-    values = {name: value for name, (value, _) in found.items()}
-    gradients = by_name(solution.system.design, found, (slopes for _, slopes in found.values())) if names else {}
+    values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"
-    return result(scene, solution, values, gradients, method, wall.get("run", 0.0), wall.get("sensitivity", 0.0))
+    return result(scene, solution, values, gradients if names else {}, method, wall.get("run", 0.0), wall.get("sensitivity", 0.0))
 
 
 def _body(solution: Solution, body: str) -> BodyResults:

@@ -80,6 +80,15 @@ def evaluate_responses(solution: Solution) -> dict[str, Any]:
     return {name: response.value(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()}
 
 
+def evaluate_with_gradients(solution: Solution) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of all responses of the scene, and their gradients by the derivatives that the solution holds."""
+    found = {
+        name: response.evaluate(solution) for name, response in responses_of(solution.system.scene, moving(solution)).items()
+    }
+    gradients = by_name(solution.system.design, found, (slopes for _, slopes in found.values()))
+    return {name: value for name, (value, _) in found.items()}, gradients
+
+
 def values_of(scene: Scene, kind: Kind) -> dict[str, Any]:
     """Values of all responses after one run, without derivatives."""
     return evaluate_responses(solve(prepare(scene), kind))
@@ -93,10 +102,8 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     system, primal_system = system or prepare(scene, design), prepare(scene)
     primal, _ = timed(primal_system, kind)
     total, solution = timed(system, kind, progress)
-    found = {name: response.evaluate(solution) for name, response in responses_of(scene, moving(solution)).items()}
-    gradients = by_name(system.design, found, (slopes for _, slopes in found.values()))
     extra = solution.wall.get("sensitivity", max(total - primal, 0.0))
-    return result(scene, solution, {name: value for name, (value, _) in found.items()}, gradients, "direct", primal, extra)
+    return result(scene, solution, *evaluate_with_gradients(solution), "direct", primal, extra)
 
 
 def timed(system: System, kind: Kind, progress: Progress | None = None) -> tuple[float, Solution]:

@@ -108,7 +108,7 @@ def advance(system: System, options: RunOptions, point: PathPoint, length: float
         unknowns = unknowns - correction
         before, size = size, measure(system, correction)
         if not np.isfinite(size) or measure(system, unknowns - predicted) > TRUSTED_CORRECTION * length + options.tolerance:
-            raise ConvergenceError(f"Newton strays from the path at {system.numbering.names[fastest(system, correction)]}")
+            raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
         if size <= options.tolerance and (size > 0.5 * before or size <= ROUND_OFF):
             return _with_direction(system, options, unknowns, border), iterations
     raise ConvergenceError(f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e}")
@@ -140,11 +140,6 @@ def measure(system: System, change: np.ndarray) -> float:
     """Largest change of a coordinate or of the load factor in [q; lam; factor], in parts of the scene's size, rad, or the load."""
     moved = np.abs(system.weights[: system.n_q] * change[: system.n_q])
     return max(float(moved.max(initial=0)), abs(float(change[-1])))
-
-
-def fastest(system: System, change: np.ndarray) -> int:
-    """The coordinate that moves most, in parts of the scene's size (or rad)."""
-    return int(np.argmax(system.weights[: system.n_q] * np.abs(change[: system.n_q])))
 
 
 def _residual(system: System, options: RunOptions, q: np.ndarray, acc: np.ndarray, factor: float) -> tuple[np.ndarray, csc_array]:

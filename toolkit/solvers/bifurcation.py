@@ -58,8 +58,7 @@ def _bisect(system: System, options: RunOptions, state: Equilibrium, low: float,
 
 
 def _error(system: System, factor: float, motion: np.ndarray) -> BifurcationError:
-    worst = int(np.argmax(system.weights[: system.n_q] * np.abs(motion[: system.n_q])))
-    coordinate = system.numbering.names[worst]
+    coordinate = system.most_moved(motion)
     return BifurcationError(
         f"the equilibrium is unstable beyond a bifurcation (buckling) at {100 * factor:.6g} % of the load: the load does no work on a "
         f"motion of {coordinate}, which loses its stiffness there, and the smallest disturbance sets it off. Use less "

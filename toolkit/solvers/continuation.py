@@ -11,7 +11,7 @@ import numpy as np
 
 from toolkit.errors import ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
 from toolkit.run_options import RunOptions
-from toolkit.solvers.arc_length import Arc, PathPoint, arcs, fastest, first_point
+from toolkit.solvers.arc_length import Arc, PathPoint, arcs, first_point
 from toolkit.solvers.bifurcation import bifurcation
 from toolkit.solvers.critical_state import is_stable
 from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium
@@ -105,7 +105,7 @@ def _stable_end(system: System, options: RunOptions, trail: Trail, point: PathPo
 def _add_limit(system: System, options: RunOptions, trail: Trail, past_limits: bool) -> None:
     """The last point is a limit point; the first one is refused if nobody asked to pass it, or if the path was unstable before."""
     *_, before, last = trail.points
-    trail.limits.append(LimitPoint(last.factor, system.numbering.names[fastest(system, last.direction)], len(trail.points) - 1))
+    trail.limits.append(LimitPoint(last.factor, system.most_moved(last.direction), len(trail.points) - 1))
     if len(trail.limits) > 1:
         return
     state = Equilibrium(before.q.astype(system.dtype), before.acc.astype(system.dtype), before.direction[:-1])
@@ -132,7 +132,7 @@ def _end_of_path(limit: LimitPoint) -> LimitPointError:
 
 
 def _critical_full_load(system: System, point: PathPoint, error: Exception) -> CriticalPointError:
-    coordinate = system.numbering.names[fastest(system, point.direction)]
+    coordinate = system.most_moved(point.direction)
     return CriticalPointError(
         f"the full load is that of a limit point or bifurcation to round-off, where nothing holds {coordinate} ({error}). Use a little "
         "less load.",

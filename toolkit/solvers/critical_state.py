@@ -47,9 +47,8 @@ def refuse_gradients_of_critical(system: System, options: RunOptions, state: Equ
     """
     distance, motion = load_to_critical(system, options, state)
     if distance < NEAREST:
-        worst = int(np.argmax(system.weights[: system.n_q] * np.abs(motion[: system.n_q])))
         raise CriticalStateError(
-            f"there is no gradient at a limit point or bifurcation: the stiffness against a motion of {system.numbering.names[worst]} "
+            f"there is no gradient at a limit point or bifurcation: the stiffness against a motion of {system.most_moved(motion)} "
             f"vanishes within {distance:.1e} of the load, and derivatives become infinite. Take a load that is further from the "
             "critical one (ffrf statics finds it if the load is raised), or ask for the values alone."
         )

@@ -48,7 +48,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
             break
         part = np.where(np.arange(system.n) < n_q, min(1.0, LONGEST / size), 0)
         q, acc = q - part * correction, acc - np.where(np.arange(system.n) < n_q, 0, correction)
-    worst = system.numbering.names[int(np.argmax(system.weights[:n_q] * np.abs(np.real(correction[:n_q]))))]
+    worst = system.most_moved(correction)
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
         "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."

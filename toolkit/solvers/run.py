@@ -34,6 +34,12 @@ class Run(NamedTuple):
     ggl: Ggl | None  # only of that formulation
     outcome: Outcome
 
+    @property
+    def largest_local_error(self) -> float | None:
+        """Largest of all steps so far, a part of the scene's size; None where the estimate is not that of the motion."""
+        estimated = not self.options.quasi_static and self.options.scheme != "paper"  # whose accelerations lag behind
+        return float(self.outcome.correction[4]) if estimated else None
+
 
 def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     """Everything but the states; options by default the scene's own."""

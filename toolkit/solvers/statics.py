@@ -148,9 +148,8 @@ def refuse_unstable(solution: Solution) -> None:
     except SingularSystemError:
         return  # nothing can move, or following forces make it flutter, which is no matter of statics
     if modes.frequencies[0] < 0:
-        worst = int(np.argmax(np.abs(modes.shapes[:, 0]) * solution.system.weights[: len(modes.shapes)]))
         raise ConvergenceError(
-            f"the equilibrium is unstable: {solution.system.numbering.names[worst]} would run away from it (buckling, or a point "
+            f"the equilibrium is unstable: {solution.system.most_moved(modes.shapes[:, 0])} would run away from it (buckling, or a point "
             "past a snap-through). Use less load, add stiffness there, or follow the motion with a transient run."
         )
 

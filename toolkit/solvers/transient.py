@@ -67,7 +67,7 @@ def simulate(
         history[:6],
         drift=check_drift(run, history.q, 0),
         correction=float(run.outcome.correction[1]),
-        local_error=float(run.outcome.correction[4]),
+        local_error=run.largest_local_error,
         options=run.options,
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[4]),

@@ -9,7 +9,7 @@ from typing import Any
 from toolkit.errors import NeedsDirectError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import by_name, evaluate_responses, prepare, responses_of, solve
+from toolkit.sensitivity.analysis import by_name, evaluate_responses, evaluate_with_gradients, prepare, solve
 from toolkit.sensitivity.choice import choose
 from toolkit.solution import Solution
 from toolkit.system import System
@@ -68,10 +68,8 @@ def gradients_once(ready: Compiled) -> tuple[Found, str]:
 def _direct(ready: Compiled) -> Found:
     begun = clock.perf_counter()
     solution = solve(ready.system, "transient")
-    found = {name: response.evaluate(solution) for name, response in responses_of(ready.system.scene).items()}
-    seconds = clock.perf_counter() - begun
-    slopes = by_name(ready.system.design, found, (slopes for _, slopes in found.values()))
-    return Found({name: value for name, (value, _) in found.items()}, slopes, solution, seconds)
+    values, gradients = evaluate_with_gradients(solution)
+    return Found(values, gradients, solution, clock.perf_counter() - begun)
 
 
 def _adjoint(ready: Compiled) -> Found:

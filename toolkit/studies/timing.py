@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from toolkit.studies.one_run import Compiled, compiled, gradients_once, values_once
-from toolkit.studies.pool import Progress
+from toolkit.studies.processes import Progress
 from toolkit.studies.record import Record
 from toolkit.studies.setting import Setting
 from toolkit.studies.worker import Case

@@ -17,7 +17,8 @@ from toolkit.studies.budget import BudgetError, read_budget
 from toolkit.studies.grid import grid
 from toolkit.studies.judged import Judged, cheapest, judge
 from toolkit.studies.pareto import pareto
-from toolkit.studies.pool import Progress, measured
+from toolkit.studies.pool import measured
+from toolkit.studies.processes import Progress
 from toolkit.studies.reference import Reference, find_reference
 from toolkit.studies.setting import Choice, Setting
 from toolkit.studies.store import fingerprint
@@ -131,7 +132,7 @@ def tradeoff(planned: Plan, stage: Stage = silent, jobs: int = 1, repeats: int =
     ------
     ConvergenceError
         The reference cannot be computed.
-    WorkerError
+    StudyError
         A process was killed.
     """
     case, settings = planned.case, planned.settings

@@ -9,16 +9,15 @@ from itertools import count
 from typing import Any, Literal
 
 import numpy as np
-from scipy.sparse import coo_array
 
 from toolkit.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import by_name, prepare, responses_of
+from toolkit.sensitivity.analysis import by_name, evaluate_with_gradients, prepare
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
 from toolkit.solvers.transient import simulate
+from toolkit.studies.stability.created_energy import created_energy
 from toolkit.system import System
 
 Status = Literal["ended", "failed", "refused"]
@@ -81,16 +80,16 @@ def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None
     try:
         system = prepare(scene, design)
         solution = simulate(system, _without_limit(scene), progress=None if scene.solver.local_error is None else _patience())
-        responses = {name: response.evaluate(solution) for name, response in responses_of(scene).items()}
+        responses, gradients = evaluate_with_gradients(solution)
     except (ToolkitError, np.linalg.LinAlgError) as error:
         return _without_gradient(scene, error) if design else Measured(_outcome(error))
-    values = {name: float(np.real(value)) for name, (value, _) in responses.items()}
+    values = {name: float(np.real(value)) for name, value in responses.items()}
     cost: dict[str, Any] = {"steps": solution.steps, "newton_iterations": solution.newton_iterations}
     found = Measured(Run(), None, float(solution.drift), created_energy(solution), values, **cost)
     if not design:
         return found
     sizes = sizes or {variable.name: typical_size(scene, variable) for variable in system.design}
-    slopes = _times(by_name(system.design, responses, (slope for _, slope in responses.values())), sizes)
+    slopes = _times(gradients, sizes)
     outcome, disagreement = _judged(system, solution, slopes, sizes) if both_methods else (Run(), np.nan)
     return replace(found, gradient=outcome, slopes=slopes, disagreement=disagreement)
 
@@ -123,50 +122,6 @@ def _patience() -> Callable[[int, int], None]:
 def _outcome(error: Exception) -> Run:
     refused = isinstance(error, (InputError, ModelFileError))
     return Run("refused" if refused else "failed", str(error))
-
-
-def created_energy(solution: Solution) -> float:
-    """Largest energy that came from nowhere, over the largest energy or work; infinite where it is no number.
-
-        max over time of  E - E_start - |E_2 - E|,   E = T + U - W - integral of v . D v
-
-    The damping D of flexible bodies can only take energy, so what it took is left out: of stiff damping that no step resolves, the sum
-    over the steps is wrong by far more than there is. E_2 is summed over every second state alone: what the sum of the work is wrong by
-    was not created.
-    """
-    states = ("times", "q", "v", "a", "multipliers")
-    every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
-    balance = energy_balance(solution)
-    surplus, coarse = _surplus(solution, balance), _surplus(every_second, energy_balance(every_second))
-    parts = (balance.kinetic + balance.strain, balance.work)
-    largest = max(unresolved_energy(solution), *(np.abs(part).max() for part in parts))
-    created = (surplus[::2] - np.abs(coarse - surplus[::2])).max()
-    relative = float(created / largest) if largest != 0 else 0.0
-    return relative if np.isfinite(relative) else np.inf
-
-
-def _surplus(solution: Solution, balance: EnergyBalance) -> np.ndarray:
-    """E minus its start, (n_t,)."""
-    constant, shape = solution.system.plan.constant, (solution.system.n_q, solution.system.n_q)
-    force = solution.v @ coo_array((constant.damping, (constant.row, constant.column)), shape=shape).T.tocsr()
-    taken = np.sum(solution.v * force, axis=1)
-    return balance.defect - np.append(0, np.cumsum(np.diff(solution.times) * (taken[1:] + taken[:-1]) / 2))
-
-
-def unresolved_energy(solution: Solution) -> float:
-    """Energy of what Newton leaves open, at the start: sum_i (M_ii v_i^2 + |K_ii| q_i^2) / 2.
-
-    q_i is the coordinate's part of `solver.tolerance`, v_i = q_i / h. Less than this is round-off: a scene at rest creates some.
-    """
-    system, n_q = solution.system, solution.system.n_q
-    pad = np.zeros(system.n - n_q)
-    q, v = np.append(solution.q[0], pad), np.append(solution.v[0], pad)
-    acc = np.append(solution.a[0], solution.multipliers[0])
-    terms = system.evaluate(system.inputs(solution.times[0], np.array([0, 0, 1.0])), q, v, acc)
-    open_q = system.scene.solver.tolerance / system.weights[:n_q]
-    open_v = open_q / (solution.times[1] - solution.times[0])
-    mass, stiffness = (np.abs(system.matrix(each).diagonal()[:n_q]) for each in (terms.I_acc, terms.A_q))
-    return float(np.real(mass @ open_v**2 + stiffness @ open_q**2) / 2)
 
 
 def _judged(system: System, solution: Solution, slopes: Slopes, sizes: Mapping[str, float]) -> tuple[Run, float]:

@@ -10,10 +10,11 @@ from tempfile import TemporaryDirectory
 from toolkit.scene import Scene
 from toolkit.scene_units import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
+from toolkit.studies.processes import Progress
 from toolkit.studies.stability.catalogue import maps_of
 from toolkit.studies.stability.map import Map
 from toolkit.studies.stability.measure import Measured, Run, slope_difference, value_difference
-from toolkit.studies.stability.pool import Progress, Task, measured
+from toolkit.studies.stability.pool import Task, measured
 from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
 from toolkit.studies.stability.verdict import Limits, Verdict, of_gradient, of_run
 
