@@ -88,7 +88,12 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
     assert {name.split("/")[1] for name, _ in read} == {"invariants", "interfaces"}
     read.clear()
     load(SKIN)
-    assert {name.split("/")[1] for name, _ in read} >= set(PARTS) - {"derivatives", "outline"}  # a skin has a mesh
+    assert {name.split("/")[1] for name, _ in read} >= set(PARTS) - {
+        "derivatives",
+        "outline",
+        "surface",
+        "surface_loads",
+    }  # a skin is planar and has a mesh
     assert lean < 0.6 * sum(size for _, size in read)  # polynomials, places and pictures make up the other half
 
 
@@ -295,7 +300,7 @@ def test_numbers_that_contradict_other_parts_are_refused(path, name):
 
 
 @pytest.mark.parametrize(("group", "name", "value", "message"), [
-    ("/", "dimension", 3, "dimension is 3; only planar models"),
+    ("/", "dimension", 4, "dimension is 4 instead of 2 or 3"),
     ("/", "units", np.bytes_(b"inch"), "units is 'inch' instead of one of mm-t-s"),
     ("nominal", "thickness", np.nan, "nominal/thickness is nan instead of a number that is zero or from"),
     ("nominal", "thickness", np.bytes_(b"thin"), "nominal/thickness is 'thin' instead of a number that is zero or from"),

@@ -10,6 +10,7 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import InputError
+from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 MEAN_AXES = "mean axes (Buckens)"
 """The reference condition of a body whose frame is held by none of its points."""
@@ -48,8 +49,8 @@ class InterfacePoint:
 
     arc_length: np.ndarray  # ()
     arc_length_range: np.ndarray  # (2,)
-    position: np.ndarray  # (n_powers, 2, 1 + n_f)
-    rotation: np.ndarray  # (n_powers, 1 + n_f)
+    position: np.ndarray  # (n_powers, d, 1 + n_f), d: dimension of space
+    rotation: np.ndarray  # (n_powers, 1 + n_f); in space a rotation vector, (n_powers, 3, 1 + n_f)
 
     @property
     def here(self) -> tuple[np.ndarray, np.ndarray]:
@@ -131,7 +132,7 @@ class ReducedModel:
     Attributes
     ----------
     dimension
-        Of space; 2.
+        Of space, 2 or 3.
     reference_condition
         What the body's frame is tied to, in words.
     nominal_units
@@ -150,7 +151,7 @@ class ReducedModel:
     nominal_units: dict[str, str]
     input_hash: str
     writers: dict[str, str]  # program -> version
-    invariants: Invariants
+    invariants: Invariants | SpatialInvariants
     derivatives: dict[str, Derivatives] | None = None  # item -> derivatives by all parameters, as far as no polynomial tells them
     affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of the parameters
     interfaces: dict[str, InterfacePoint] | None = None
@@ -158,6 +159,8 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     outline: Outline | None = None
+    surface: Surface | None = None  # of spatial bodies
+    surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 
@@ -187,7 +190,7 @@ class ReducedModel:
         if not rest:
             return getattr(self.invariants, name)
         owner = getattr(self, group)
-        return getattr(owner[rest[0]] if group == "interfaces" else owner, rest[-1])
+        return getattr(owner[rest[0]] if len(rest) == 2 else owner, rest[-1])
 
 
 def generalized_mass(inv: Invariants) -> np.ndarray:

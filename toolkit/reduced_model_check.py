@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints, generalized_mass
+from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
 from toolkit.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 
 RIGID = 1e-12
@@ -23,7 +24,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -38,7 +39,13 @@ SHAPES: dict[Any, dict[str, str]] = {
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
     Outline: {"position": "p2z", "edges": "e3"},
+    SpatialInvariants: {
+        "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
+    },
+    Surface: {"position": "p3z", "triangles": "t3", "lines": "l2"},
+    SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
+SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
 
 Sizes = dict[str, int]
@@ -53,7 +60,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3}
+    sizes: Sizes = {"2": 2, "3": 3, "6": 6}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -63,15 +70,17 @@ def check(model: ReducedModel, path: Path) -> None:
         low, high = point.arc_length_range
         if not low <= point.arc_length <= high:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
-    for part in ("stress", "shape", "mesh", "outline"):
+    for name, load in (model.surface_loads or {}).items():
+        _fit_all(path, f"surface_loads/{name}", load, sizes)
+    for part in ("stress", "shape", "mesh", "outline", "surface"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     _check_numbers(model, path)
 
 
 def _check_attributes(model: ReducedModel, path: Path) -> None:
-    if model.dimension != 2:
-        _refuse(path, "dimension", f"is {model.dimension}; only planar models, of dimension 2, can be used")
+    if model.dimension not in (2, 3):
+        _refuse(path, "dimension", f"is {model.dimension} instead of 2 or 3")
     if model.units not in UNIT_SYSTEMS:
         _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
     texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash")}
@@ -87,15 +96,22 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"nominal_units/{name}", "is missing")
 
 
-def _check_matrices(inv: Invariants, path: Path) -> None:
-    for name, sign in (("inertia", 1), ("gyroscopic", -1), ("stiffness", 1), ("damping", 1)):
-        matrix = getattr(inv, name)
+def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
+    spatial = isinstance(inv, SpatialInvariants)
+    own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)} if not spatial else {}
+    own |= {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)} if spatial else {}
+    for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
         if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
+    mass = spatial_generalized_mass(inv) if spatial else generalized_mass(inv)
     try:
-        np.linalg.cholesky(generalized_mass(inv) - RIGID * np.eye(3 + len(inv.stiffness)))
+        np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
     except np.linalg.LinAlgError:
-        _refuse(path, "invariants/inertia", "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame")
+        _refuse(
+            path,
+            "invariants/" + ("second_moment" if spatial else "inertia"),
+            "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame",
+        )
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
@@ -111,8 +127,9 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     p = np.array(list(model.nominal.values()))
     for item, polynomial in (model.affine or {}).items():
         place = f"affine/{item}"
-        if item not in SHAPES[Invariants]:
-            _refuse(path, place, f"is the name of no invariant; there are {', '.join(SHAPES[Invariants])}")
+        names = SHAPES[type(model.invariants)]
+        if item not in names:
+            _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)
         _numbers_below(path, f"{place}/factor", polynomial.factor + 1, len(p) + 1, "parameters")
         _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
@@ -143,7 +160,10 @@ def _numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: 
 
 def _check_numbers(model: ReducedModel, path: Path) -> None:
     """Numbers of nodes, elements, ends and fibres that pictures index with."""
-    mesh, stress, outline = model.mesh, model.stress, model.outline
+    mesh, stress, outline, surface = model.mesh, model.stress, model.outline, model.surface
+    for name in ("triangles", "lines"):
+        if surface is not None and not np.isin(getattr(surface, name), np.arange(len(surface.position))).all():
+            _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")
     if outline is not None and not np.isin(outline.edges, np.arange(len(outline.position))).all():
         _refuse(path, "outline/edges", f"names points other than 0 to {len(outline.position) - 1}")
     if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
@@ -160,13 +180,14 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
 def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
     """Fit all arrays of one object; its free letters are its own, f, z and s are known to all after the invariants."""
     own = dict(sizes)
-    for name, letters in SHAPES[type(part)].items():
+    spatial_point = isinstance(part, InterfacePoint) and part.rotation.ndim == 3
+    for name, letters in (SPATIAL_POINT if spatial_point else SHAPES[type(part)]).items():
         _fit(path, f"{place}/{name}", getattr(part, name), letters, own)
         if name == "stiffness":
             own["z"] = 1 + own["f"]
         if name == "nodes":
             own["r"] = 3 * own["k"]
-    if isinstance(part, Invariants):
+    if isinstance(part, (Invariants, SpatialInvariants)):
         sizes.update(own)
 
 

@@ -17,6 +17,7 @@ from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_a
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.replaced_file import replaced
+from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 2
@@ -33,9 +34,11 @@ PARTS: dict[str, Any] = {
     "shape": Shape,
     "mesh": Mesh,
     "outline": Outline,
+    "surface": Surface,
+    "surface_loads": SurfaceLoad,
 }
-"""Groups of the file; those that hold several named objects are `derivatives`, `affine` and `interfaces`."""
-_NAMED = ("derivatives", "affine", "interfaces")
+"""Groups of the file; those in `_NAMED` hold several named objects. In space `invariants` are `SpatialInvariants`."""
+_NAMED = ("derivatives", "affine", "interfaces", "surface_loads")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:
@@ -65,7 +68,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         before = known.bytes_read if known else {}
         found = {name: getattr(known, name) for name in before}
         wanted = [name for name in PARTS if name not in found and name in ("invariants", *parts)]
-        found |= {name: _read_part(content, name) for name in wanted}
+        found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
         _check_complete(str(attributes.get("contents", "")), found)
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
     model = ReducedModel(**head, **found, path=path, bytes_read=read)
@@ -157,10 +160,10 @@ def _write(group: h5py.Group, name: str, value: Any) -> None:
             _write(below, key, item)
 
 
-def _read_part(content: Content, name: str) -> Any:
+def _read_part(content: Content, name: str, dimension: int) -> Any:
     if name != "invariants" and not content.has(name):
         return None
-    kind = PARTS[name]
+    kind = SpatialInvariants if name == "invariants" and dimension == 3 else PARTS[name]
     if name in _NAMED:
         return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
     return _read_object(kind, content, name)
