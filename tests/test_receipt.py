@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tests.scenes import HANGING_DESIGN, MODELS, hanging_skin
-from toolkit.bodies.flexible import FRAME, Flexible
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import FRAME
 from toolkit.joints.revolute import Revolute
 from toolkit.point import BodyPoint
 from toolkit.receipt.cost import costs

@@ -35,6 +35,9 @@ class Component(Registered):
     """
 
     formula: ClassVar[CPUDispatcher]
+    stated_by: ClassVar[str] = "formula"
+    """What a kind of component states its law by."""
+    dimension: ClassVar[int] = 2
 
     @classmethod
     def law(cls) -> CPUDispatcher:
@@ -50,6 +53,15 @@ class Component(Registered):
     def parameters(self, scene: Skeleton) -> list[Any]:
         """Numbers behind the two poses in the formula's arguments, real or complex."""
 
+    def axes(self, _scene: Skeleton) -> np.ndarray | None:
+        """Axes (3, 3) of its markers in the undeformed configuration, as columns; None for those of space."""
+        return None
+
+    @property
+    def oriented(self) -> bool:
+        """Whether it has `axes` of its own."""
+        return False
+
     @property
     def time_curve(self) -> Curve | None:
         """The time curve that drives or scales the component."""
@@ -57,9 +69,9 @@ class Component(Registered):
 
     @classmethod
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        if cls.kind and not hasattr(cls, "formula"):
+        if cls.kind and not hasattr(cls, cls.stated_by):
             raise TypeError(
-                f"{cls.__name__} has no `formula`: state the law and all its derivatives as one compiled function, "
+                f"{cls.__name__} has no `{cls.stated_by}`: state the law and all its derivatives as one compiled function, "
                 "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
             )
         super().__pydantic_init_subclass__(**kwargs)

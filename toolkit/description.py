@@ -25,6 +25,7 @@ Number = Annotated[float, Field(**_NUMBER), AfterValidator(_ordinary)]
 Positive = Annotated[float, Field(gt=0, **_NUMBER), AfterValidator(_ordinary)]
 NotNegative = Annotated[float, Field(ge=0, **_NUMBER), AfterValidator(_ordinary)]
 Pair = tuple[Number, Number]
+Triple = tuple[Number, Number, Number]
 
 
 class Description(BaseModel):
@@ -55,10 +56,12 @@ class Description(BaseModel):
 class Registered(Description):
     """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file.
 
-    `kinds` of a base lists all that were defined below it.
+    `kinds` of a base lists all that were defined below it; those of a base with `closed` do not show in the bases above it, so that
+    components in space may have the names of those in the plane.
     """
 
     kind: ClassVar[str] = ""
+    closed: ClassVar[bool] = False
     kinds: ClassVar[dict[str, type]] = {}
 
     @classmethod
@@ -68,6 +71,8 @@ class Registered(Description):
         for base in cls.__mro__:
             if cls.kind and "kinds" in vars(base):
                 vars(base)["kinds"][cls.kind] = cls
+            if vars(base).get("closed"):
+                break
 
 
 def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.dependence import Derivatives, scattered
 from toolkit.errors import InputError
 from toolkit.listed_names import listed
-from toolkit.reduced_model import InterfacePoint, Invariants, ReducedModel, Shape
+from toolkit.reduced_model import InterfacePoint, ReducedModel, Shape
 
 NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
@@ -57,7 +57,7 @@ class DesignPoint:
         steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
         return {k: step for k, step in steps.items() if step != 0}
 
-    def invariants(self) -> Invariants:
+    def invariants(self) -> Any:
         """All invariants.
 
         Raises
@@ -65,7 +65,8 @@ class DesignPoint:
         InputError
             As `value`; or a tangent has led to a stiffness that no body has.
         """
-        found = Invariants(**{item.name: self.value(item.name) for item in fields(Invariants)})
+        kind = type(self.model.invariants)
+        found = kind(**{item.name: self.value(item.name) for item in fields(kind)})
         if self.first_order and (names := self.extrapolated()):
             self._check_stiffness(np.real(found.stiffness), names)
         return found

@@ -8,24 +8,26 @@ Unknowns are [a; lam]; q and v are padded with zeros to the same length, so that
     I_x, A_x                    their partial derivatives by the design, (n, n_x)
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.bodies.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
-from toolkit.bodies.floating_jacobian import floating_jacobian
-from toolkit.bodies.floating_kernel import Floating, FloatingWork, floating_design, floating_residual, floating_work
-from toolkit.bodies.marker_design import update_marker_designs
-from toolkit.bodies.marker_kernel import Markers, MarkerState, marker_state, update_markers
-from toolkit.joints.joint_design import joint_design
-from toolkit.joints.joint_jacobian import joint_jacobian
-from toolkit.joints.joint_kernel import Joints, JointWork, evaluate_joint, joint_residual, joint_work
+from toolkit.bodies.floating_kernel import Floating
+from toolkit.bodies.inertia import moving_design, moving_jacobian, moving_residual
+from toolkit.bodies.marker_kernel import Markers
+from toolkit.bodies.poses import set_frames, update_pose_designs, update_poses
+from toolkit.bodies.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.spatial.marker_kernel import SpatialMarkers
+from toolkit.joints.all_joints import add_joint_designs, add_joints
+from toolkit.joints.joint_kernel import Joints
+from toolkit.joints.spatial.joint_kernel import SpatialJoints
 from toolkit.kernel import inner, kernel
 from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 
 
 class Plan(NamedTuple):
-    """The compiled scene: flat arrays only, which never change."""
+    """The compiled scene: flat arrays only, which never change. A spatial scene has other parts in three places."""
 
     n_q: int
     n: int  # coordinates and multipliers
@@ -33,9 +35,9 @@ class Plan(NamedTuple):
     indptr: np.ndarray  # sparsity pattern of the Jacobian, compressed rows
     indices: np.ndarray
     constant: Constant
-    floating: Floating
-    markers: Markers
-    joints: Joints
+    floating: Floating | SpatialFloating
+    markers: Markers | SpatialMarkers
+    joints: Joints | SpatialJoints
     loads: Loads
     curve_index: np.ndarray  # (n_d,) which time curve depends on the design
     curve_variable: np.ndarray  # (n_d,) on which variable
@@ -59,14 +61,14 @@ class Terms(NamedTuple):
 class Work(NamedTuple):
     """Scratch memory of `evaluate`."""
 
-    markers: MarkerState
+    markers: Any  # MarkerState or SpatialMarkerState
     scratch: np.ndarray
     rest: np.ndarray  # (n,) zeros
     rough: np.ndarray  # (1,) 1 where round-off of the elastic forces does not matter, set by the caller
     halves: np.ndarray  # (2, n)
-    joint: JointWork
+    joint: Any  # of the plan's joints
     load: LoadWork
-    floating: FloatingWork
+    floating: Any  # of the plan's bodies with a moving frame
 
 
 class Inputs(NamedTuple):
@@ -92,14 +94,14 @@ def allocate_terms(plan: Plan, dtype: type) -> Terms:
 def allocate_work(plan: Plan, dtype: type) -> Work:
     """Scratch memory."""
     return Work(
-        marker_state(plan.markers, dtype),
+        plan.markers.state(dtype),
         np.zeros((3, 3), dtype),
         np.zeros(plan.n, dtype),
         np.zeros(1, np.int64),
         np.zeros((2, plan.n), dtype),
-        joint_work(dtype),
-        load_work(dtype),
-        floating_work(int(max(plan.floating.n_f, default=0)), dtype),
+        plan.joints.work(dtype),
+        load_work(len(plan.markers.pose), dtype),
+        plan.floating.work(dtype),
     )
 
 
@@ -109,7 +111,10 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     terms.inertial[:] = 0
     terms.applied[:] = 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
-    update_markers(plan.markers, work.markers, q, v, acc, work.scratch)
+    plane, frames = plan.markers.plane, plan.markers.frames
+    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, rate, acceleration)
     if linearize:
         for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
             values[:] = 0
@@ -117,24 +122,19 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
         constant_residual(
             plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
         )
-        floating_residual(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.inertial, terms.applied)
+        moving_residual(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
+            terms.inertial, terms.applied,
+        )  # fmt: skip
     if linearize and not inputs.joints_only:
         constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
-        floating_jacobian(
-            plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
-        )
-    for j in range(len(plan.joints.family)):
-        evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
-        joint_residual(
-            plan.joints, j, plan.markers, work.markers, inputs.curves, inputs.levels, work.joint, terms.inertial, terms.applied
-        )
-        if linearize:
-            joint_jacobian(
-                plan.joints, j, plan.markers, work.markers, inputs.levels, work.joint,
-                terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
-            )  # fmt: skip
+        moving_jacobian(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
+            terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
+        )  # fmt: skip
+    add_joints(plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms)
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
-        evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
         load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
         if linearize:
             load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
@@ -147,22 +147,25 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
         i, x = plan.touched_row[e], plan.touched_variable[e]
         terms.I_x[i, x], terms.A_x[i, x] = 0, 0
     rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
-    update_marker_designs(plan.markers, work.markers, q, v, acc, work.scratch)
+    plane, frames = plan.markers.plane, plan.markers.frames
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, v, acc)
+    update_pose_designs(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, rate, acceleration)
     if not inputs.joints_only:
         constant_design(plan.constant, q, v, acceleration, inputs.scale, terms.I_x, terms.A_x)
-        floating_design(plan.floating, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x)
-    for j in range(len(plan.joints.family)):
-        if not plan.joints.designed[j]:
-            continue
-        evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, acc, work.joint)
-        joint_design(
-            plan.joints, j, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
-            inputs.levels, work.joint, terms.I_x, terms.A_x,
-        )  # fmt: skip
+        moving_design(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x
+        )
+    add_joint_designs(
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, acc, plan.curve_variable, plan.curve_index,
+        work.joint, terms,
+    )  # fmt: skip
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         if not plan.loads.designed[k]:
             continue
-        evaluate_load(functions[1], plan.loads, k, work.markers, inputs.curves, inputs.scale, work.load)
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
         load_design(
             plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from toolkit.description import Description, Number
 
 
@@ -14,10 +16,17 @@ class Point(Description):
         Coordinate in the undeformed global configuration, in units of length.
     y
         Likewise.
+    z
+        Likewise, of a spatial scene alone.
     """
 
     x: Number
     y: Number
+    z: Number | None = None
+
+    def position(self) -> np.ndarray:
+        """Its coordinates, shape (2,) or (3,)."""
+        return np.array([self.x, self.y] if self.z is None else [self.x, self.y, self.z])
 
 
 class BodyPoint(Description):

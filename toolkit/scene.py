@@ -10,8 +10,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.bodies.body import Body
-from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.ground import Ground
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description import Description, Registered, numbers_below
 from toolkit.design import Design, DesignVariable
 from toolkit.errors import InputError
@@ -19,12 +20,12 @@ from toolkit.joints.joint import Joint
 from toolkit.listed_names import listed
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
-from toolkit.planar import rotation
+from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
-from toolkit.scene_names import check_names, known
+from toolkit.scene_names import check_dimension, check_names, known
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -42,8 +43,10 @@ class Scene(Description):
     ----------
     units
         Unit system of all numbers.
+    dimension
+        Of space: 2, or 3.
     points
-        Name -> [x, y] or interface point; rods run between points, joints sit at them.
+        Name -> [x, y], in space [x, y, z], or interface point; rods run between points, joints sit at them.
     bodies
         Name -> body; the body `ground` is always there.
     joints
@@ -61,10 +64,11 @@ class Scene(Description):
     """
 
     units: Literal["mm-t-s", "m-kg-s"]
+    dimension: Literal[2, 3] = 2
     points: dict[str, Point | BodyPoint] = Field(default_factory=dict)
     bodies: dict[str, Body]
     joints: dict[str, Joint] = Field(default_factory=dict)
-    loads: dict[str, Load | Gravity] = Field(default_factory=dict)
+    loads: dict[str, Load | Gravity | SpatialGravity] = Field(default_factory=dict)
     design: dict[str, str] = Field(default_factory=dict)
     responses: dict[str, Registered] = Field(default_factory=dict)
     solver: RunOptions = RunOptions()
@@ -73,11 +77,12 @@ class Scene(Description):
     @model_validator(mode="after")
     def _names(self) -> Self:
         check_names(self.points, self.bodies, self.joints, self.loads, self.responses)
+        check_dimension(self.dimension, self.points, {"bodies": self.bodies, "joints": self.joints, "loads": self.loads})
         return self
 
     def all_bodies(self) -> dict[str, Body]:
         """The bodies and the ground."""
-        return {"ground": Ground(), **self.bodies}
+        return {"ground": Ground() if self.dimension == 2 else SpatialGround(frame="grounded"), **self.bodies}
 
     def body(self, name: str) -> Body:
         """One body.
@@ -102,7 +107,7 @@ class Scene(Description):
         return self.points[point]
 
     def position(self, point: str) -> np.ndarray:
-        """Undeformed global position of a point, shape (2,).
+        """Undeformed global position of a point, shape (d,).
 
         Raises
         ------
@@ -111,12 +116,11 @@ class Scene(Description):
         """
         written = self.interface(point)
         if isinstance(written, Point):
-            return np.array([written.x, written.y])
+            return written.position()
         body = self.bodies[written.body]
-        if not isinstance(body, Flexible):
+        if not isinstance(body, ModelBody):
             raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
-        local = body.point(self, point, written.body)[0][:, 0]
-        return np.array(body.position) + rotation(body.angle) @ local
+        return body.position_at_rest(self, point, written.body)
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """The invariants and interface points of a reduced model, and other parts on request; each is read once.
@@ -128,7 +132,7 @@ class Scene(Description):
         Raises
         ------
         InputError
-            The model is in another unit system than the scene.
+            The model is in another unit system than the scene, or of another dimension.
         ModelFileError
             The file cannot be used, see `toolkit.reduced_model_file.load`.
         """
@@ -139,6 +143,11 @@ class Scene(Description):
             raise InputError(
                 f"reduced model {path!r} is in {model.units}, the scene in {self.units}. "
                 "State the scene in the units of its models, or build the model anew in those of the scene."
+            )
+        if model.dimension != self.dimension:
+            raise InputError(
+                f"reduced model {path!r} has dimension {model.dimension}, the scene {self.dimension}. "
+                "Write `dimension` in the scene, or build the model for the scene's."
             )
         return model
 
@@ -155,7 +164,7 @@ class Scene(Description):
         for name, point in mine.items():
             if point.arc_length is not None:
                 twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
-                if twin and isinstance(body, Flexible) and place_parameter(point.interface) in self.model(body.model).nominal:
+                if twin and isinstance(body, ModelBody) and place_parameter(point.interface) in self.model(body.model).nominal:
                     raise InputError(
                         f"points.{name} and points.{twin} sit at the same interface point, whose place the shapes of body "
                         f"{point.body!r} follow: one cannot move without the other. Use one of them."
@@ -165,21 +174,21 @@ class Scene(Description):
 
     def extrapolated(self) -> dict[str, list[str]]:
         """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
-        bodies = {name: body for name, body in self.bodies.items() if isinstance(body, Flexible)}
+        bodies = {name: body for name, body in self.bodies.items() if isinstance(body, ModelBody)}
         found = {name: body.design_point(self).extrapolated() for name, body in bodies.items()}
         return {name: parameters for name, parameters in found.items() if parameters}
 
     @property
     def gravity(self) -> np.ndarray:
-        """Sum of all gravity loads, shape (2,), length/time^2."""
-        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, Gravity)]
-        return sum(found, np.zeros(2))
+        """Sum of all gravity loads, shape (d,), length/time^2."""
+        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, (Gravity, SpatialGravity))]
+        return sum(found, np.zeros(self.dimension))
 
     @property
     def size(self) -> float:
         """Extent of the points or of the largest body, the length that displacements are compared with."""
         positions = np.real([self.position(point) for point in self.points])
-        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(2)
+        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(self.dimension)
         return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
 
     def number(self, path: str) -> Any:
@@ -213,14 +222,14 @@ class Scene(Description):
         """Paths of the numbers that come from reduced models: parameters, and arc lengths of interface points."""
         found: dict[str, float] = {}
         for name, body in self.bodies.items():
-            if isinstance(body, Flexible):
+            if isinstance(body, ModelBody):
                 model = self.model(body.model)
                 places = {place_parameter(interface) for interface in model.interfaces or {}}  # reached through their points
                 own = {parameter: value for parameter, value in model.nominal.items() if parameter not in places}
                 found |= {f"bodies.{name}.{parameter}": value for parameter, value in own.items()}
         for name, point in self.points.items():
             owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
-            if isinstance(point, BodyPoint) and isinstance(owner, Flexible):
+            if isinstance(point, BodyPoint) and isinstance(owner, ModelBody):
                 interfaces = self.model(owner.model).interfaces or {}
                 place = interfaces.get(point.interface)
                 if place is not None and place.arc_length_range[0] < place.arc_length_range[1]:

@@ -48,6 +48,25 @@ def check_names(
                     known(used, names, f"responses.{name}", kind)
 
 
+def check_dimension(dimension: int, points: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]) -> None:
+    """Refuse a planar scene with what belongs to space, and the reverse.
+
+    Raises
+    ------
+    InputError
+        Names the point or component.
+    """
+    for name, point in points.items():
+        if not isinstance(point, BodyPoint) and len(point.position()) != dimension:
+            raise InputError(
+                f"points.{name} has {len(point.position())} coordinates; a scene of dimension {dimension} has {dimension}."
+            )
+    for group, items in groups.items():
+        for name, item in items.items():
+            if item.dimension != dimension:
+                raise InputError(f"{group}.{name} is for dimension {item.dimension}, the scene has dimension {dimension}.")
+
+
 def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
     """Refuse a name that does not exist, and list those that do.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -60,6 +60,18 @@ class FloatingNumbers(NamedTuple):
 
 class Body(Registered):
     """Base of all bodies. Coordinates are r_x, r_y, theta if the body has a frame, then the elastic ones."""
+
+    dimension: ClassVar[int] = 2
+
+    @property
+    def frame_size(self) -> int:
+        """How many coordinates come before the elastic ones."""
+        return 3 if self.has_frame else 0
+
+    @property
+    def turns(self) -> int:
+        """How many coordinates its orientation has."""
+        return 1 if self.has_frame else 0
 
     @property
     def has_frame(self) -> bool:

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, model_validator
 
-from toolkit.bodies.body import Body, ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
+from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
+from toolkit.bodies.model_body import ModelBody
 from toolkit.description import Number, Pair
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError
 from toolkit.planar import rotation
-from toolkit.reduced_model import MEAN_AXES, Invariants, ReducedModel, generalized_lengths, place_parameter
-
-DEPENDENCE = ("affine", "derivatives")
-"""Parts of a reduced model that tell how its arrays depend on its parameters."""
-
-FRAME = "(frame)"
-"""In place of an interface point: the origin of the body's frame, which turns with it but does not deform."""
+from toolkit.reduced_model import generalized_lengths
 
 
-class Flexible(Body):
+class Flexible(ModelBody):
     """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
 
     Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
@@ -69,60 +62,9 @@ class Flexible(Body):
         """Only a moving frame has coordinates."""
         return self.frame == "moving"
 
-    def model_values(self) -> Mapping[str, Any]:
-        """Parameters that the scene sets."""
-        return self.model_extra or {}
-
-    def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
-        """The reduced model at the scene's parameter values; `parts` as of `Scene.model`.
-
-        What the model's arrays depend on is read only if a value is not the nominal one, be it by an imaginary step.
-        """
-        model, first_order = scene.model(self.model), self.extrapolation == "first-order"
-        if not self.has_frame and model.reference_condition == MEAN_AXES:
-            raise InputError(
-                f"the reduced model {self.model!r} floats about mean axes, so that no point of it stays where it is: a grounded body "
-                'cannot be made of it. Write frame = "moving" and hold the body by joints, or preprocess with boundary = "clamped".'
-            )
-        places = {name: s for name, s in scene.arc_lengths(self).items() if place_parameter(name) in model.nominal}
-        follows = {place_parameter(name): s for name, s in places.items()}
-        moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
-        model = scene.model(self.model, *(DEPENDENCE if moved else ()), *parts)
-        design = DesignPoint(model, self.model_values(), first_order)
-        for name in places:
-            if design.moves(f"interfaces.{name}.arc_length"):
-                raise InputError(
-                    f"the scene writes an arc length of interface point {name!r}, which the shape moves along the skin, and the body's "
-                    "shapes follow it: their derivative at a fixed arc length is unknown. Leave arc_length out of the scene, or give the "
-                    "point by its arc length in the skin file."
-                )
-        return DesignPoint(model, {**self.model_values(), **follows}, first_order) if follows else design
-
-    def invariants(self, scene: Placed) -> Invariants:
-        """Invariants at the scene's parameter values."""
-        return self.design_point(scene).invariants()
-
-    def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (2, 1 + n_f) and T_P (1 + n_f,) of a point of the scene that is one of the body's interface points, or its frame.
-
-        Raises
-        ------
-        InputError
-            The point is no interface point of this body; lists those that are. Or its arc length is outside of the element.
-        """
-        written, design = scene.interface(point), self.design_point(scene)
-        model = design.model
-        if getattr(written, "body", None) != name:
-            raise InputError(
-                f"point {point!r} is not an interface point of flexible body {name!r}, so nothing can grip the body there. "
-                f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
-            )
-        if written.interface == FRAME and FRAME not in (model.interfaces or {}):
-            return np.zeros((2, 1 + model.n_f)), np.zeros(1 + model.n_f)
-        refuse_unknown(model, written.interface, name)
-        interface = design.interface(written.interface)
-        moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
-        return interface.at(written.arc_length) if moved else interface.here
+    def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
+        """Undeformed global position of an interface point, (2,)."""
+        return np.array(self.position) + rotation(self.angle) @ self.point(scene, point, name)[0][:, 0]
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Elastic coordinates by number, after the frame."""
@@ -181,22 +123,3 @@ class Flexible(Body):
         inv = self.invariants(scene)
         row, column = np.nonzero((inv.inertia != 0) | (inv.gyroscopic != 0))
         return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])
-
-
-def refuse_unknown(model: ReducedModel, interface: str, body: str) -> None:
-    """Refuse an interface point that does not exist, and list those that do.
-
-    Raises
-    ------
-    InputError
-        There is none of that name.
-    """
-    if interface not in (model.interfaces or {}):
-        raise InputError(
-            f"flexible body {body!r} has no interface point {interface!r}; available: {_names(model)}. "
-            "Add it to the interface points of the skin file and run preprocessing again."
-        )
-
-
-def _names(model: ReducedModel) -> str:
-    return ", ".join(model.interfaces or {}) or "none"

@@ -45,17 +45,16 @@ class Floating(NamedTuple):
     gravity_variable: np.ndarray  # (n_d,) variables that change it
     design_gravity: np.ndarray  # (n_d, 2)
 
+    def work(self, dtype: type) -> "FloatingWork":
+        """Scratch memory."""
+        return FloatingWork(np.zeros((3, 2), dtype), np.zeros((6, 1 + int(max(self.n_f, default=0))), dtype))
+
 
 class FloatingWork(NamedTuple):
     """Products of one block with the current state."""
 
     first: np.ndarray  # (3, 2): N z^, N z', N a^, rotated by A
     products: np.ndarray  # (6, 1 + n_f): G z^, G z', G a^, H z^, H z', H a^
-
-
-def floating_work(n_f: int, dtype: type) -> FloatingWork:
-    """Memory for bodies with at most n_f elastic coordinates."""
-    return FloatingWork(np.zeros((3, 2), dtype), np.zeros((6, 1 + n_f), dtype))
 
 
 @inner

@@ -21,6 +21,9 @@ from toolkit.kernel import inner, kernel
 class Markers(NamedTuple):
     """What never changes. Columns of marker m are `start[m]:start[m + 1]`: first r_x, r_y, theta if it has a frame."""
 
+    plane: tuple  # not None: these are markers in the plane
+    frames: None  # which are those of space alone
+    pose: tuple  # 0, 1, 2; its length is known when the loop is compiled
     frame: np.ndarray  # (n_m,) global number of r_x, or -1
     point: np.ndarray  # (n_m, 3) z0 and t0
     start: np.ndarray  # (n_m + 1,)
@@ -31,6 +34,11 @@ class Markers(NamedTuple):
     design_point: np.ndarray  # (n_d, 3) derivative of z0 and t0
     design_shape_start: np.ndarray  # (n_d,) into the next
     design_shape: np.ndarray  # derivative of `shape`, block after block
+
+    def state(self, dtype: type) -> "MarkerState":
+        """Memory for the state of the markers."""
+        n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
+        return MarkerState(*(np.zeros((n, 3), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 4))
 
 
 class MarkerState(NamedTuple):
@@ -48,12 +56,6 @@ class MarkerState(NamedTuple):
     rate_x: np.ndarray
     acceleration_x: np.ndarray
     centripetal_x: np.ndarray
-
-
-def marker_state(markers: Markers, dtype: type) -> MarkerState:
-    """Memory for the state of the markers."""
-    n_m, n_c, n_d = len(markers.frame), len(markers.coordinate), len(markers.design_variable)
-    return MarkerState(*(np.zeros((n, 3), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 4))
 
 
 @inner

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
 from toolkit.scene import Scene
 
@@ -28,7 +28,7 @@ def check_numbers(scene: Scene) -> None:
     if not scene.bodies:
         raise InputError("the scene has no body, so nothing can move. Add one to its table [bodies].")
     for name, body in scene.bodies.items():
-        if isinstance(body, Flexible):
+        if isinstance(body, ModelBody):
             for parameter, value in body.model_values().items():
                 least = LEAST.get(next((known for known in LEAST if parameter.startswith(known)), ""), -np.inf)
                 if not np.real(value) > 0 and (least > 0 or np.real(value) < least):

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.compilation.quantities import Quantities
 
-CONSTANT, FLOATING = ("mass", "damping", "stiffness"), ("inertia", "gyroscopic")
+SHARED = ("mass", "damping", "stiffness", "inertia", "gyroscopic", "second")
 """Matrices of a body that share their entries."""
 
 
@@ -17,14 +17,14 @@ def on_common_pattern(values: Quantities, derivatives: list[Quantities]) -> None
     """Give each body and each marker the same entries in the values and in all derivatives."""
     everything = [values, *derivatives]
     for b in values.constant:
-        _spread([each.constant for each in everything if b in each.constant], b, CONSTANT)
+        _spread([each.constant for each in everything if b in each.constant], b)
     for b in values.floating:
-        _spread([each.floating for each in everything if b in each.floating], b, FLOATING)
+        _spread([each.floating for each in everything if b in each.floating], b)
     for m in values.markers:
         _widen([each.markers for each in everything if m in each.markers], m)
 
 
-def _spread(tables: list, owner: int, names: tuple[str, ...]) -> None:
+def _spread(tables: list, owner: int) -> None:
     """Matrices of one body, on the union of their entries."""
     parts = [table[owner] for table in tables]
     size = 1 + max(int(max(part.row.max(initial=0), part.column.max(initial=0))) for part in parts)
@@ -32,6 +32,9 @@ def _spread(tables: list, owner: int, names: tuple[str, ...]) -> None:
     union = np.unique(np.concatenate(keys))
     for table, part, key in zip(tables, parts, keys, strict=True):
         place = np.searchsorted(union, key)
+        names = [
+            name for name in SHARED if name in part._fields and np.ndim(getattr(part, name))
+        ]  # not the mass of a floating body
         spread = {name: _placed(getattr(part, name), place, len(union)) for name in names}
         table[owner] = part._replace(row=union // size, column=union % size, **spread)
 

@@ -3,31 +3,30 @@
 from __future__ import annotations
 
 from operator import itemgetter
+from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import MarkerNumbers
 from toolkit.bodies.marker_kernel import Markers
 from toolkit.compilation.arrays import ints, starts
-from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.pattern import Pattern, block
-from toolkit.compilation.quantities import Quantities, loads_of
+from toolkit.compilation.quantities import LOAD_PARAMETERS, Quantities, named_loads
 from toolkit.component import Component
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.joint_kernel import Joints
-from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.load_kernel import Loads
 from toolkit.scene import Scene
 
 
 def families(components: list) -> list:
-    """The different formulas of the components, in order of appearance."""
-    return list(dict.fromkeys(component.law() for component in components))
+    """The different formulas of the components, in order of appearance; joints in space have none."""
+    return list(dict.fromkeys(component.law() for component in components if component.stated_by == "formula"))
 
 
-def gripped(numbering: Numbering, columns: list[np.ndarray], component: Component) -> tuple[np.ndarray, list[int]]:
-    """Coordinates of a component's two markers, and the markers."""
-    markers = [numbering.marker(grip) for grip in component.grips]
+def gripped(numbering: Numbering, columns: list[np.ndarray], path: str, component: Component) -> tuple[np.ndarray, list[int]]:
+    """Coordinates of a component's two markers, and the markers; `path` is where the scene has it."""
+    markers = [numbering.marker(grip) for grip in grips_of(path, component)]
     return np.concatenate([columns[m] for m in markers]), markers
 
 
@@ -41,9 +40,12 @@ def marker_arrays(
 ) -> Markers:
     """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
     active = marker_changes(derivatives)
-    frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, _ in numbering.markers]
+    frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, *_ in numbering.markers]
     shapes = [part.shape for part in values.markers.values()]
     return Markers(
+        (0, 1, 2),
+        None,
+        (0, 1, 2),
         ints([frames]),
         np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
         starts([len(c) for c in columns]),
@@ -57,7 +59,7 @@ def marker_arrays(
     )
 
 
-def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, MarkerNumbers]]:
+def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
     """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
     found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
     return sorted((each for each in found if np.any(each[2].point) or np.any(each[2].shape)), key=itemgetter(0, 1))
@@ -78,7 +80,7 @@ def joint_arrays(
     changes = parameter_changes([d.joints for d in derivatives], len(joints))
     positions, markers = [], []
     for name, joint in scene.joints.items():
-        both, pair = gripped(numbering, columns, joint)
+        both, pair = gripped(numbering, columns, f"joints.{name}", joint)
         rows = numbering.row[name] + np.arange(len(joint.row_names))
         markers.append(pair)
         places = [pattern.find(*block(r, c)) for r, c in ((both, both), (rows, both), (both, rows))]
@@ -112,17 +114,17 @@ def load_arrays(
     dtype: type,
 ) -> Loads:
     """Loads of the scene, with the places of their local entries in the pattern."""
-    loads = loads_of(scene)
+    loads = list(named_loads(scene).values())
     known = families(loads)
     changes = parameter_changes([d.loads for d in derivatives], len(loads))
     flat = [change for pairs in changes for change in pairs]
-    both = [gripped(numbering, columns, load) for load in loads]
+    both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in named_loads(scene).items()]
     positions = [pattern.find(*block(local, local)) for local, _ in both]
     before = sum(joint.time_curve is not None for joint in scene.joints.values())
     return Loads(
         ints([[known.index(load.law()) for load in loads]]),
         np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
-        np.array(list(values.loads.values()), dtype).reshape(-1, LOAD_ARGUMENTS - 7),
+        np.array(list(values.loads.values()), dtype).reshape(-1, LOAD_PARAMETERS[scene.dimension]),
         curve_numbers(loads, before),
         designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
         starts([len(pairs) for pairs in changes]),

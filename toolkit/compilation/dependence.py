@@ -12,6 +12,7 @@ from typing import Any
 
 from toolkit.description import Description
 from toolkit.loads.gravity import Gravity
+from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.point import BodyPoint
 from toolkit.scene import Scene
 
@@ -33,7 +34,7 @@ def users_by_name(scene: Scene) -> dict[str, list[Item]]:
 def affected_items(scene: Scene, path: str, users: dict[str, list[Item]]) -> set[Item] | None:
     """Items that the number at a path may change; None if it may change all."""
     group, name = path.split(".")[:2]
-    if isinstance(getattr(scene, group)[name], Gravity):
+    if isinstance(getattr(scene, group)[name], (Gravity, SpatialGravity)):
         return None
     found: set[Item] = set()
     waiting: list[Item] = [(group, name)]

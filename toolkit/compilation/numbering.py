@@ -9,8 +9,12 @@ import numpy as np
 from toolkit.component import Component
 from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import ROWS
+from toolkit.joints.spatial.joint_kernel import ROWS as SPATIAL_ROWS
 from toolkit.loads.load import Load
 from toolkit.scene import Scene
+
+QUATERNION = 4
+"""Coordinates of an orientation that has a length to keep."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +27,18 @@ class Numbering:
         Body -> number of its first coordinate.
     row
         Joint -> number of its first multiplier among all unknowns.
+    length
+        Body -> number of the multiplier of its quaternion's length.
     markers
-        (body, point) in the order of the marker arrays.
+        (body, point) in the order of the marker arrays; a third entry is the path of the component whose axes it has.
     names
         What each unknown is, for messages.
     """
 
     first: dict[str, int]
     row: dict[str, int]
-    markers: tuple[tuple[str, str], ...]
+    length: dict[str, int]
+    markers: tuple[tuple[str, ...], ...]
     names: tuple[str, ...]
     n_q: int
 
@@ -40,35 +47,44 @@ class Numbering:
         """Number of unknowns, coordinates and multipliers."""
         return len(self.names)
 
-    def marker(self, grip: tuple[str, str]) -> int:
+    def marker(self, grip: tuple[str, ...]) -> int:
         """Number of the marker of a body at a point."""
         return self.markers.index(grip)
 
 
-def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
-    """Number the unknowns: bodies in the order of the scene, then the rows of the joints; `extra_markers` carry no component.
+def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
+    """The markers of a component: (body, point), and its path if they have axes of its own."""
+    return [(*grip, path) if component.oriented else grip for grip in component.grips]
+
+
+def number(scene: Scene, extra_markers: tuple[tuple[str, ...], ...] = ()) -> Numbering:
+    """Number the unknowns: bodies as in the scene, rows of joints, lengths of quaternions; `extra_markers` carry no component.
 
     Raises
     ------
     InputError
-        A joint has more rows than a planar joint can have.
+        A joint has more rows than a joint can have.
     """
     names: list[str] = []
-    first, row = {}, {}
+    first, row, length = {}, {}, {}
+    most = ROWS if scene.dimension == 2 else SPATIAL_ROWS
     for name, body in scene.all_bodies().items():
         first[name] = len(names)
         names += [f"{coordinate} of body {name!r}" for coordinate in body.coordinate_names(scene)]
     n_q = len(names)
     for name, joint in scene.joints.items():
         row[name] = len(names)
-        if len(joint.row_names) > ROWS:
-            raise InputError(
-                f"joint {name!r} has {len(joint.row_names)} rows, a planar joint has at most {ROWS}. Split it into two."
-            )
+        if len(joint.row_names) > most:
+            raise InputError(f"joint {name!r} has {len(joint.row_names)} rows, a joint has at most {most}. Split it into two.")
         names += [f"{direction} of joint {name!r}" for direction in joint.row_names]
-    components: list[Component] = [*scene.joints.values(), *(load for load in scene.loads.values() if isinstance(load, Load))]
-    grips = [grip for component in components for grip in component.grips]
-    return Numbering(first, row, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q)
+    for name, body in scene.bodies.items():
+        if body.turns == QUATERNION:
+            length[name] = len(names)
+            names.append(f"length of the quaternion of body {name!r}")
+    loads = {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load)}
+    components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
+    grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
+    return Numbering(first, row, length, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q)
 
 
 def weights(scene: Scene) -> np.ndarray:
@@ -78,6 +94,7 @@ def weights(scene: Scene) -> np.ndarray:
     """
     size = scene.size
     lengths = np.concatenate([body.coordinate_lengths(scene) for body in scene.all_bodies().values()])
-    rows = [np.nan if name == "rotation" else 1.0 for joint in scene.joints.values() for name in joint.row_names]
+    rows = [np.nan if name.startswith("rotation") else 1.0 for joint in scene.joints.values() for name in joint.row_names]
+    rows += [np.nan for body in scene.bodies.values() if body.turns == QUATERNION]
     lengths = np.concatenate([np.real(lengths), rows])
     return np.where(np.isnan(lengths), 1.0, lengths / size)

@@ -8,7 +8,8 @@ from toolkit.compilation.body_arrays import constant_part, floating_part
 from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
 from toolkit.compilation.numbering import Numbering, weights
 from toolkit.compilation.pattern import Pattern, block, build_pattern
-from toolkit.compilation.quantities import Quantities, loads_of
+from toolkit.compilation.quantities import Quantities, named_loads
+from toolkit.compilation.spatial_arrays import frames_part, spatial_floating_part, spatial_joint_arrays, spatial_marker_arrays
 from toolkit.compilation.touched import touched
 from toolkit.equations import Plan
 from toolkit.scene import Scene
@@ -17,16 +18,14 @@ from toolkit.scene import Scene
 def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:
     """All arrays of the compiled scene; `derivatives` are those of the numbers by each design variable."""
     offsets = [numbering.first[name] for name in scene.all_bodies()]
-    frames = [offsets[b] for b in values.floating]
     constant_rows = [(offsets[b] + part.row, offsets[b] + part.column) for b, part in values.constant.items()]
-    columns = [numbering.first[body] + values.markers[m].columns for m, (body, _) in enumerate(numbering.markers)]
-    pattern = _pattern(scene, numbering, values, constant_rows, frames, columns)
+    columns = [numbering.first[body] + values.markers[m].columns for m, (body, *_) in enumerate(numbering.markers)]
+    pattern = _pattern(scene, numbering, values, constant_rows, columns)
     curve_index, curve_variable = curve_pairs(derivatives)
+    of_dimension = _planar_parts if scene.dimension == 2 else _spatial_parts
     parts = (
         constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
-        floating_part(frames, values, derivatives, pattern, dtype),
-        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
-        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        *of_dimension(scene, numbering, values, derivatives, columns, pattern, dtype),
         load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
     )
     return Plan(
@@ -42,27 +41,49 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
     )
 
 
-def _pattern(
-    scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, frames: list[int], columns: list[np.ndarray]
-) -> Pattern:
+def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
+    """Bodies with a moving frame, markers and joints in the plane."""
+    frames = [numbering.first[name] for name, body in scene.bodies.items() if body.floating(scene) is not None]
+    return (
+        floating_part(frames, values, derivatives, pattern, dtype),
+        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
+        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+    )
+
+
+def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
+    """The same in space."""
+    frames = frames_part(scene, numbering, values, pattern)
+    return (
+        spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
+        spatial_marker_arrays(scene, numbering, frames, values, derivatives, columns, dtype),
+        spatial_joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+    )
+
+
+def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:
     """Union of what all parts of the scene fill."""
     entries = list(constant_rows)
-    for frame, part in zip(frames, values.floating.values(), strict=True):
-        local = frame + np.arange(2 + len(part.moment))
-        entries += [block(local[:3], local)]
+    everybody = scene.all_bodies()
+    for name, part in ((list(everybody)[b], part) for b, part in values.floating.items()):
+        frame, size = numbering.first[name], everybody[name].frame_size
+        local = frame + np.arange(size - 1 + len(part.moment))
+        entries += [block(local[:size], local)]
         inside = (part.row > 0) & (part.column > 0)
-        entries += [(frame + 2 + part.row[inside], frame + 2 + part.column[inside])]
+        entries += [(frame + size - 1 + part.row[inside], frame + size - 1 + part.column[inside])]
+    for name, row in numbering.length.items():
+        entries += [block(np.array([row]), numbering.first[name] + np.arange(3, 7))]
     for name, joint in scene.joints.items():
-        both, markers = gripped(numbering, columns, joint)
+        both, markers = gripped(numbering, columns, f"joints.{name}", joint)
         rows = numbering.row[name] + np.arange(len(joint.row_names))
         entries += [block(rows, both)]
         entries += (
             [block(both, both)]
-            if joint.curved
+            if joint.curved or scene.dimension == 3
             else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
         )
-    for load in loads_of(scene):
-        both, _ = gripped(numbering, columns, load)
+    for name, load in named_loads(scene).items():
+        both, _ = gripped(numbering, columns, f"loads.{name}", load)
         entries += [block(both, both)]
     return build_pattern(numbering.n, entries)
 

@@ -8,24 +8,28 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers
+from toolkit.bodies.body import ConstantNumbers
 from toolkit.compilation.dependence import Item, affected_items, users_by_name
 from toolkit.compilation.numbering import Numbering
 from toolkit.component import Component
 from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
+from toolkit.joints.spatial.forms import Form, Row
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
+from toolkit.loads.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.profile import Curve
 from toolkit.scene import Scene
 
 T = TypeVar("T")
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
+LOAD_PARAMETERS = {2: LOAD_ARGUMENTS - 7, 3: SPATIAL_ARGUMENTS - 25}
+"""Parameters of a load by the dimension of space."""
 
 
 @dataclass(frozen=True)
@@ -37,11 +41,11 @@ class Quantities:
 
     start: dict[int, tuple[np.ndarray, np.ndarray]]  # coordinates and velocities of each body
     constant: dict[int, ConstantNumbers]
-    floating: dict[int, FloatingNumbers]  # of the bodies that have them
-    markers: dict[int, MarkerNumbers]
-    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros
-    loads: dict[int, np.ndarray]  # (5,)
-    gravity: np.ndarray  # (2,)
+    floating: dict[int, Any]  # FloatingNumbers or SpatialFloatingNumbers of the bodies that have them
+    markers: dict[int, Any]  # MarkerNumbers or SpatialMarkerNumbers
+    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros; in space the numbers of the rows, see `row_numbers`
+    loads: dict[int, np.ndarray]  # (5,) parameters, in space (7,)
+    gravity: np.ndarray  # (d,)
     curves: dict[int, Curve]
 
 
@@ -59,15 +63,47 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] 
         {b: body.constant(scene, scene.gravity) for b, body in bodies.items()},
         {b: block for b, block in floating.items() if block is not None},
         {
-            m: everybody[body].marker(scene, point, body)
-            for m, (body, point) in enumerate(numbering.markers)
-            if affected is None or ("bodies", body) in affected or ("points", point) in affected
+            m: _marker(scene, everybody, grip)
+            for m, grip in enumerate(numbering.markers)
+            if affected is None or affected & set(zip(("bodies", "points"), grip, strict=False)) or _owner(grip) in affected
         },
-        {j: _parameters(scene, joint, JOINT_ARGUMENTS - 6) for j, joint in joints.items()},
-        {k: _parameters(scene, load, LOAD_ARGUMENTS - 7) for k, load in loads.items()},
+        {j: _joint_numbers(scene, joint) for j, joint in joints.items()},
+        {k: _parameters(scene, load, LOAD_PARAMETERS[scene.dimension]) for k, load in loads.items()},
         np.asarray(scene.gravity),
         {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected},
     )
+
+
+def _marker(scene: Scene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -> Any:
+    """Numbers of one marker, in space with the axes of its component if it has some."""
+    body, point = grip[:2]
+    if len(grip) == 2:
+        return everybody[body].marker(scene, point, body)
+    group, name = _owner(grip)
+    return everybody[body].marker(scene, point, body, getattr(scene, group)[name].axes(scene))
+
+
+def _owner(grip: tuple[str, ...]) -> Item:
+    """The component whose axes a marker has."""
+    group, _, name = grip[2].partition(".") if len(grip) == 3 else ("", "", "")
+    return group, name
+
+
+def _joint_numbers(scene: Scene, joint: Any) -> np.ndarray:
+    if joint.dimension == 3:
+        return row_numbers(joint.constraint(scene))
+    return _parameters(scene, joint, JOINT_ARGUMENTS - 6)
+
+
+def forms_of(rows: tuple[Row, ...]) -> list[Form]:
+    """The forms of a joint in space, in order."""
+    return [form for row in rows for form in (row.form, row.sine) if form is not None]
+
+
+def row_numbers(rows: tuple[Row, ...]) -> np.ndarray:
+    """Constant, linear values and pair values of every form, in order."""
+    numbers = [[form.constant, *(n for *_, n in form.linear), *(n for *_, n in form.pairs)] for form in forms_of(rows)]
+    return np.array([number for each in numbers for number in each])
 
 
 def loads_of(scene: Scene) -> list[Load]:

@@ -5,22 +5,27 @@ The loop visits these entries alone, so that hundreds of variables cost it littl
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.bodies.constant_kernel import Constant
 from toolkit.bodies.floating_kernel import Floating
 from toolkit.bodies.marker_kernel import Markers
+from toolkit.bodies.spatial.floating_kernel import SpatialFloating
+from toolkit.bodies.spatial.marker_kernel import SpatialMarkers
 from toolkit.compilation.arrays import ints
 from toolkit.joints.joint_kernel import Joints
+from toolkit.joints.spatial.joint_kernel import SpatialJoints
 from toolkit.loads.load_kernel import Loads
 
 
 def touched(
     n_x: int,
     constant: Constant,
-    floating: Floating,
-    markers: Markers,
-    joints: Joints,
+    floating: Floating | SpatialFloating,
+    markers: Markers | SpatialMarkers,
+    joints: Joints | SpatialJoints,
     loads: Loads,
     curve_index: np.ndarray,
     curve_variable: np.ndarray,
@@ -29,7 +34,7 @@ def touched(
     pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
     pairs += _by_floating(floating)
     for part in (joints, loads):
-        for k in range(len(part.family)):
+        for k in range(len(part.marker)):
             variables = _variables(part, k, markers, curve_index, curve_variable)
             own = joints.row[k] + np.arange(joints.n_rows[k]) if part is joints else np.zeros(0, np.int64)
             rows = np.concatenate([own, *(markers.coordinate[markers.start[m] : markers.start[m + 1]] for m in part.marker[k])])
@@ -38,15 +43,18 @@ def touched(
     return keys // max(n_x, 1), keys % max(n_x, 1)
 
 
-def _by_floating(floating: Floating) -> list[tuple[np.ndarray, np.ndarray]]:
+def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray, np.ndarray]]:
     """Whole bodies: those whose invariants change, and all if gravity does."""
     pairs = list(zip(floating.block_body, floating.block_variable, strict=True))[len(floating.frame) :]
     pairs += [(b, x) for b in range(len(floating.frame)) for x in floating.gravity_variable]
-    found = [floating.frame[b] + np.arange(3 + floating.n_f[b]) for b, _ in pairs]
+    sizes = 3 + floating.n_f if isinstance(floating, Floating) else floating.moves + floating.turns + floating.n_f
+    found = [floating.frame[b] + np.arange(sizes[b]) for b, _ in pairs]
     return [(rows, np.full(len(rows), x)) for rows, (_, x) in zip(found, pairs, strict=True)]
 
 
-def _variables(part: Joints | Loads, k: int, markers: Markers, curve_index: np.ndarray, curve_variable: np.ndarray) -> np.ndarray:
+def _variables(
+    part: Any, k: int, markers: Markers | SpatialMarkers, curve_index: np.ndarray, curve_variable: np.ndarray
+) -> np.ndarray:
     """Variables that act on a component through its markers, its parameters or its time curve."""
     by_markers = [markers.design_variable[markers.design_start[m] : markers.design_start[m + 1]] for m in part.marker[k]]
     by_parameters = part.design_variable[part.design_start[k] : part.design_start[k + 1]]

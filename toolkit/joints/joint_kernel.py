@@ -44,6 +44,12 @@ class Joints(NamedTuple):
     position_start: np.ndarray  # (n_j,) into the next
     position: np.ndarray  # where local entries are stored: coordinates x coordinates, rows x coordinates, transposed
 
+    def work(self, dtype: type) -> "JointWork":
+        """Memory for any joint."""
+        r, z = ROWS, ARGUMENTS
+        shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (4, r)]
+        return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
+
 
 class JointWork(NamedTuple):
     """Scratch memory for one joint."""
@@ -60,13 +66,6 @@ class JointWork(NamedTuple):
     dforce: np.ndarray
     unit: np.ndarray  # (4, 3) the direction of one parameter, as if it were a pose
     row: np.ndarray  # (4, ROWS) of one direction: d inertial, d applied, d applied by its rate, g_z y
-
-
-def joint_work(dtype: type) -> JointWork:
-    """Memory for any joint."""
-    r, z = ROWS, ARGUMENTS
-    shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (4, r)]
-    return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
 @kernel

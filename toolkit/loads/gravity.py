@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from toolkit.description import Pair, Registered
 
 
@@ -15,5 +17,6 @@ class Gravity(Registered):
     """
 
     kind = "gravity"
+    dimension: ClassVar[int] = 2
 
     acceleration: Pair

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.flexible import FRAME, Flexible
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import FRAME
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.point import BodyPoint
 from toolkit.reduced_model_file import PARTS

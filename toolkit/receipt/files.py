@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from toolkit.bodies.flexible import DEPENDENCE, Flexible
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.receipt.asked import asking
 from toolkit.receipt.line import Line
 from toolkit.reduced_model_file import stored_bytes

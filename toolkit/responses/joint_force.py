@@ -6,8 +6,7 @@ from typing import Literal
 
 import numpy as np
 
-from toolkit.bodies.marker_design import update_marker_designs
-from toolkit.bodies.marker_kernel import update_markers
+from toolkit.bodies.poses import update_pose_designs, update_poses
 from toolkit.equations import allocate_work
 from toolkit.joints.joint_kernel import evaluate_joint
 from toolkit.responses.instant import Instant, magnitude
@@ -59,8 +58,8 @@ class JointForce(Instant):
         rest: np.ndarray = np.zeros(system.n, system.dtype)
         q = np.concatenate([solution.q[step], rest[system.n_q :]])
         acc = np.concatenate([rest[: system.n_q], solution.multipliers[step]])
-        for function in (update_markers, update_marker_designs):
-            system.run(function, markers, work.markers, q, rest, rest, work.scratch)
+        for function in (update_poses, update_pose_designs):
+            system.run(function, markers.plane, markers.frames, markers, work.markers, q, rest, rest, work.scratch)
         system.run(evaluate_joint, system.functions[0], plan.joints, j, markers, work.markers, acc, work.joint)
         rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
         force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)

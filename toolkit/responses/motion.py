@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.bodies.marker_design import update_marker_designs
-from toolkit.bodies.marker_kernel import MarkerState, update_markers
+from toolkit.bodies.poses import update_pose_designs, update_poses
 from toolkit.equations import allocate_work
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
@@ -45,13 +44,13 @@ class MarkerResponse(Instant):
         return state.y[marker], pose_q, pose_x
 
 
-def marker_states(system: System, q: np.ndarray) -> MarkerState:
+def marker_states(system: System, q: np.ndarray) -> Any:
     """All markers at coordinates (n_q,), at rest."""
-    work = allocate_work(system.plan, system.dtype)
+    work, markers = allocate_work(system.plan, system.dtype), system.plan.markers
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
-    for function in (update_markers, update_marker_designs):
-        system.run(function, system.plan.markers, work.markers, padded, rest, rest, work.scratch)
+    for function in (update_poses, update_pose_designs):
+        system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
     return work.markers
 
 

@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.flexible import DEPENDENCE, Flexible
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
 from toolkit.design_point import NONE, DesignPoint

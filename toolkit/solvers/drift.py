@@ -2,23 +2,25 @@
 
 import numpy as np
 
-from toolkit.bodies.marker_kernel import update_markers
-from toolkit.joints.joint_kernel import evaluate_joint
+from toolkit.bodies.poses import update_poses
+from toolkit.joints.all_joints import evaluate_any_joint, gap_of
 from toolkit.kernel import kernel
 
 
 @kernel
 def largest_drift(plan, functions, curves, weights, q, rest, found, work):
     """Largest weighted |phi| over all times and rows: (value, time index, unknown) in `found`; `rest` is zero, (n,)."""
+    plane, frames = plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
-        update_markers(plan.markers, work.markers, q[n], rest, rest, work.scratch)
-        for j in range(len(plan.joints.family)):
-            evaluate_joint(functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
+        update_poses(plane, frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
+        for j in range(len(plan.joints.row)):
+            evaluate_any_joint(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
             rows = plan.joints.n_rows[j]
             for i in range(rows):
-                value = work.joint.phi[i]
+                target = 0.0
                 if plan.joints.curve[j] >= 0 and i == rows - 1:
-                    value -= curves[n, plan.joints.curve[j], 0]
+                    target = curves[n, plan.joints.curve[j], 0]
+                value = gap_of(frames, plan.joints, j, i, work.joint.phi[i], target)
                 row = plan.joints.row[j] + i
                 violation = weights[row] * abs(value.real)
                 if not violation <= found[0] and not np.isnan(found[0]):

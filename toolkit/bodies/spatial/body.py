@@ -1,0 +1,136 @@
+"""What the compilation asks of every spatial body; a new kind of body is one subclass."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Iterator
+from typing import Any, ClassVar, Literal, NamedTuple
+
+import numpy as np
+from pydantic import model_validator
+
+from toolkit.bodies.body import Body, ConstantNumbers, Placed
+from toolkit.description import Triple
+from toolkit.spatial import axes_along, quaternion_rate
+
+ORIENTATION = ("e0", "e1", "e2", "e3")
+"""Names of a quaternion's coordinates."""
+
+
+class SpatialMarkerNumbers(NamedTuple):
+    """A point on a body: z0 + Z c in its frame, with axes that the rotation vector T c turns."""
+
+    point: np.ndarray  # (15,) z0, three axes, and the origin of a frame that only turns
+    columns: np.ndarray  # (n_columns,) numbers within the body's coordinates; those of the frame first
+    shape: np.ndarray  # (n_columns, 6) Z and T
+
+
+class SpatialFloatingNumbers(NamedTuple):
+    """Invariants of a body whose frame turns; all Q[a, b] on their common pattern."""
+
+    mass: Any
+    moment: np.ndarray  # (1 + n_f, 3) N^T
+    row: np.ndarray
+    column: np.ndarray
+    second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
+    axis: np.ndarray  # (3,) that a turning frame turns about
+
+
+class SpatialBody(Body):
+    """Base of spatial bodies. Coordinates are x, y, z of the frame and its orientation, as far as it has them, then the elastic ones.
+
+    Attributes
+    ----------
+    frame
+        Coordinates that the frame has: "moving" three and a quaternion, "translating" three, "turning" one angle about `axis`.
+    axis
+        Axis through the frame's origin that a turning frame turns about, in the undeformed configuration, of any length.
+    velocity
+        Velocity of the frame's origin at the start, in length/time.
+    angular_velocity
+        Angular velocity at the start, in the undeformed configuration's axes, in rad/time; of a turning frame along its axis.
+    """
+
+    dimension: ClassVar[int] = 3
+    closed: ClassVar[bool] = True
+
+    frame: Literal["moving", "translating", "turning", "grounded"] = "moving"
+    axis: Triple | None = None
+    velocity: Triple = (0.0, 0.0, 0.0)
+    angular_velocity: Triple = (0.0, 0.0, 0.0)
+
+    @model_validator(mode="after")
+    def _fits_its_frame(self) -> SpatialBody:
+        if (self.frame == "turning") != (self.axis is not None):
+            raise ValueError('`axis` belongs to frame = "turning" and to no other')
+        if self.axis is not None and not any(self.axis):
+            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
+        if any(self.velocity) and not self.moves:
+            raise ValueError(f'the origin of a frame = "{self.frame}" does not move: leave `velocity` out')
+        if any(self.angular_velocity) and not self.turns:
+            raise ValueError(f'a frame = "{self.frame}" does not turn: leave `angular_velocity` out')
+        if self.axis is not None and np.abs(np.cross(self.axis, self.angular_velocity)).max() > 1e-9 * max(map(abs, self.axis)):
+            raise ValueError("`angular_velocity` of a turning frame is along its axis")
+        return self
+
+    def numbers(self) -> Iterator[tuple[str, Any]]:
+        """All numbers that can be design variables: not the axis that defines an angle, and no velocity of a frame that has none."""
+        unused = {"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}
+        return ((path, value) for path, value in super().numbers() if unused.get(path.split(".")[0], 1))
+
+    @property
+    def moves(self) -> int:
+        """How many coordinates its origin has."""
+        return 3 if self.frame in ("moving", "translating") else 0
+
+    @property
+    def turns(self) -> int:
+        """How many coordinates its orientation has."""
+        return {"moving": 4, "turning": 1}.get(self.frame, 0)
+
+    @property
+    def has_frame(self) -> bool:
+        """Whether coordinates of a frame come before the elastic ones."""
+        return self.frame_size > 0
+
+    @property
+    def frame_size(self) -> int:
+        """How many coordinates come before the elastic ones."""
+        return self.moves + self.turns
+
+    @property
+    def unit_axis(self) -> np.ndarray:
+        """Direction of the axis of a turning frame, (3,)."""
+        return axes_along(self.axis)[:, 2] if self.axis is not None else np.zeros(3)
+
+    def frame_names(self) -> list[str]:
+        """Names of the frame's coordinates."""
+        return [*"xyz"[: self.moves], *({4: ORIENTATION, 1: ("rotation",)}.get(self.turns, ()))]
+
+    def frame_lengths(self) -> np.ndarray:
+        """Displacements and angles."""
+        return np.array([1.0] * self.moves + [np.nan] * self.turns)
+
+    def frame_state(self, origin: np.ndarray, quaternion: np.ndarray, omega: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates and velocities of the frame at the start; omega in the frame's axes."""
+        turned = {
+            4: (quaternion, quaternion_rate(quaternion, omega)),
+            1: ([0.0], [self.unit_axis @ np.array(self.angular_velocity)]),
+        }
+        orientation, rate = turned.get(self.turns, ([], []))
+        return np.array([*origin[: self.moves], *orientation]), np.array([*self.velocity[: self.moves], *rate])
+
+    @abstractmethod
+    def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
+        """The named point of the scene as a marker on this body; `axes` (3, 3) in the undeformed configuration."""
+
+
+def no_constants(size: int) -> ConstantNumbers:
+    """Of a body all of whose terms move with its frame."""
+    empty = np.zeros(0, int)
+    return ConstantNumbers(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(size))
+
+
+def pose_of(position: np.ndarray, axes: np.ndarray, origin: np.ndarray | None = None) -> np.ndarray:
+    """The numbers of a marker from its position (3,), its axes (3, 3), as columns, and a fixed origin of its frame (3,)."""
+    return np.concatenate([position, axes.T.ravel(), np.zeros(3) if origin is None else origin])

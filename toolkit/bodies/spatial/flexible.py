@@ -1,0 +1,126 @@
+"""Flexible bodies in space from a reduced-model file."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from pydantic import ConfigDict
+
+from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
+from toolkit.description import Number, Triple
+from toolkit.spatial import matrix_of, quaternion_of
+from toolkit.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
+
+
+class SpatialFlexible(ModelBody, SpatialBody):
+    """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
+
+    Any parameter of the reduced model (density, youngs_modulus, ...) can be given by name and replaces its nominal value.
+
+    Attributes
+    ----------
+    model
+        Path of the reduced model, relative to the scene's folder.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    orientation
+        Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
+    extrapolation
+        What to do where a parameter leaves its nominal value and the file holds only a derivative there: refuse, or follow the tangent.
+    """
+
+    kind = "flexible"
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Number]
+
+    model: str
+    frame: Literal["moving", "translating", "turning", "grounded"] = "grounded"
+    position: Triple = (0.0, 0.0, 0.0)
+    orientation: Triple = (0.0, 0.0, 0.0)
+    extrapolation: Literal["none", "first-order"] = "none"
+
+    @property
+    def placement(self) -> np.ndarray:
+        """Rotation matrix of the reduced model's axes at the start, (3, 3)."""
+        return matrix_of(quaternion_of(np.array(self.orientation)))
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """Elastic coordinates by number, after the frame."""
+        return [*self.frame_names(), *(f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f))]
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Undeformed at its place, given velocity of the frame."""
+        elastic = np.zeros(scene.model(self.model).n_f)
+        omega = self.placement.T @ np.array(self.angular_velocity)
+        q, v = self.frame_state(np.array(self.position), quaternion_of(np.array(self.orientation)), omega)
+        return np.concatenate([q, elastic]), np.concatenate([v, elastic])
+
+    def coordinate_lengths(self, scene: Placed) -> np.ndarray:
+        """RMS displacement of the body per unit elastic coordinate."""
+        return np.concatenate([self.frame_lengths(), spatial_lengths(self.nominal(scene))])
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """Root of the mean square distance from the origin of the reference condition, at the nominal design."""
+        inv = self.nominal(scene)
+        return float(np.sqrt(inv.second_moment[:3, 0, 0].sum() / inv.mass))
+
+    def nominal(self, scene: Placed) -> SpatialInvariants:
+        """Invariants at the nominal design."""
+        inv = scene.model(self.model).invariants
+        assert isinstance(inv, SpatialInvariants)
+        return inv
+
+    def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
+        """Undeformed global position of an interface point, (3,)."""
+        return np.array(self.position) + self.placement @ self.point(scene, point, name)[0][:, 0]
+
+    def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
+        """An interface point; the placement of a body whose frame is no quaternion is part of its Z."""
+        position, rotation = self.point(scene, point, name)
+        columns = np.flatnonzero(np.any(position[:, 1:] != 0, axis=0) | np.any(rotation[:, 1:] != 0, axis=0))
+        at, shape = position[:, 0], np.column_stack([position[:, 1 + columns].T, rotation[:, 1 + columns].T])
+        axes, origin, A = np.eye(3) if axes is None else axes, np.array(self.position), self.placement
+        if self.frame == "moving":
+            axes, origin = A.T @ axes, 0 * origin
+        else:
+            at, shape = A @ at, np.column_stack([shape[:, :3] @ A.T, shape[:, 3:] @ A.T])
+            if self.frame == "grounded":
+                at, origin = at + origin, 0 * origin
+            elif self.frame == "translating":
+                origin = 0 * origin
+        first = np.zeros((self.frame_size, 6))
+        return SpatialMarkerNumbers(
+            pose_of(at, axes, origin),
+            np.concatenate([np.arange(self.frame_size), self.frame_size + columns]),
+            np.vstack([first, shape]),
+        )
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Damping and stiffness always; mass and weight only of a frame that does not turn."""
+        inv, size, m = self.invariants(scene), self.frame_size, self.moves
+        whole, moment = size + len(inv.stiffness), self.placement @ inv.first_moment
+        dtype = np.result_type(moment, inv.second_moment, inv.stiffness, inv.damping, inv.mass, gravity)
+        mass, damping, stiffness = np.zeros((3, whole, whole), dtype)
+        damping[size:, size:], stiffness[size:, size:] = inv.damping, inv.stiffness
+        force = np.zeros(whole, dtype)
+        if not self.turns:
+            force[m:], force[:m] = moment[:, 1:].T @ gravity, (inv.mass * gravity)[:m]
+            mass[m:, m:], mass[:m, :m] = inv.second_moment[:3, 1:, 1:].sum(axis=0), inv.mass * np.eye(m)
+            mass[:m, m:], mass[m:, :m] = moment[:m, 1:], moment[:m, 1:].T
+        row, column = np.nonzero((mass != 0) | (damping != 0) | (stiffness != 0))
+        return ConstantNumbers(row, column, mass[row, column], damping[row, column], stiffness[row, column], force)
+
+    def floating(self, scene: Placed) -> SpatialFloatingNumbers | None:
+        """Invariants of a body whose frame turns; those of a turning frame in the undeformed configuration's axes."""
+        if not self.turns:
+            return None
+        inv = self.invariants(scene)
+        Q, moment, A = all_second_moments(inv.second_moment), inv.first_moment, self.placement
+        if self.frame == "turning":
+            Q, moment = np.einsum("ac,bd,cdij->abij", A, A, Q), A @ moment
+        row, column = np.nonzero(np.any(Q != 0, axis=(0, 1)))
+        second = np.moveaxis(Q[:, :, row, column], 2, 0).reshape(len(row), 9)
+        return SpatialFloatingNumbers(inv.mass, moment.T, row, column, second, self.unit_axis)

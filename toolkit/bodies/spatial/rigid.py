@@ -1,0 +1,163 @@
+"""Rigid bodies in space: explicit mass properties, or a uniform round rod between two points."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, no_constants, pose_of
+from toolkit.description import Number, Positive
+
+INERTIA = ("xx", "yy", "zz", "yz", "xz", "xy")
+"""Order of moments of inertia."""
+PHYSICAL = 1e-9
+"""Relative negative moment of second order that is round-off of the given inertia."""
+
+
+class SpatialRigidBody(SpatialBody):
+    """Base of rigid bodies: mass, centre of mass, second moments about it. The frame sits at the centre of mass, or at `origin`.
+
+    Attributes
+    ----------
+    origin
+        Point of the scene where the frame's origin is; by default the centre of mass. A turning frame turns about this point.
+    """
+
+    origin: str | None = None
+
+    @abstractmethod
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+        """Mass, undeformed centre of mass (3,), second moments int rho x_a x_b dV about it (3, 3)."""
+
+    def named_points(self) -> tuple[str, ...]:
+        """The frame's origin, where it is a point of the scene."""
+        return () if self.origin is None else (self.origin,)
+
+    def frame_origin(self, scene: Placed) -> np.ndarray:
+        """Undeformed position of the frame's origin, (3,)."""
+        return self.mass_properties(scene)[1] if self.origin is None else scene.position(self.origin)
+
+    def coordinate_names(self, _scene: Placed) -> list[str]:
+        """Those of the frame."""
+        return self.frame_names()
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Undeformed position, given velocity."""
+        return self.frame_state(self.frame_origin(scene), np.array([1.0, 0, 0, 0]), self.angular_velocity)
+
+    def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
+        """Displacements and angles."""
+        return self.frame_lengths()
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """Root of the mean square distance from the centre of mass."""
+        mass, _, moments = self.mass_properties(scene)
+        return float(np.sqrt(np.real(np.trace(moments)) / np.real(mass)))
+
+    def marker(self, scene: Placed, point: str, _name: str, axes: np.ndarray | None = None) -> SpatialMarkerNumbers:
+        """Any point can be gripped."""
+        origin = self.frame_origin(scene) if self.frame_size else np.zeros(3)
+        axes = np.eye(3) if axes is None else axes
+        pose = pose_of(scene.position(point) - origin, axes, origin if self.frame == "turning" else 0 * origin)
+        return SpatialMarkerNumbers(pose, np.arange(self.frame_size), np.zeros((self.frame_size, 6)))
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Mass and weight of a body that does not turn."""
+        if self.turns or not self.moves:
+            return no_constants(self.frame_size)
+        mass, diagonal, zero = self.mass_properties(scene)[0], np.arange(3), np.zeros(3)
+        return ConstantNumbers(diagonal, diagonal, mass * np.ones(3), zero, zero, mass * gravity)
+
+    def floating(self, scene: Placed) -> SpatialFloatingNumbers | None:
+        """Moments about the frame's origin."""
+        if not self.turns:
+            return None
+        mass, center, moments = self.mass_properties(scene)
+        arm = center - self.frame_origin(scene)
+        second = moments + mass * np.outer(arm, arm)
+        first = np.zeros(1, int)
+        return SpatialFloatingNumbers(mass, (mass * arm)[None], first, first, second.reshape(1, 9), self.unit_axis)
+
+
+class SpatialRigid(SpatialRigidBody):
+    """A rigid body with explicit mass properties; its centre of mass is a point of the scene.
+
+    Attributes
+    ----------
+    mass
+        Mass of the body.
+    inertia
+        Moments of inertia about the centre of mass, in mass length^2: xx, yy, zz in the undeformed configuration's axes, and as many
+        as three entries more, yz, xz, xy of the inertia tensor (the negative products of inertia).
+    center
+        Point of the scene where the centre of mass is.
+    """
+
+    kind = "rigid"
+
+    mass: Positive
+    inertia: tuple[Number, Number, Number] | tuple[Number, Number, Number, Number, Number, Number]
+    center: str
+
+    @field_validator("inertia")
+    @classmethod
+    def _physical(cls, inertia: tuple) -> tuple:
+        moments = second_moments(np.array(inertia))
+        if np.linalg.eigvalsh(moments)[0] < -PHYSICAL * np.trace(moments) or not np.trace(moments) > 0:
+            raise ValueError(
+                "no body has these moments of inertia: each principal one is positive and at most the sum of the other two; "
+                "mend a digit, or the signs of yz, xz, xy"
+            )
+        return inertia
+
+    def named_points(self) -> tuple[str, ...]:
+        """The centre of mass, and the frame's origin."""
+        return (self.center, *super().named_points())
+
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+        """As given."""
+        return self.mass, scene.position(self.center), second_moments(np.array(self.inertia))
+
+
+class SpatialRod(SpatialRigidBody):
+    """A uniform round rod between two points: m = density area L, about its middle m L^2 / 12 along it and m area / (4 pi) across.
+
+    Attributes
+    ----------
+    between
+        Points of the scene at its ends.
+    area
+        Area of the section, in length^2.
+    density
+        Mass/length^3.
+    """
+
+    kind = "rod"
+
+    between: tuple[str, str]
+    area: Positive
+    density: Positive
+
+    def named_points(self) -> tuple[str, ...]:
+        """Both ends, and the frame's origin."""
+        return (*self.between, *super().named_points())
+
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, np.ndarray]:
+        """From the end points."""
+        start, end = (scene.position(point) for point in self.between)
+        square = (end - start) @ (end - start)
+        mass, along = self.density * self.area * np.sqrt(square), np.outer(end - start, end - start) / square
+        moments = mass * (square / 12 * along + self.area / (4 * np.pi) * (np.eye(3) - along))
+        return mass, (start + end) / 2, moments
+
+
+def second_moments(inertia: np.ndarray) -> np.ndarray:
+    """int rho x_a x_b dV (3, 3) from the inertia tensor Theta (3 or 6 numbers in the order of `INERTIA`): tr(Theta) / 2 I - Theta."""
+    xx, yy, zz, *rest = inertia
+    yz, xz, xy = rest or (0 * xx, 0 * xx, 0 * xx)
+    tensor: Any = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return (xx + yy + zz) / 2 * np.eye(3) - tensor

@@ -1,0 +1,1 @@
+"""Joints in space: quadratic forms of the poses of two markers."""

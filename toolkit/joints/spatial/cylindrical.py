@@ -1,0 +1,17 @@
+"""Cylindrical joint: a slide that also turns."""
+
+from __future__ import annotations
+
+from toolkit.component import Skeleton
+from toolkit.joints.spatial.forms import ALIGNED, ON_LINE, Row
+from toolkit.joints.spatial.joint import AxisJoint
+
+
+class Cylindrical(AxisJoint):
+    """The point of body a slides along the axis fixed in body b, and turns about it."""
+
+    kind = "cylindrical"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """Two normals and two rotations."""
+        return (*ON_LINE, *ALIGNED)

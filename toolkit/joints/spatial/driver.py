@@ -1,0 +1,60 @@
+"""Drivers in space: the relative angle about an axis, or the position along it, follows a time curve."""
+
+from __future__ import annotations
+
+from pydantic import field_validator
+
+from toolkit.component import Skeleton
+from toolkit.joints.driver import smooth
+from toolkit.joints.spatial.forms import TURNED, Row, on_axis
+from toolkit.joints.spatial.joint import AxisJoint
+from toolkit.profile import Curve
+
+
+class SpatialAngleDriver(AxisJoint):
+    """Rotation of body a against body b about the axis - f(t) = 0. Both bodies turn against each other about this axis alone: a revolute or
+    cylindrical joint with the same axis has to stand beside it.
+
+    Attributes
+    ----------
+    curve
+        Relative rotation over time, in rad, of any number of turns; smooth, and zero at the start.
+    """
+
+    kind = "angle-driver"
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """The rotation."""
+        return (TURNED,)
+
+
+class SpatialPositionDriver(AxisJoint):
+    """e_3b . (r_a - r_b) - f(t) = 0: the offset along the axis fixed in body b follows the curve.
+
+    Attributes
+    ----------
+    curve
+        Offset along the axis over time, in units of length; smooth, and equal to the given offset at the start.
+    """
+
+    kind = "position-driver"
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """The axis."""
+        return (on_axis(3, "axis"),)

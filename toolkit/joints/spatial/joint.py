@@ -1,0 +1,88 @@
+"""Base of all joints in space; a new joint is one such class with its rows."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.component import Place, Skeleton, on_both
+from toolkit.description import Triple
+from toolkit.joints.joint import Joint
+from toolkit.joints.spatial.forms import Row
+from toolkit.spatial import axes_along
+
+
+class SpatialJoint(Joint):
+    """Constraints between a marker on body a and one on body b: `rows(scene)`, made of the forms in `forms`.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b; `ground` is always there.
+    """
+
+    dimension: ClassVar[int] = 3
+    closed: ClassVar[bool] = True
+    stated_by: ClassVar[str] = "constraint"
+
+    @abstractmethod
+    def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
+        """The rows; without a scene their names and structure are right, their numbers need not be."""
+
+    @property
+    def row_names(self) -> list[str]:
+        """Names of the constraint's rows, for messages; their number is the joint's size."""
+        return [row.name for row in self.constraint(None)]
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """None: the numbers of a spatial joint stand in its rows."""
+        return []
+
+
+class SpatialPointJoint(SpatialJoint):
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
+
+    Attributes
+    ----------
+    point
+        Name of the point, or of the point on body a and that on body b.
+    """
+
+    point: Place
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)
+
+
+class AxisJoint(SpatialPointJoint):
+    """A joint about or along an axis; it is the third axis of both markers.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
+
+    axis: Triple
+
+    @field_validator("axis")
+    @classmethod
+    def _not_zero(cls, axis: Triple) -> Triple:
+        if not any(axis):
+            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
+        return axis
+
+    @property
+    def oriented(self) -> bool:
+        """Its markers have axes of their own."""
+        return True
+
+    def axes(self, _scene: Skeleton) -> np.ndarray:
+        """The third one along the axis."""
+        return axes_along(self.axis)

@@ -1,0 +1,17 @@
+"""Point on plane."""
+
+from __future__ import annotations
+
+from toolkit.component import Skeleton
+from toolkit.joints.spatial.forms import Row, on_axis
+from toolkit.joints.spatial.joint import AxisJoint
+
+
+class PointOnPlane(AxisJoint):
+    """e_3b . (r_a - r_b) = 0: the point of body a stays in the plane through the point of body b, normal to the axis fixed in body b."""
+
+    kind = "point-on-plane"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """The normal."""
+        return (on_axis(3, "normal"),)

@@ -1,0 +1,17 @@
+"""Prismatic joint: a slide without rotation."""
+
+from __future__ import annotations
+
+from toolkit.component import Skeleton
+from toolkit.joints.spatial.forms import LOCKED, ON_LINE, Row
+from toolkit.joints.spatial.joint import AxisJoint
+
+
+class Prismatic(AxisJoint):
+    """The point of body a slides along the axis fixed in body b, and no relative rotation is left."""
+
+    kind = "prismatic"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """Two normals and three rotations."""
+        return (*ON_LINE, *LOCKED)

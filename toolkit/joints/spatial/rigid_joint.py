@@ -1,0 +1,17 @@
+"""Rigid joint in space: two points coincide and no relative rotation is left."""
+
+from __future__ import annotations
+
+from toolkit.component import Skeleton
+from toolkit.joints.spatial.forms import LOCKED, TOGETHER, Row
+from toolkit.joints.spatial.joint import SpatialPointJoint
+
+
+class SpatialRigidJoint(SpatialPointJoint):
+    """r_a = r_b, and the axes of both markers stay parallel: both bodies move as one at the point."""
+
+    kind = "rigid"
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """Three directions and three rotations."""
+        return (*TOGETHER, *LOCKED)

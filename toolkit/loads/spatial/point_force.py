@@ -1,0 +1,77 @@
+"""Force at a point of a body in space: fixed in space, or following the body's rotation."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import field_validator
+
+from toolkit.component import Skeleton
+from toolkit.description import Triple
+from toolkit.kernel import kernel
+from toolkit.loads.load_kernel import SPATIAL_CURVE
+from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.profile import Constant, Curve
+
+
+@kernel
+def spatial_point_force(z, w, force, force_z, force_w):
+    """f_a = s (p_0, p_1, p_2), or with p_3 = 1 along the axes of the marker: f_a = s (p_0 e_1 + p_1 e_2 + p_2 e_3)."""
+    follow, scale = z[27], z[SPATIAL_CURVE]
+    for i in range(3):
+        total = (1 - follow) * z[24 + i]
+        for k in range(3):
+            at = 3 + 3 * k + i
+            total += follow * z[24 + k] * z[at]
+            force_z[i, at] = scale * follow * z[24 + k]
+            force_z[i, 24 + k] = scale * (follow * z[at] + (1 - follow if i == k else 0 * follow))
+        force[i] = scale * total
+        force_z[i, SPATIAL_CURVE] = total
+
+
+class SpatialPointForce(SpatialLoad):
+    """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
+
+    Attributes
+    ----------
+    body
+        Body that the force acts on.
+    point
+        Name of the point on it.
+    force
+        F_x, F_y, F_z.
+    frame
+        Axes of F: those of space, or those that turn with the body.
+    curve
+        s(t).
+    """
+
+    kind = "point-force"
+    formula = spatial_point_force
+
+    body: str
+    point: str
+    force: Triple
+    frame: Literal["space", "body"] = "space"
+    curve: Curve = Constant()
+
+    @field_validator("body")
+    @classmethod
+    def _moves(cls, body: str) -> str:
+        if body == "ground":
+            raise ValueError("a force on the ground has no effect; name the body that it acts on")
+        return body
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """The body; nothing reacts but the ground."""
+        return (self.body, self.point), ("ground", self.point)
+
+    @property
+    def time_curve(self) -> Curve:
+        """s(t)."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The force, and whether it follows."""
+        return [*self.force, 1.0 if self.frame == "body" else 0.0]

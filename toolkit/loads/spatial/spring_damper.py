@@ -1,0 +1,94 @@
+"""Spring-damper between two points in space."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import model_validator
+
+from toolkit.component import Skeleton
+from toolkit.description import NotNegative
+from toolkit.kernel import kernel
+from toolkit.loads.spatial.load import SpatialLoad
+
+
+@kernel
+def spatial_spring_damper(z, w, force, force_z, force_w):
+    """f_a = -T e = -f_b, T = k (l - l_0) + c l', d = r_a - r_b, l = |d|, e = d / l, (k, c, l_0) = parameters.
+
+    df_a/dd = -[e T_d^T + T P / l],  T_d = k e + c P v / l,  df_a/dv = -c e e^T,  P = I - e e^T,  v = d'
+    """
+    k, c, rest = z[24], z[25], z[26]
+    square, pull = 0 * k, 0 * k
+    for i in range(3):
+        square += (z[i] - z[12 + i]) * (z[i] - z[12 + i])
+        pull += (z[i] - z[12 + i]) * (w[i] - w[12 + i])
+    length = np.sqrt(square)
+    rate = pull / length
+    tension = k * (length - rest) + c * rate
+    for side in range(2):
+        sign = 1 - 2 * side
+        for i in range(3):
+            e_i = (z[i] - z[12 + i]) / length
+            row = 12 * side + i
+            force[row] = -sign * tension * e_i
+            force_z[row, 24], force_z[row, 25], force_z[row, 26] = (
+                -sign * (length - rest) * e_i,
+                -sign * rate * e_i,
+                sign * k * e_i,
+            )
+            for j in range(3):
+                e_j, v_j = (z[j] - z[12 + j]) / length, w[j] - w[12 + j]
+                t_j = k * e_j + c * (v_j - rate * e_j) / length
+                projection = (1 if i == j else 0) - e_i * e_j
+                stiffness = e_i * t_j + tension * projection / length
+                for other in range(2):
+                    column = 12 * other + j
+                    force_z[row, column] = -sign * (1 - 2 * other) * stiffness
+                    force_w[row, column] = -sign * (1 - 2 * other) * c * e_i * e_j
+
+
+class SpatialSpringDamper(SpatialLoad):
+    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start.
+
+    Attributes
+    ----------
+    bodies
+        Names of bodies a and b.
+    points
+        Names of the point on body a and that on body b.
+    stiffness
+        k, in force/length.
+    damping
+        c, in force time/length.
+    length
+        Relaxed length; by default the distance of the points in the undeformed configuration.
+    """
+
+    kind = "spring-damper"
+    formula = spatial_spring_damper
+
+    bodies: tuple[str, str]
+    points: tuple[str, str]
+    stiffness: NotNegative = 0.0
+    damping: NotNegative = 0.0
+    length: NotNegative | None = None
+
+    @model_validator(mode="after")
+    def _two_points(self) -> SpatialSpringDamper:
+        if self.points[0] == self.points[1]:
+            raise ValueError("a spring needs two different points, otherwise it has no direction")
+        if self.bodies == ("ground", "ground"):
+            raise ValueError("a spring between two points of the ground has no effect; name a body that moves")
+        return self
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at its own point."""
+        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
+
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """Stiffness, damping, relaxed length."""
+        d = scene.position(self.points[0]) - scene.position(self.points[1])
+        return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]

@@ -1,0 +1,100 @@
+"""Torque on a body in space, and its reaction on another: fixed in space, or turning with the body."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+from pydantic import model_validator
+
+from toolkit.component import Place, Skeleton, on_both
+from toolkit.description import Triple
+from toolkit.kernel import inner, kernel
+from toolkit.loads.load_kernel import SPATIAL_CURVE
+from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.profile import Constant, Curve
+
+
+@inner
+def add_torque(z, side, sign, follow, scale, force, force_z):
+    """What a torque M = s sum_k p_k m_k turns the axes of one marker by, f_i = sign M x e_i / 2, and its derivatives.
+
+    m_k are the axes of space, or with `follow` = 1 those of marker a.
+    """
+    for axis in range(3):
+        at = 12 * side + 3 + 3 * axis
+        for c in range(3):
+            a, b = (c + 1) % 3, (c + 2) % 3
+            for k in range(3):
+                half = sign * z[24 + k] / 2
+                m_a = (1 - follow if a == k else 0 * follow) + follow * z[3 + 3 * k + a]
+                m_b = (1 - follow if b == k else 0 * follow) + follow * z[3 + 3 * k + b]
+                part = m_a * z[at + b] - m_b * z[at + a]
+                force[at + c] += scale * half * part
+                force_z[at + c, SPATIAL_CURVE] += half * part
+                force_z[at + c, 24 + k] += scale * sign * part / 2
+                force_z[at + c, at + b] += scale * half * m_a
+                force_z[at + c, at + a] -= scale * half * m_b
+                force_z[at + c, 3 + 3 * k + a] += scale * half * follow * z[at + b]
+                force_z[at + c, 3 + 3 * k + b] -= scale * half * follow * z[at + a]
+
+
+@kernel
+def spatial_torque(z, w, force, force_z, force_w):
+    """M = s (p_0, p_1, p_2) on marker a, in the axes of space, or with p_3 = 1 in those of marker a; - M on marker b."""
+    add_torque(z, 0, 1.0, z[27], z[SPATIAL_CURVE], force, force_z)
+    add_torque(z, 1, -1.0, z[27], z[SPATIAL_CURVE], force, force_z)
+
+
+class SpatialTorque(SpatialLoad):
+    """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
+
+    With two points the reaction acts at the second.
+
+    Attributes
+    ----------
+    body
+        Body that the torque acts on.
+    point
+        Name of the point, or of the point on `body` and that on `reaction`.
+    torque
+        M_x, M_y, M_z, in force length.
+    frame
+        Axes of M: those of space, or those that turn with `body` at the point.
+    curve
+        s(t).
+    reaction
+        Body that the opposite torque acts on.
+    """
+
+    kind = "torque"
+    formula = spatial_torque
+
+    body: str
+    point: Place
+    torque: Triple
+    frame: Literal["space", "body"] = "space"
+    curve: Curve = Constant()
+    reaction: str = "ground"
+
+    @model_validator(mode="after")
+    def _two_bodies(self) -> SpatialTorque:
+        if self.body == self.reaction:
+            raise ValueError(
+                f"a torque on {self.body!r} with its reaction on the same body has no effect; name another `reaction`"
+            )
+        return self
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.body, first), (self.reaction, second)
+
+    @property
+    def time_curve(self) -> Curve:
+        """s(t)."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The torque, and whether it follows."""
+        return [*self.torque, 1.0 if self.frame == "body" else 0.0]
