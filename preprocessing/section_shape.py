@@ -64,7 +64,8 @@ def value_of(terms: Terms, dimensions: Mapping[str, Any]) -> Any:
 def strip(thickness: str = "thickness", width: str = "width") -> SectionShape:
     """The skin's rectangle, thickness along e_2 in the plane of the skin and width along e_3 across it.
 
-    A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J = b t^3 / 3 - 0.21 t^4, and the mass on the middle line of the rectangle, S_2 = 0 and S_3 = t b^3 / 12: so the plane has no rotary inertia, as planar beams have none.
+    A = t b, B_2 = b t^3 / 12, B_3 = t b^3 / 12, J = b t^3 / 3 - 0.21 t^4, and the mass on the middle line of the rectangle, S_2 = 0 and
+    S_3 = t b^3 / 12: so bending in the plane has no rotary inertia, as planar beams have none, and torsion has rho t b^3 / 12.
     """
     whole = rectangle(thickness, width)
     return SectionShape(**{**vars(whole), "spread_2": ()})

@@ -48,6 +48,11 @@ class BeamMesh:
         """Unit vectors e_1, e_2, e_3 of every element as rows, (n_elements, 3, 3)."""
         return spatial_beam.axes(self.ends, self.orientation)
 
+    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Numbers of one element's nodal coordinates (12,), and coefficients of r^k in its displacement and rotation, both (4, 3, 12)."""
+        ends, triad = self.ends[[element]], self.axes[[element]]
+        return self.dofs[element, :-1], spatial_beam.shape(ends, triad)[0], spatial_beam.rotation(ends, triad)[0]
+
     @property
     def dofs(self) -> np.ndarray:
         """Numbers of the coordinates of every element, the offset last, (n_elements, 13)."""
@@ -63,9 +68,7 @@ class SpatialPatch:
     shape: SectionShape
 
 
-def assemble(
-    mesh: BeamMesh, patches: Iterable[SpatialPatch], modulus_factor: Any = 1.0, shear_factor: Any = 0.5
-) -> SpatialParts:
+def assemble(mesh: BeamMesh, patches: Iterable[SpatialPatch], modulus_factor: Any = 1.0, shear_factor: Any = 0.5) -> SpatialParts:
     """Parts of the matrices; what depends on geometry only stands here, what depends on the section in the monomials.
 
         M_ab = rho (A M_1 + S_2 M_2 + S_3 M_3),   K = E (A K_1 + B_2 K_2 + B_3 K_3) + G J K_4,   D = a M + c K

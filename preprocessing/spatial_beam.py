@@ -10,8 +10,9 @@ With r in [0, 1] along the element, L its length, e_1 its direction and e_2, e_3
 with a and phi linear, v the Hermite cubic of the ends' displacements along e_2 and rotations about e_3, and w that of the displacements
 along e_3 and rotations about -e_2: in the plane of e_1 and e_2 these are the functions of `beam`.
 
-The offset of a point of the section is no displacement of the nodes. So that the element's points need nothing but products with one vector, it has
-a 13th coordinate, the *offset*, which is one in the undeformed shape xi and zero in every displacement: place = [S, 0] + [R_k, e_k] y_k.
+The offset of a point of the section is no displacement of the nodes. So that the places of all points are products with one vector, the
+element has a 13th coordinate, the *offset*, which is one in the undeformed shape xi and zero in every displacement: the point at y_2, y_3
+is at ([S, 0] + [R_2, e_2] y_2 + [R_3, e_3] y_3) [u_e; 1].
 
 Every function returns polynomial coefficients or matrices of all elements at once (first axis) for unit parameters of the section. No
 shear deformation; rotary inertia of bending and torsion together, as the mass of the section's points has it. Without it the textbook
