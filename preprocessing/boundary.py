@@ -61,7 +61,7 @@ def clamped_boundary(n: int, nodes: int | Sequence[int], per_node: int = 3) -> B
 
 def coordinates_of(nodes: int | Sequence[int], n_nodes: int, per_node: int) -> np.ndarray:
     """Numbers of all coordinates of one node (negative: from the end) or of several."""
-    return (np.arange(per_node) + per_node * (np.atleast_1d(nodes) % n_nodes)[:, None]).ravel()
+    return (np.arange(per_node) + per_node * (np.atleast_1d(np.asarray(nodes, int)) % n_nodes)[:, None]).ravel()
 
 
 def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mass: np.ndarray) -> Boundary:

@@ -88,9 +88,9 @@ def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]
     """Keys of the table at a location of the schema."""
     table: Any = schema
     for part in location:
-        of_mapping = get_args(table)  # (InterfaceName, Place) of dict
-        table = of_mapping[1] if of_mapping else _optional(table.model_fields[str(part)].annotation)
-    return list(table.model_fields)
+        of_group = get_args(table)  # (InterfaceName, Place) of dict, (BeamTable,) of list
+        table = of_group[-1] if of_group else _optional(table.model_fields[str(part)].annotation)
+    return [field.alias or name for name, field in table.model_fields.items()]
 
 
 def _optional(annotation: Any) -> Any:

@@ -62,13 +62,15 @@ class BeamMesh:
 
 @dataclass(frozen=True, eq=False)
 class SpatialPatch:
-    """Elements of one section that take their quantities from the same parameters."""
+    """Elements of one section that take their quantities from the same parameters; the factors may carry a complex step."""
 
     patch: Patch
     shape: SectionShape
+    shear_factor: Any  # G / E = 1 / (2 (1 + nu))
+    modulus_factor: Any = 1.0  # by which E is multiplied in stretching and bending: 1 / (1 - nu^2) in plane strain
 
 
-def assemble(mesh: BeamMesh, patches: Iterable[SpatialPatch], modulus_factor: Any = 1.0, shear_factor: Any = 0.5) -> SpatialParts:
+def assemble(mesh: BeamMesh, patches: Iterable[SpatialPatch]) -> SpatialParts:
     """Parts of the matrices; what depends on geometry only stands here, what depends on the section in the monomials.
 
         M_ab = rho (A M_1 + S_2 M_2 + S_3 M_3),   K = E (A K_1 + B_2 K_2 + B_3 K_3) + G J K_4,   D = a M + c K
@@ -77,13 +79,11 @@ def assemble(mesh: BeamMesh, patches: Iterable[SpatialPatch], modulus_factor: An
     Parameters
     ----------
     mesh : nodes real, or complex for a complex step in the geometry
-    modulus_factor : by which E is multiplied in stretching and bending: 1, or 1 / (1 - nu^2) in plane strain
-    shear_factor : G / E, 1 / (2 (1 + nu))
     """
     patches = list(patches)
     first = first_rows(mesh, patches)
-    parts = [part for each in patches for part in _parts_of(mesh, each, modulus_factor, shear_factor)]
-    parts += [part for each in patches for part in _stress(mesh, each, first, modulus_factor)]
+    parts = [part for each in patches for part in _parts_of(mesh, each)]
+    parts += [part for each in patches for part in _stress(mesh, each, first)]
     return SpatialParts(tuple(parts), mesh.n + 1, int(first[-1]), 1)
 
 
@@ -95,7 +95,7 @@ def first_rows(mesh: BeamMesh, patches: Iterable[SpatialPatch]) -> np.ndarray:
     return np.concatenate([[0], np.cumsum(count)])
 
 
-def _parts_of(mesh: BeamMesh, each: SpatialPatch, modulus_factor: Any, shear_factor: Any) -> Iterator[Part]:
+def _parts_of(mesh: BeamMesh, each: SpatialPatch) -> Iterator[Part]:
     elements, shape, patch = each.patch.elements, each.shape, each.patch
     ends, triad = mesh.ends[elements], mesh.axes[elements]
     masses = [(shape.area, spatial_beam.component_mass(ends, triad))]
@@ -107,10 +107,10 @@ def _parts_of(mesh: BeamMesh, each: SpatialPatch, modulus_factor: Any, shear_fac
             yield from _summands(patch, terms, name, matrix, density=1)
         yield from _summands(patch, terms, "damping", matrices[0] + matrices[1] + matrices[2], damping_mass=1, density=1)
     stiff = [
-        (shape.area, modulus_factor * spatial_beam.stretching_stiffness(ends, triad)),
-        (shape.bending_2, modulus_factor * spatial_beam.bending_stiffness(ends, triad, SECOND)),
-        (shape.bending_3, modulus_factor * spatial_beam.bending_stiffness(ends, triad, THIRD)),
-        (shape.torsion, shear_factor * spatial_beam.torsion_stiffness(ends, triad)),
+        (shape.area, each.modulus_factor * spatial_beam.stretching_stiffness(ends, triad)),
+        (shape.bending_2, each.modulus_factor * spatial_beam.bending_stiffness(ends, triad, SECOND)),
+        (shape.bending_3, each.modulus_factor * spatial_beam.bending_stiffness(ends, triad, THIRD)),
+        (shape.torsion, each.shear_factor * spatial_beam.torsion_stiffness(ends, triad)),
     ]
     for terms, blocks in stiff:
         matrix = _square(mesh, elements, blocks)
@@ -124,7 +124,7 @@ def _summands(patch: Patch, terms: Terms, name: str, matrix: Any, **powers: int)
         yield Part(patch.monomial(**powers, **dimensions), name, number * matrix)
 
 
-def _stress(mesh: BeamMesh, each: SpatialPatch, first: np.ndarray, modulus_factor: Any) -> Iterator[Part]:
+def _stress(mesh: BeamMesh, each: SpatialPatch, first: np.ndarray) -> Iterator[Part]:
     """Strain and both curvatures at the ends of every fibre."""
     elements, shape = each.patch.elements, each.shape
     ends, triad = mesh.ends[elements], mesh.axes[elements]
@@ -134,7 +134,7 @@ def _stress(mesh: BeamMesh, each: SpatialPatch, first: np.ndarray, modulus_facto
         rows = first[elements, None] + 2 * number + np.arange(2)
         for terms, blocks in ((ONE, stretched), (fibre.second, -bent[0]), (fibre.third, -bent[1])):
             if terms:
-                matrix = _rows(mesh, elements, rows, modulus_factor * blocks, int(first[-1]))
+                matrix = _rows(mesh, elements, rows, each.modulus_factor * blocks, int(first[-1]))
                 yield from _summands(each.patch, terms, "stress", matrix, youngs_modulus=1)
 
 

@@ -32,6 +32,5 @@ def spatial_skin(
     nodes = geometry.mesh.nodes
     across = np.tile([0.0, 0.0, 1.0], (len(geometry.mesh.connectivity), 1))
     mesh = BeamMesh(np.column_stack([nodes, np.zeros(len(nodes))]), geometry.mesh.connectivity, across)
-    own = [SpatialPatch(patch, strip()) for patch in patches]
-    parts = assemble(mesh, own, modulus_factor, 1 / (2 * (1 + poisson_ratio)))
-    return SpatialDiscretisation(mesh, own, parts, places, geometry.arc_lengths, target=geometry.target)
+    own = [SpatialPatch(patch, strip(), 1 / (2 * (1 + poisson_ratio)), modulus_factor) for patch in patches]
+    return SpatialDiscretisation(mesh, own, assemble(mesh, own), places, geometry.arc_lengths, target=geometry.target)
