@@ -31,12 +31,20 @@ class Matrices:
         return self.m_11 + self.m_22
 
 
+class Root(NamedTuple):
+    """Rows F with weight F^T F = K: of shapes psi that hardly strain stiff elements, F psi keeps the digits that K psi loses."""
+
+    weight: float
+    rows: Any  # sparse (n_rows, n)
+
+
 class Part(NamedTuple):
     """One summand of one of the matrices, for unit parameters."""
 
     factors: Monomial
     name: str  # of the matrix
     matrix: Any  # sparse
+    root: Root | None = None  # of a stiffness, where it is known
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,8 @@ class FiniteElements(Protocol):
     def nodal(self, matrix: Any) -> Any:
         """The block of a square matrix that belongs to the nodal coordinates."""
 
-    def contract(self, matrices: Any, z: np.ndarray) -> Any:
-        """Invariants for Z = [xi, Psi]."""
+    def contract(self, values: Mapping[str, Any], z: np.ndarray) -> Any:
+        """Invariants at values of the parameters for Z = [xi, Psi]."""
 
     def contract_derivative(self, matrices: Any, d_matrices: Any, z: np.ndarray, d_z: np.ndarray) -> Any:
         """Their derivative from those of the matrices and of Z."""
@@ -107,9 +107,9 @@ class Discretisation:
         """All of a matrix."""
         return matrix
 
-    def contract(self, matrices: Any, z: np.ndarray) -> Any:
-        """Invariants for Z = [xi, Psi]."""
-        return contract(matrices, z)
+    def contract(self, values: Mapping[str, Any], z: np.ndarray) -> Any:
+        """Invariants at values of the parameters for Z = [xi, Psi]."""
+        return contract(self.parts.at(values), z)
 
     def contract_derivative(self, matrices: Any, d_matrices: Any, z: np.ndarray, d_z: np.ndarray) -> Any:
         """Their derivative from those of the matrices and of Z."""

@@ -79,7 +79,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     return Reduced(
         space,
         basis,
-        nominal.contract(matrices, basis.z),
+        nominal.contract(space.values, basis.z),
         listed(rates, list(space.values)),
         constant,
         nominal.interfaces(basis.z),

@@ -13,7 +13,7 @@ import numpy as np
 from scipy import sparse
 
 from preprocessing import spatial_beam
-from preprocessing.assembly import Part
+from preprocessing.assembly import Part, Root
 from preprocessing.section import Patch
 from preprocessing.section_shape import SectionShape, Term, Terms
 from preprocessing.spatial_beam import SECOND, THIRD
@@ -107,21 +107,24 @@ def _parts_of(mesh: BeamMesh, each: SpatialPatch) -> Iterator[Part]:
             yield from _summands(patch, terms, name, matrix, density=1)
         yield from _summands(patch, terms, "damping", matrices[0] + matrices[1] + matrices[2], damping_mass=1, density=1)
     stiff = [
-        (shape.area, each.modulus_factor * spatial_beam.stretching_stiffness(ends, triad)),
-        (shape.bending_2, each.modulus_factor * spatial_beam.bending_stiffness(ends, triad, SECOND)),
-        (shape.bending_3, each.modulus_factor * spatial_beam.bending_stiffness(ends, triad, THIRD)),
-        (shape.torsion, each.shear_factor * spatial_beam.torsion_stiffness(ends, triad)),
+        (shape.area, each.modulus_factor, spatial_beam.stretching(ends, triad)),
+        (shape.bending_2, each.modulus_factor, spatial_beam.bending(ends, triad, SECOND)),
+        (shape.bending_3, each.modulus_factor, spatial_beam.bending(ends, triad, THIRD)),
+        (shape.torsion, each.shear_factor, spatial_beam.torsion(ends, triad)),
     ]
-    for terms, blocks in stiff:
-        matrix = _square(mesh, elements, blocks)
-        yield from _summands(patch, terms, "stiffness", matrix, youngs_modulus=1)
-        yield from _summands(patch, terms, "damping", matrix, damping_stiffness=1, youngs_modulus=1)
+    for terms, factor, blocks in stiff:
+        rows = np.arange(blocks.shape[0] * blocks.shape[1]).reshape(blocks.shape[:2])
+        roots = _rows(mesh, elements, rows, np.sqrt(factor) * blocks, rows.size)
+        matrix = (roots.T @ roots).tocsr()
+        yield from _summands(patch, terms, "stiffness", matrix, roots, youngs_modulus=1)
+        yield from _summands(patch, terms, "damping", matrix, roots, damping_stiffness=1, youngs_modulus=1)
 
 
-def _summands(patch: Patch, terms: Terms, name: str, matrix: Any, **powers: int) -> Iterator[Part]:
+def _summands(patch: Patch, terms: Terms, name: str, matrix: Any, roots: Any = None, **powers: int) -> Iterator[Part]:
     """One part for every term of a polynomial of the section, times powers of other quantities of the patch."""
     for number, dimensions in terms:
-        yield Part(patch.monomial(**powers, **dimensions), name, number * matrix)
+        root = None if roots is None else Root(number, roots)
+        yield Part(patch.monomial(**powers, **dimensions), name, number * matrix, root)
 
 
 def _stress(mesh: BeamMesh, each: SpatialPatch, first: np.ndarray) -> Iterator[Part]:
@@ -146,6 +149,6 @@ def _square(mesh: BeamMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
 
 
 def _rows(mesh: BeamMesh, elements: np.ndarray, numbers: np.ndarray, blocks: np.ndarray, n_rows: int) -> Any:
-    """Place element rows (n_e, 2, 12) in one sparse matrix, at the row numbers (n_e, 2)."""
+    """Place element rows (n_e, k, 12) in one sparse matrix, at the row numbers (n_e, k)."""
     rows, columns = np.broadcast_arrays(numbers[:, :, None], mesh.dofs[elements, None, : blocks.shape[2]])
     return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_rows, mesh.n + 1)).tocsr()

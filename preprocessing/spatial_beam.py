@@ -142,22 +142,22 @@ def curvature(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
     return at_ends / length(ends)[:, None, None] ** 2
 
 
-def stretching_stiffness(ends: np.ndarray, triad: np.ndarray) -> np.ndarray:
-    """Stiffness for unit E A, (n_e, 12, 12)."""
-    return _constant_along(ends, strain(ends, triad))
+def stretching(ends: np.ndarray, triad: np.ndarray) -> np.ndarray:
+    """Rows F (n_e, 1, 12) of the stiffness F^T F for unit E A."""
+    return np.sqrt(length(ends))[:, None, None] * strain(ends, triad)[:, None]
 
 
-def torsion_stiffness(ends: np.ndarray, triad: np.ndarray) -> np.ndarray:
-    """Stiffness for unit G J (Saint-Venant), (n_e, 12, 12)."""
-    return _constant_along(ends, twist_rate(ends, triad))
+def torsion(ends: np.ndarray, triad: np.ndarray) -> np.ndarray:
+    """Rows F (n_e, 1, 12) of the stiffness F^T F for unit G J (Saint-Venant)."""
+    return np.sqrt(length(ends))[:, None, None] * twist_rate(ends, triad)[:, None]
 
 
-def bending_stiffness(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
-    """Stiffness for unit E int y_axis^2 dA, (n_e, 12, 12), from a curvature that is linear along the element."""
-    moments = np.array([[2, 1], [1, 2]]) / 6
-    rows = curvature(ends, triad, axis)
-    return length(ends)[:, None, None] * np.einsum("ejp,jk,ekq->epq", rows, moments, rows)
+def bending(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
+    """Rows F (n_e, 2, 12) of the stiffness F^T F for unit E int y_axis^2 dA.
 
-
-def _constant_along(ends: np.ndarray, row: np.ndarray) -> np.ndarray:
-    return length(ends)[:, None, None] * row[:, :, None] * row[:, None, :]
+    The curvature is linear along the element, and the integral of its square is that of its mean and of its difference between the ends,
+    L (mean^2 + difference^2 / 12).
+    """
+    at_ends = curvature(ends, triad, axis)
+    rows = [at_ends.mean(axis=1), (at_ends[:, 1] - at_ends[:, 0]) / np.sqrt(12)]
+    return np.sqrt(length(ends))[:, None, None] * np.stack(rows, axis=1)

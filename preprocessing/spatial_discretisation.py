@@ -6,7 +6,7 @@ Psi holds nodal coordinates only; the offset of `spatial_beam`, one at rest and 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from preprocessing.interface import interface_point
 from preprocessing.section_shape import SectionShape, value_of
 from preprocessing.spatial_assembly import PER_NODE, BeamMesh, SpatialPatch, first_rows
-from preprocessing.spatial_invariants import SpatialParts, contract, contract_derivative, polynomials
+from preprocessing.spatial_invariants import SpatialParts, contract, contract_derivative, energies, polynomials
 from toolkit.dependence import Polynomial
 from toolkit.reduced_model import InterfacePoint, StressPoints
 from toolkit.spatial_model import SpatialInvariants, Surface
@@ -70,9 +70,12 @@ class SpatialDiscretisation:
         """The matrix without the offset."""
         return matrix[: self.mesh.n, : self.mesh.n]
 
-    def contract(self, matrices: Any, z: np.ndarray) -> SpatialInvariants:
-        """Invariants for Z = [xi, Psi]."""
-        return contract(matrices, with_offset(z), self._translations())
+    def contract(self, values: Mapping[str, Any], z: np.ndarray) -> SpatialInvariants:
+        """Invariants at values of the parameters for Z = [xi, Psi]."""
+        complete = with_offset(z)
+        found = contract(self.parts.at(values), complete, self._translations())
+        own = {name: energies(self.parts, values, name, complete[:, 1:]) for name in ("stiffness", "damping")}
+        return replace(found, **own)
 
     def contract_derivative(self, matrices: Any, d_matrices: Any, z: np.ndarray, d_z: np.ndarray) -> SpatialInvariants:
         """Their derivative from those of the matrices and of Z."""

@@ -9,7 +9,7 @@ With Z = [xi, Psi]:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -18,6 +18,7 @@ from scipy import sparse
 
 from preprocessing.assembly import Part, Parts
 from preprocessing.invariants import both_sides, polynomials_of
+from preprocessing.section import monomial
 from toolkit.dependence import Polynomial
 from toolkit.spatial_model import PAIRS, SpatialInvariants
 
@@ -106,7 +107,7 @@ def _contractions(part: Part, z: Any, translations: np.ndarray) -> Iterator[tupl
     """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
     psi, matrix, width = z[:, 1:], part.matrix, z.shape[1]
     if part.name in ("stiffness", "damping"):
-        yield part.name, _symmetric(psi.T @ (matrix @ psi))
+        yield part.name, _energy(part, psi)
         return
     if part.name == "stress":
         yield "stress_operator", matrix @ psi
@@ -128,8 +129,21 @@ def _first_moment(matrices: SpatialMatrices, translations: np.ndarray, z: np.nda
     return np.stack([t @ (matrix @ z) for t, matrix in zip(translations.T, matrices.m[:3], strict=True)])
 
 
+def energies(parts: SpatialParts, values: Mapping[str, Any], name: str, psi: np.ndarray) -> np.ndarray:
+    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping) part by part, with the digits that the roots of the parts keep."""
+    own = [part for part in parts.parts if part.name == name]
+    return sum((monomial(values, part.factors) * _energy(part, psi) for part in own), np.zeros((psi.shape[1],) * 2))
+
+
+def _energy(part: Part, psi: Any) -> Any:
+    if part.root is None:
+        return _symmetric(psi.T @ (part.matrix @ psi))
+    strain = part.root.rows @ psi
+    return part.root.weight * (strain.T @ strain)
+
+
 def _symmetric(matrix: Any) -> Any:
-    """Without the round-off of products: beams that are much wider than their elements are long leave 1e-8 of it in low modes."""
+    """Without the part of the products' round-off that is not."""
     return (matrix + matrix.T) / 2
 
 
