@@ -74,7 +74,7 @@ class FrameSection(Table):
             raise ValueError('the wall of a tube is at most half its diameter; write kind = "circle" for a full one')
         if self.kind == "general" and (self.I_p or 0) < abs((self.I_y or 0) - (self.I_z or 0)):
             raise ValueError(
-                "I_p below |I_y - I_z| belongs to no distribution of mass; I_y + I_z is that of a homogeneous section"
+                "an I_p below |I_y - I_z| belongs to no distribution of mass; I_y + I_z is that of a homogeneous section"
             )
         return self
 
