@@ -13,7 +13,7 @@ from preprocessing.solids.discrete_body import discrete_body
 from preprocessing.solids.elasticity import solid_matrices
 from preprocessing.solids.elements import element_blocks
 from preprocessing.solids.outline import outline_of
-from preprocessing.solids.plane_material import lame_factors
+from preprocessing.solids.lame import lame_factors
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.solids.solid_stress import stress_rows
 from preprocessing.solids.ties import freedom, tie

@@ -23,6 +23,25 @@ class BoundaryLines:
         chords = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
         return chords / np.linalg.norm(chords, axis=1, keepdims=True)
 
+    @property
+    def points(self) -> np.ndarray:
+        """Numbers of the nodes of the boundary, in order."""
+        return np.unique(self.edges[self.edges >= 0])
+
+    def between(self, nodes: np.ndarray) -> BoundaryLines:
+        """The edges all of whose nodes are among these."""
+        inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
+        return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
+
+    def shares(self) -> np.ndarray:
+        """Length that each node of the mesh stands for, (n_nodes,): Simpson's weights, or halves of straight edges."""
+        length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
+        straight = self.edges[:, 2] < 0
+        ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
+        found = np.zeros(len(self.nodes) + 1, self.nodes.dtype)  # the last one stands for no node
+        np.add.at(found, self.edges, np.column_stack([ends, ends, middle]))
+        return found[:-1]
+
 
 def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:
     """The edges that belong to one element only.
