@@ -22,7 +22,7 @@ from preprocessing.solids.lame import lame_factors
 from preprocessing.solids.matrix_file import read_matrix, read_nodes, read_square
 from preprocessing.solids.mesh_file import read_mesh
 from preprocessing.solids.node_motion import read_motion
-from preprocessing.solids.node_sets import Boundary, faces_in, nodes_in, weights_of
+from preprocessing.solids.node_sets import Boundary, faces_in, nodes_in, spread_of
 from preprocessing.solids.outline import outline_of
 from preprocessing.solids.parts import element_parts, finished_parts, parameters_of
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
@@ -140,8 +140,8 @@ def _refuse_other_dimension(path: Path, file: BodyFile, mesh: SolidMesh) -> None
         if given:
             with at_key(path, key):
                 raise InputError(
-                    f"this body is {'plane' if plane else 'spatial'}, as its nodes and elements are, and such bodies have none. Leave it out, "
-                    f"or give {'a mesh of the volume' if plane else 'nodes and elements in the plane'}."
+                    f"this body is {'plane' if plane else 'spatial'}, as its nodes and elements are, and such bodies have none. "
+                    f"Leave it out, or give {'a mesh of the volume' if plane else 'nodes and elements in the plane'}."
                 )
 
 
@@ -239,7 +239,7 @@ def _ties(named: _Named, nodes: np.ndarray) -> dict[str, Tie]:
     for name, region in named.file.interface_points.items():
         with at_key(named.path, f"interface_points.{name}"):
             members = named.tied[name]
-            found[name] = tie(mesh, members, weights_of(boundary, members), region.at, region.tie == "rigid")
+            found[name] = tie(mesh, members, spread_of(boundary, members), region.at, region.tie == "rigid")
     return found
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import skfem
+from scipy import sparse
 from skfem.quadrature import get_quadrature
 
 TETRA_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
@@ -23,7 +24,8 @@ FACE_SHAPES: dict[str, Any] = {
     "quad9": skfem.ElementQuad2(),
 }  # fmt: skip
 FACE_ORDER = 6
-"""Of the points that integrate shape functions times normals exactly: 4 for curved triangles, 5 for quadrilaterals."""
+"""Of the points that integrate exactly: shape functions times normals, 4 for curved triangles and 5 for quadrilaterals; products of two
+on straight ones, 4 and 5."""
 TRIANGLES = {
     "triangle": [[0, 1, 2]],
     "triangle6": [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]],
@@ -69,17 +71,14 @@ class BoundaryFaces:
             found[kind] = each[[tuple(key) in corners for key in keys]]
         return BoundaryFaces(self.nodes, found)
 
-    def shares(self) -> np.ndarray:
-        """Area that each node of the mesh stands for, positive on all nodes of the faces, (n_nodes,).
-
-        The area of every face, in proportion to int N_k^2 dA over its nodes k. A mean over straight faces is that of their area.
-        """
-        found = np.zeros(len(self.nodes), self.nodes.dtype)
+    def products(self) -> Any:
+        """int N_k N_l dA for all nodes k and l of the mesh, sparse (n_nodes, n_nodes)."""
+        found = sparse.csr_array((len(self.nodes), len(self.nodes)), dtype=self.nodes.dtype)
         for kind, members in self.faces.items():
             values, normals = _on_faces(kind, self.nodes[members])
-            area = np.sqrt((normals**2).sum(axis=2))
-            squares = np.einsum("kq,eq->ek", values**2, area)
-            np.add.at(found, members, squares / squares.sum(axis=1, keepdims=True) * area.sum(axis=1)[:, None])
+            each = np.einsum("kq,lq,eq->ekl", values, values, np.sqrt((normals**2).sum(axis=2)))
+            row, column = (np.broadcast_to(axis, each.shape).ravel() for axis in (members[:, :, None], members[:, None, :]))
+            found = found + sparse.coo_array((each.ravel(), (row, column)), shape=found.shape).tocsr()
         return found
 
     def normals(self) -> np.ndarray:

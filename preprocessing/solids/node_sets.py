@@ -1,10 +1,12 @@
-"""Nodes that a region of body.toml means, and how much of the boundary each of them stands for."""
+"""Nodes that a region of body.toml means, how means over them are taken, and the faces between them."""
 
 from __future__ import annotations
 
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from preprocessing.solids.body_tables import Region
 from preprocessing.solids.faces import BoundaryFaces
@@ -69,16 +71,17 @@ def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
-def weights_of(boundary: Boundary | None, nodes: np.ndarray) -> np.ndarray:
-    """Share of each node in a mean over the nodes, positive, sum 1.
+def spread_of(boundary: Boundary | None, nodes: np.ndarray) -> Any:
+    """W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
 
-    Where every node is on an edge or face of the boundary between these nodes, the mean is that over the boundary, so that it does not
-    depend on the mesh; else all count alike.
+    Where every node is on an edge or face of the boundary between these nodes, the mean is that over the boundary, int f g dA / A, so that
+    it does not depend on the mesh; else all nodes count alike.
     """
-    if boundary is None:
-        return np.full(len(nodes), 1 / len(nodes))
-    shares = boundary.between(nodes).shares()[nodes]
-    return shares / shares.sum() if np.all(shares.real > 0) else np.full(len(nodes), 1 / len(nodes))
+    if boundary is not None:
+        products = boundary.between(nodes).products()[nodes][:, nodes]
+        if np.all(products.diagonal().real > 0):
+            return products / products.sum()
+    return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)), format="csr")
 
 
 def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> BoundaryFaces:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
@@ -33,14 +35,14 @@ class BoundaryLines:
         inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
         return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
 
-    def shares(self) -> np.ndarray:
-        """Length that each node of the mesh stands for, (n_nodes,): Simpson's weights, or halves of straight edges."""
+    def products(self) -> Any:
+        """int N_k N_l ds for all nodes k and l of the mesh by Simpson's rule, or half of every straight edge; sparse (n_nodes, n_nodes)."""
         length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
         straight = self.edges[:, 2] < 0
         ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
         found = np.zeros(len(self.nodes) + 1, self.nodes.dtype)  # the last one stands for no node
         np.add.at(found, self.edges, np.column_stack([ends, ends, middle]))
-        return found[:-1]
+        return sparse.diags_array(found[:-1], format="csr")
 
 
 def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:

@@ -1,9 +1,9 @@
 """Clamped nodes, and nodes that are tied to a point with position and rotation: what they leave free, and how the point moves.
 
 Rigid motions about a place turn the node k, at a_k = x_k - c from it, by R(a_k) theta: theta e_z x a_k in the plane, theta x a_k in space.
-For nodes with weights w_k of sum 1 about their mean c, the point P moves by
+For nodes with means sum_kl W_kl f_k g_l, of sum 1, and w_k = sum_l W_kl, about c = sum_k w_k x_k, the point P moves by
 
-    theta = (sum_k w_k R(a_k)^T R(a_k))^-1 sum_k w_k R(a_k)^T u_k,      u_P = sum_k w_k u_k + R(x_P - c) theta
+    theta = (sum_kl W_kl R(a_k)^T R(a_l))^-1 sum_kl W_kl R(a_l)^T u_k,      u_P = sum_k w_k u_k + R(x_P - c) theta
 
 Averaged nodes (RBE3) stay as they are; rigid ones (RBE2) follow u_k = u_P + R(x_k - x_P) theta, which gives back u_P and theta above.
 """
@@ -71,12 +71,13 @@ class Freedom:
         return np.vstack([each, *(np.tile(ties[name].point, (self.motions, 1)) for name in self.rigid)])
 
 
-def tie(mesh: SolidMesh, nodes: np.ndarray, weights: np.ndarray, at: list[float] | None, rigid: bool) -> Tie:
+def tie(mesh: SolidMesh, nodes: np.ndarray, spread: Any, at: list[float] | None, rigid: bool) -> Tie:
     """A point carried by nodes; those of the mesh are real, or complex for a complex step.
 
     Parameters
     ----------
-    nodes, weights : (k,), the weights of sum 1
+    nodes : (k,)
+    spread : W (k, k) sparse, of sum 1
     at : the point, by default the mean of the nodes
 
     Raises
@@ -88,9 +89,9 @@ def tie(mesh: SolidMesh, nodes: np.ndarray, weights: np.ndarray, at: list[float]
         raise InputError(f"at = {at} has {len(at)} coordinates, but the body has {mesh.dimension} axes. Give one for each.")
     if len(nodes) == 1:
         return _at_one_node(mesh, int(nodes[0]), at, rigid)
-    centre = weights @ mesh.nodes[nodes]
+    centre = spread.sum(axis=1) @ mesh.nodes[nodes]
     point = centre if at is None else np.array(at)
-    return Tie(nodes, point, _rows(mesh, (nodes, weights), (nodes, weights), point), rigid)
+    return Tie(nodes, point, _rows(mesh, (nodes, spread), (nodes, spread), point), rigid)
 
 
 def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool) -> Tie:
@@ -103,24 +104,25 @@ def _at_one_node(mesh: SolidMesh, node: int, at: list[float] | None, rigid: bool
     others = mesh.around(node)
     if not len(others):
         raise InputError(f"node {node} alone has no rotation without elements around it; name several nodes.")
-    weights = np.full(len(others), 1 / len(others))
-    return Tie(np.array([node]), place, _rows(mesh, (np.array([node]), np.ones(1)), (others, weights), place), False)
+    alike = sparse.diags_array(np.full(len(others), 1 / len(others)))
+    return Tie(np.array([node]), place, _rows(mesh, (np.array([node]), sparse.eye_array(1)), (others, alike), place), False)
 
 
 def _rows(mesh: SolidMesh, carried: tuple, turned: tuple, point: np.ndarray) -> Any:
-    """Rows of displacements and rotations from nodes with weights, those that carry the point and those that tell its rotation."""
-    (nodes, weights), (others, shares) = carried, turned
-    turns = rotations(mesh.nodes[others] - shares @ mesh.nodes[others])  # R(a_k)^T, (n_rotations, k, d)
-    moments = np.einsum("k,rkd,skd->rs", shares, turns, turns)
+    """Rows of displacements and rotations from nodes with means, those that carry the point and those that tell its rotation."""
+    (nodes, spread), (others, spread_of_turns), d = carried, turned, mesh.dimension
+    weights = spread.sum(axis=1)
+    turns = rotations(mesh.nodes[others] - spread_of_turns.sum(axis=1) @ mesh.nodes[others])  # R(a_k)^T, (n_rotations, k, d)
+    flat = turns.reshape(len(turns), -1)
+    shares = sparse.kron(spread_of_turns, np.eye(d), format="csr") @ flat.T
+    moments = flat @ shares
     sizes = np.linalg.eigvalsh(moments.real)
     if not sizes[0] > max((NARROW * mesh.size) ** 2, THIN * sizes[-1]):
-        where = "at one place" if mesh.dimension == 2 else "at one place or on one line"
+        where = "at one place" if d == 2 else "at one place or on one line"
         raise InputError(f"the {len(others)} nodes are {where}, so that they do not tell a rotation; name nodes that are apart.")
-    rotation = _placed(
-        mesh, others, np.linalg.solve(moments, np.moveaxis(turns * shares[:, None], 0, 1).reshape(len(moments), -1))
-    )
+    rotation = _placed(mesh, others, np.linalg.solve(moments, shares.T))
     offset = rotations(point - weights @ mesh.nodes[nodes]).T  # R(x_P - c), (d, n_rotations)
-    moved = _placed(mesh, nodes, np.kron(weights, np.eye(mesh.dimension)))
+    moved = _placed(mesh, nodes, np.kron(weights, np.eye(d)))
     return sparse.vstack([moved + sparse.csr_array(offset) @ rotation, rotation], format="csr")
 
 
