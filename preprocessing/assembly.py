@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
@@ -31,37 +31,52 @@ class Matrices:
         return self.m_11 + self.m_22
 
 
+class Root(NamedTuple):
+    """Rows F with weight F^T F = K: of shapes psi that hardly strain stiff elements, F psi keeps the digits that K psi loses."""
+
+    weight: float
+    rows: Any  # sparse (n_rows, n)
+
+
 class Part(NamedTuple):
     """One summand of one of the matrices, for unit parameters."""
 
     factors: Monomial
     name: str  # of the matrix
     matrix: Any  # sparse
+    root: Root | None = None  # of a stiffness, where it is known
 
 
 @dataclass(frozen=True)
 class Parts:
-    """The matrices as polynomials of the parameters: each is the sum of its parts times their monomials."""
+    """The matrices as polynomials of the parameters: each is the sum of its parts times their monomials.
+
+    In the plane they are `Matrices`; those of spatial bodies are `spatial_invariants.SpatialParts`.
+    """
 
     parts: tuple[Part, ...]
     n: int  # nodal coordinates
-    n_stress: int
+    n_stress: int  # rows of the stress
 
-    def at(self, values: Mapping[str, Any]) -> Matrices:
+    def at(self, values: Mapping[str, Any]) -> Any:
         """Matrices at one design."""
         return self._sum([(part, monomial(values, part.factors)) for part in self.parts])
 
-    def derivative(self, values: Mapping[str, Any], parameter: str) -> Matrices:
+    def derivative(self, values: Mapping[str, Any], parameter: str) -> Any:
         """Analytical derivative of the matrices by one parameter."""
         concerned = [part for part in self.parts if parameter in dict(part.factors)]
         return self._sum([(part, monomial_derivative(values, part.factors, parameter)) for part in concerned])
 
-    def _sum(self, weighted: list[tuple[Part, Any]]) -> Matrices:
+    def matrices(self, one: Callable[[str], Any]) -> Any:
+        """The matrices, each by its name."""
+        return Matrices(**{f.name: one(f.name) for f in fields(Matrices)})
+
+    def _sum(self, weighted: list[tuple[Part, Any]]) -> Any:
         def one(name: str) -> Any:
             terms = [weight * part.matrix for part, weight in weighted if part.name == name]
             return _added(terms, self.n_stress if name == "stress" else self.n, self.n)
 
-        return Matrices(**{f.name: one(f.name) for f in fields(Matrices)})
+        return self.matrices(one)
 
 
 def assemble(mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: Any = 1.0) -> Parts:

@@ -24,7 +24,9 @@ class DesignRates:
     stiffness: Any  # (n, n), sparse or dense
     mass: Any  # (n, n), of M_11 + M_22
     xi: np.ndarray  # (n,), of the undeformed nodal coordinates
-    interface_rows: Mapping[str, np.ndarray] = field(default_factory=dict)  # (3, n); points that do not change may be left out
+    interface_rows: Mapping[str, np.ndarray] = field(
+        default_factory=dict
+    )  # (3 or 6, n); points that do not change may be left out
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,9 @@ from __future__ import annotations
 
 import numpy as np
 
-_AXIAL = np.array([[1, 0], [-1, 1], [0, 0], [0, 0]])  # powers of r (rows) in the functions of u_1, u_2
-_HERMITE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])  # of v_1, L th_1, v_2, L th_2
-_POWERS = np.arange(4)
+AXIAL = np.array([[1, 0], [-1, 1], [0, 0], [0, 0]])  # powers of r (rows) in the functions of u_1, u_2
+HERMITE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])  # of v_1, L th_1, v_2, L th_2
+POWERS = np.arange(4)
 
 
 def length(ends: np.ndarray) -> np.ndarray:
@@ -37,8 +37,8 @@ def axial(ends: np.ndarray) -> np.ndarray:
     """Coefficients of r^k in the displacement a(r) along the element, (n_e, 4, 6)."""
     along, _ = directions(ends)
     coefficients = np.zeros((len(ends), 4, 6), dtype=ends.dtype)
-    coefficients[:, :, 0:2] = _AXIAL[:, 0, None] * along[:, None, :]
-    coefficients[:, :, 3:5] = _AXIAL[:, 1, None] * along[:, None, :]
+    coefficients[:, :, 0:2] = AXIAL[:, 0, None] * along[:, None, :]
+    coefficients[:, :, 3:5] = AXIAL[:, 1, None] * along[:, None, :]
     return coefficients
 
 
@@ -46,10 +46,10 @@ def transverse(ends: np.ndarray) -> np.ndarray:
     """Coefficients of r^k in the displacement w(r) across the element, (n_e, 4, 6)."""
     _, across = directions(ends)
     coefficients = np.zeros((len(ends), 4, 6), dtype=ends.dtype)
-    coefficients[:, :, 0:2] = _HERMITE[:, 0, None] * across[:, None, :]
-    coefficients[:, :, 3:5] = _HERMITE[:, 2, None] * across[:, None, :]
-    coefficients[:, :, 2] = _HERMITE[:, 1] * length(ends)[:, None]
-    coefficients[:, :, 5] = _HERMITE[:, 3] * length(ends)[:, None]
+    coefficients[:, :, 0:2] = HERMITE[:, 0, None] * across[:, None, :]
+    coefficients[:, :, 3:5] = HERMITE[:, 2, None] * across[:, None, :]
+    coefficients[:, :, 2] = HERMITE[:, 1] * length(ends)[:, None]
+    coefficients[:, :, 5] = HERMITE[:, 3] * length(ends)[:, None]
     return coefficients
 
 
@@ -62,7 +62,7 @@ def shape(ends: np.ndarray) -> np.ndarray:
 def rotation(ends: np.ndarray) -> np.ndarray:
     """Coefficients of r^k in the rotation w'(r) / L of the beam, (n_e, 4, 6)."""
     coefficients = np.zeros_like(transverse(ends))
-    coefficients[:, :-1] = _POWERS[1:, None] * transverse(ends)[:, 1:]
+    coefficients[:, :-1] = POWERS[1:, None] * transverse(ends)[:, 1:]
     return coefficients / length(ends)[:, None, None]
 
 
@@ -71,7 +71,7 @@ def component_mass(ends: np.ndarray) -> np.ndarray:
 
     Exact, because int r^j r^k dr = 1 / (j + k + 1) on [0, 1].
     """
-    moments = 1 / (_POWERS[:, None] + _POWERS + 1)
+    moments = 1 / (POWERS[:, None] + POWERS + 1)
     functions = shape(ends)
     integral = np.einsum("ejap,jk,ekbq->eabpq", functions, moments, functions)
     return length(ends)[:, None, None, None, None] * integral

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,19 +19,20 @@ neighbours in one element, and round-off times its inverse is lost in the constr
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Rows R (n_r, n): first those of the clamped node, if there is one, then three of every named point."""
+    """Rows R (n_r, n): first those of the clamped nodes, if there are any, then three (in space six) of every named point."""
 
     rows: np.ndarray
     points: tuple[str, ...] = ()
     on_clamp: tuple[str, ...] = ()  # points without rows of their own
+    per_point: int = 3
 
     @property
     def n_clamp(self) -> int:
-        """Number of rows that belong to the clamped node."""
-        return len(self.rows) - 3 * len(self.points)
+        """Number of rows that belong to the clamped nodes."""
+        return len(self.rows) - self.per_point * len(self.points)
 
     def rates(self, d_interface_rows: Mapping[str, np.ndarray]) -> np.ndarray:
-        """dR (n_r, n) from the derivatives (3, n) of the rows of points; points that are not named do not change.
+        """dR (n_r, n) from the derivatives (3 or 6, n) of the rows of points; points that are not named do not change.
 
         Raises
         ------
@@ -44,7 +45,7 @@ class Boundary:
                     f"interface point {name!r} sits on the clamped node, and moving it away adds coordinates to the basis, which has "
                     "no derivative. Place the point inside the skin, or leave its position out of the design."
                 )
-        still = np.zeros((3, self.rows.shape[1]))
+        still = np.zeros((self.per_point, self.rows.shape[1]))
         return np.vstack([np.zeros_like(self.rows[: self.n_clamp]), *(d_interface_rows.get(name, still) for name in self.points)])
 
 
@@ -53,9 +54,14 @@ def free_boundary(n: int) -> Boundary:
     return Boundary(np.zeros((0, n)))
 
 
-def clamped_boundary(n: int, node: int) -> Boundary:
-    """The three coordinates of one node (negative: from the end)."""
-    return Boundary(np.eye(n)[np.arange(3) + 3 * (node % (n // 3))])
+def clamped_boundary(n: int, nodes: int | Sequence[int], per_node: int = 3) -> Boundary:
+    """All coordinates of one node (negative: from the end) or of several; a node has three, in space six."""
+    return Boundary(np.eye(n)[coordinates_of(nodes, n // per_node, per_node)], per_point=per_node)
+
+
+def coordinates_of(nodes: int | Sequence[int], n_nodes: int, per_node: int) -> np.ndarray:
+    """Numbers of all coordinates of one node (negative: from the end) or of several."""
+    return (np.arange(per_node) + per_node * (np.atleast_1d(np.asarray(nodes, int)) % n_nodes)[:, None]).ravel()
 
 
 def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mass: np.ndarray) -> Boundary:
@@ -63,7 +69,7 @@ def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mas
 
     Parameters
     ----------
-    interface_rows : name -> (3, n)
+    interface_rows : name -> (3, n), in space (6, n)
     mass : (n, n), whose diagonal makes displacements and rotations comparable
 
     Raises
@@ -74,25 +80,25 @@ def with_points(clamped: Boundary, interface_rows: Mapping[str, np.ndarray], mas
     rows = clamped.rows
     points: list[str] = []
     on_clamp: list[str] = []
-    for name, three in interface_rows.items():
-        if _new_part(clamped.rows, three, mass).max() <= ON_CLAMP:
+    for name, own in interface_rows.items():
+        if _new_part(clamped.rows, own, mass).max() <= ON_CLAMP:
             on_clamp.append(name)
             continue
-        if _new_part(rows, three, mass).min() <= INDEPENDENT:
+        if _new_part(rows, own, mass).min() <= INDEPENDENT:
             raise InputError(
                 f"interface point {name!r} cannot move independently of "
                 f"{', '.join(repr(point) for point in points) or 'the clamped node'}: give every place one name, keep points apart, "
                 "and have at most two in one element (use more elements)."
             )
-        rows = np.vstack([rows, three])
+        rows = np.vstack([rows, own])
         points.append(name)
-    return Boundary(rows, tuple(points), tuple(on_clamp))
+    return Boundary(rows, tuple(points), tuple(on_clamp), clamped.per_point)
 
 
-def _new_part(rows: np.ndarray, three: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    """Singular values of three rows, scaled to length one, without their part in the span of `rows`."""
+def _new_part(rows: np.ndarray, own: np.ndarray, mass: np.ndarray) -> np.ndarray:
+    """Singular values of a point's own rows, scaled to length one, without their part in the span of `rows`."""
     scale = 1 / np.sqrt(np.diag(mass))
     known, _ = np.linalg.qr((rows * scale).T)
-    scaled = three * scale
+    scaled = own * scale
     scaled = scaled / np.linalg.norm(scaled, axis=1, keepdims=True)
     return np.linalg.svd(scaled - scaled @ known @ known.T, compute_uv=False)

@@ -15,14 +15,17 @@ from preprocessing.assembly import assemble
 from preprocessing.at_key import at_key
 from preprocessing.changed_design import changed
 from preprocessing.changed_keys import with_keys
-from preprocessing.discretisation import DesignSpace, Discretisation, positions
+from preprocessing.discretisation import DesignSpace, Discretisation, FiniteElements, positions
 from preprocessing.geometry import Geometry, Remark, read_geometry
 from preprocessing.gmsh_session import load_gmsh
 from preprocessing.patches import distribute
-from preprocessing.reduced import reduce
+from preprocessing.reduced import Reduced, reduce
 from preprocessing.shape_parameters import shape_parameters
 from preprocessing.skin_file import SkinFile, read_skin_file
 from preprocessing.skin_tables import Place
+from preprocessing.spatial_discretisation import SpatialDiscretisation
+from preprocessing.spatial_discretisation import positions as spatial_positions
+from preprocessing.spatial_skin import spatial_skin
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel, Shape
 from toolkit.reduced_model_file import SCHEMA_VERSION
@@ -114,14 +117,27 @@ def _reduced_model(
     space = differentiable(design_space(path, file, values, geometry), remark)
     with at_key(path, "basis"):
         found = reduce(space, file.basis.choice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
-    mesh, z = geometry.mesh, found.basis.z
     return ReducedModel(
         **found.fields(file.units),
         input_hash=input_hash(path, file, values),
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
-        shape=Shape(positions(z), geometry.target, geometry.arc_lengths),
-        mesh=Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline),
+        **_shape_and_pictures(found, geometry),
     )
+
+
+def _shape_and_pictures(found: Reduced, geometry: Geometry) -> dict[str, Any]:
+    """In the plane the mesh, in space the surface; the shape is compared in the plane of the section in both."""
+    z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
+    if isinstance(elements, SpatialDiscretisation):
+        in_plane = spatial_positions(z)[:, :2]
+        return {
+            "shape": Shape(in_plane, geometry.target, geometry.arc_lengths),
+            "surface": elements.surface(z, found.space.values),
+        }
+    return {
+        "shape": Shape(positions(z), geometry.target, geometry.arc_lengths),
+        "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline),
+    }
 
 
 def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry) -> DesignSpace:
@@ -137,18 +153,21 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
         parameters = distribute(body, file.groups, file.skin.separate, file.skin.elements)
     section = {name: values.get(name, value) for name, value in parameters.values.items()}
     shape = shape_parameters(file)
-    strain = {"poisson_ratio": file.material.poisson_ratio or 0.0} if file.material.state == "plane-strain" else {}
+    in_plane, wide = file.dimension == 2, file.material.state == "plane-strain"
+    ratio = {"poisson_ratio": file.material.poisson_ratio or 0.0} if wide or not in_plane else {}
 
-    def discretise(design: Mapping[str, Any]) -> Discretisation:
+    def discretise(design: Mapping[str, Any]) -> FiniteElements:
         moved = {name: design[name] for name in shape if design[name] != shape[name]}
         at = geometry.moved(moved) if moved else geometry
-        factor = 1 / (1 - design["poisson_ratio"] ** 2) if strain else 1.0
+        factor = 1 / (1 - design["poisson_ratio"] ** 2) if wide else 1.0
         places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
+        if not in_plane:
+            return spatial_skin(at, parameters.patches, places, factor, design["poisson_ratio"])
         return Discretisation(at.mesh, at.arc_lengths, assemble(at.mesh, parameters.patches, factor), places, at.target)
 
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
-    quantities = {**parameters.quantities, **dict.fromkeys(strain, "none"), **lengths}
-    return DesignSpace({**section, **strain, **shape}, quantities, frozenset(section), discretise)
+    quantities = {**parameters.quantities, **dict.fromkeys(ratio, "none"), **lengths}
+    return DesignSpace({**section, **ratio, **shape}, quantities, frozenset(section), discretise)
 
 
 def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:

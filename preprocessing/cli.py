@@ -1,4 +1,4 @@
-"""The command `ffrf-preprocess`: build the reduced model of a skin or of any meshed body, unless the file is there and up to date."""
+"""The command `ffrf-preprocess`: build the reduced model of a skin, a meshed body or a frame, unless the file is there and up to date."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ app = typer.Typer(pretty_exceptions_enable=False)
 @app.command()
 def preprocess(
     skin: Annotated[
-        Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, or of a body with a mesh or matrices.")
+        Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, of a body with a mesh or matrices, or of a frame.")
     ],
     force: Annotated[
         bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")

@@ -27,18 +27,18 @@ class ElasticShapes(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class InterfaceShapes:
-    """Constraint modes of the interface points; those of the clamped node, the first `n_clamp`, are held at zero."""
+    """Constraint modes of the interface points; those of the clamped nodes, the first `n_clamp`, are held at zero."""
 
     modes: ConstraintModes
     n_clamp: int
 
     @property
     def columns(self) -> np.ndarray:
-        """Shapes (n, 3 n_points)."""
+        """Shapes (n, n_r - n_clamp)."""
         return self.modes.shapes[:, self.n_clamp :]
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
-        """Derivatives (n, 3 n_points, n_x)."""
+        """Derivatives (n, n_r - n_clamp, n_x)."""
         return self.modes.rates(d_pencils)[:, self.n_clamp :]
 
 

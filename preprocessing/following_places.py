@@ -4,25 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
-from preprocessing.discretisation import DesignSpace, Discretisation
+from preprocessing.discretisation import DesignSpace
+from preprocessing.reduction import per_node
 from toolkit.reduced_model import place_parameter
 
 
 def with_places(space: DesignSpace) -> DesignSpace:
     """The space with a parameter for every interface point inside an element; at a node the polygon has a kink and no derivative."""
     nominal = space.nominal()
-    empty = np.zeros((3 * len(nominal.mesh.nodes), 1))
+    empty = np.zeros((per_node(nominal.nodes) * len(nominal.nodes), 1))
     inside = {name for name, p in nominal.interfaces(empty).items() if p.arc_length_range[0] < p.arc_length_range[1]}
     free = {place_parameter(name): (name, nominal.places[name]) for name in nominal.places if name in inside}
 
-    def discretise(design: Mapping[str, Any]) -> Discretisation:
+    def discretise(design: Mapping[str, Any]) -> Any:
         found = space.discretise(design)
         moved = {name: found.places[name] + design[parameter] - s for parameter, (name, s) in free.items()}
-        return replace(found, places={**found.places, **moved})
+        return replace(cast(Any, found), places={**found.places, **moved})
 
     return replace(
         space,

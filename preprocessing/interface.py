@@ -6,11 +6,11 @@ Mesh, arc lengths and basis may carry a complex step in a parameter of the shape
 from __future__ import annotations
 
 from math import comb
+from typing import Protocol
 
 import numpy as np
 
-from preprocessing import beam
-from preprocessing.mesh import CurveMesh
+from preprocessing.reduction import per_node
 from toolkit.errors import InputError
 from toolkit.reduced_model import InterfacePoint
 
@@ -21,7 +21,18 @@ MOVES_ALONG = 1e-6
 """Parts of the largest movement that a point may lag behind its node; round-off is far below."""
 
 
-def interface_point(mesh: CurveMesh, arc_lengths: np.ndarray, z: np.ndarray, arc_length: complex) -> InterfacePoint:
+class Chain(Protocol):
+    """Straight elements along an open curve, in the plane or in space."""
+
+    @property
+    def nodes(self) -> np.ndarray:
+        """Positions (n_nodes, d)."""
+
+    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Numbers of one element's coordinates, and coefficients of r^k in its displacement and rotation."""
+
+
+def interface_point(mesh: Chain, arc_lengths: np.ndarray, z: np.ndarray, arc_length: complex) -> InterfacePoint:
     """The interface point at one arc length.
 
     Inside an element the arc length s on the true curve is mapped linearly to the place r = (s - s_1) / (s_2 - s_1) on the
@@ -32,7 +43,7 @@ def interface_point(mesh: CurveMesh, arc_lengths: np.ndarray, z: np.ndarray, arc
     arc_lengths : (n_nodes,)
         Arc length of every node from F along the true curve.
     z : (n, 1 + n_f)
-        The basis [xi, Psi].
+        The basis [xi, Psi]; in space a rotation has three rows.
 
     Raises
     ------
@@ -44,7 +55,7 @@ def interface_point(mesh: CurveMesh, arc_lengths: np.ndarray, z: np.ndarray, arc
     nearest = int(np.abs(nodes - place).argmin())
     if abs(nodes[nearest] - place) <= ON_NODE * (nodes[-1] - nodes[0]):
         _refuse_passing(arc_lengths, nearest, arc_length)
-        return _at_node(z, nearest, arc_lengths[nearest])
+        return _at_node(mesh, z, nearest, arc_lengths[nearest])
     if not nodes[0] <= place <= nodes[-1]:
         raise InputError(f"arc length {place:g} is off the skin, which reaches from {nodes[0]:g} to {nodes[-1]:g}.")
     element = int(np.searchsorted(nodes, place)) - 1
@@ -61,21 +72,23 @@ def _refuse_passing(arc_lengths: np.ndarray, node: int, arc_length: complex) -> 
         )
 
 
-def _at_node(z: np.ndarray, node: int, arc_length: complex) -> InterfacePoint:
-    rows = z[3 * node : 3 * node + 3]
-    return InterfacePoint(np.asarray(arc_length), np.array([arc_length, arc_length]), rows[None, :2], rows[None, 2])
+def _at_node(mesh: Chain, z: np.ndarray, node: int, arc_length: complex) -> InterfacePoint:
+    own, dimension = per_node(mesh.nodes), mesh.nodes.shape[1]
+    rows = z[own * node : own * (node + 1)]
+    turned = rows[2] if dimension == 2 else rows[3:]
+    return InterfacePoint(np.asarray(arc_length), np.array([arc_length, arc_length]), rows[None, :dimension], turned[None])
 
 
-def _inside_element(mesh: CurveMesh, z: np.ndarray, element: int, interval: np.ndarray, arc_length: complex) -> InterfacePoint:
-    ends = mesh.ends[element : element + 1]
+def _inside_element(mesh: Chain, z: np.ndarray, element: int, interval: np.ndarray, arc_length: complex) -> InterfacePoint:
+    dofs, displacement, rotation = mesh.functions(element)
     step = interval[1] - interval[0]
     ratio = (arc_length - interval[0]) / step
-    local = z[mesh.dofs[element]]
+    local = z[dofs]
     return InterfacePoint(
         np.asarray(arc_length),
         np.array(interval),
-        _about(beam.shape(ends)[0], ratio, step) @ local,
-        _about(beam.rotation(ends)[0], ratio, step) @ local,
+        _about(displacement, ratio, step) @ local,
+        _about(rotation, ratio, step) @ local,
     )
 
 

@@ -9,7 +9,7 @@ With Z = [xi, Psi]:
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
@@ -62,10 +62,10 @@ def contract_derivative(
     by_basis = {
         "mass": np.asarray(0.0),
         "first_moment": np.stack([t_1 @ (matrices.m_11 @ d_z), t_2 @ (matrices.m_22 @ d_z)]),
-        "inertia": _both_sides(_trace(matrices), z, d_z),
-        "gyroscopic": _both_sides(_skew(matrices), z, d_z),
-        "stiffness": _both_sides(matrices.stiffness, psi, d_psi),
-        "damping": _both_sides(matrices.damping, psi, d_psi),
+        "inertia": both_sides(_trace(matrices), z, d_z),
+        "gyroscopic": both_sides(_skew(matrices), z, d_z),
+        "stiffness": both_sides(matrices.stiffness, psi, d_psi),
+        "damping": both_sides(matrices.damping, psi, d_psi),
         "stress_operator": matrices.stress @ d_psi,
     }
     return Invariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
@@ -77,10 +77,21 @@ def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, per_node
     The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
     invariants that are zero at every design have no polynomial.
     """
+    return polynomials_of(parts, parameters, z, Invariants, lambda part, factor: _contractions(part, factor, per_node))
+
+
+Contractions = Callable[[Part, Any], Iterator[tuple[str, Any]]]
+"""What one part of one matrix adds to the invariants, by their names, for unit parameters and a sparse or dense Z."""
+
+
+def polynomials_of(
+    parts: Parts, parameters: Sequence[str], z: np.ndarray, kind: type, contractions: Contractions
+) -> dict[str, Polynomial]:
+    """The polynomials of all invariants, fields of `kind`, from the contractions of every part."""
     factor = csr_array(z) if np.count_nonzero(z) < SPARSE * z.size else z
-    terms: dict[str, list[Term]] = {f.name: [] for f in fields(Invariants)}
+    terms: dict[str, list[Term]] = {f.name: [] for f in fields(kind)}
     for part in parts.parts:
-        for name, contraction in _contractions(part, factor, per_node):
+        for name, contraction in contractions(part, factor):
             found = coo_array(contraction)
             if np.any(found.data):
                 terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
@@ -152,6 +163,6 @@ def _skew(matrices: Matrices) -> Any:
     return matrices.m_12 - matrices.m_12.T
 
 
-def _both_sides(matrix: Any, z: np.ndarray, d_z: np.ndarray) -> np.ndarray:
+def both_sides(matrix: Any, z: np.ndarray, d_z: np.ndarray) -> np.ndarray:
     """dZ^T M Z + Z^T M dZ."""
     return d_z.T @ (matrix @ z) + z.T @ (matrix @ d_z)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing import beam
 from preprocessing.gmsh_session import gmsh_model
 from toolkit.errors import InputError
 
@@ -31,6 +32,11 @@ class CurveMesh:
     def dofs(self) -> np.ndarray:
         """Numbers of the nodal coordinates (x, y, rotation at both ends) of every element, (n_elements, 6)."""
         return (3 * self.connectivity[:, :, None] + np.arange(3)).reshape(-1, 6)
+
+    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Numbers of one element's coordinates (6,), and coefficients of r^k in its displacement (4, 2, 6) and rotation (4, 6)."""
+        ends = self.ends[[element]]
+        return self.dofs[element], beam.shape(ends)[0], beam.rotation(ends)[0]
 
 
 def mesh_curve(stations: np.ndarray) -> CurveMesh:

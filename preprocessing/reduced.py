@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,11 +12,11 @@ from preprocessing.basis import Basis
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.following_places import with_places
-from preprocessing.invariants import contract, contract_derivative, listed, polynomials
+from preprocessing.invariants import listed
 from preprocessing.reduction import reduced_basis
-from preprocessing.stress import stress_points
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.reduced_model import InterfacePoint, Invariants, StressPoints
+from toolkit.spatial_model import SpatialInvariants
 from toolkit.units import unit
 
 
@@ -25,7 +26,7 @@ class Reduced:
 
     space: DesignSpace  # with all parameters of the model
     basis: Basis
-    invariants: Invariants
+    invariants: Invariants | SpatialInvariants
     derivatives: dict[str, Derivatives]
     affine: dict[str, Polynomial]
     interfaces: dict[str, InterfacePoint]
@@ -34,7 +35,7 @@ class Reduced:
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
         return {
-            "dimension": 2,
+            "dimension": 3 if isinstance(self.invariants, SpatialInvariants) else 2,
             "units": units,
             "reference_condition": self.basis.reference_condition,
             "basis": self.basis.description,
@@ -44,7 +45,7 @@ class Reduced:
         }
 
 
-def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: str) -> Reduced:
+def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
     """Contract the finite elements of a body with a basis, and differentiate everything by all parameters.
 
     Where the basis does not depend on a parameter by which the matrices are polynomials, the invariants are polynomials too; all
@@ -52,7 +53,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: st
 
     Parameters
     ----------
-    clamped_node : number of the node that a tangent frame is tied to, and `clamp`, what it is called
+    clamped_node : number of the node, or of the nodes, that a tangent frame is tied to, and `clamp`, what it is called
 
     Raises
     ------
@@ -62,25 +63,27 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int, clamp: st
     space = with_places(space) if choice.follows_places else space
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
-    basis = reduced_basis(
-        choice, matrices.mass, matrices.stiffness, nominal.mesh.nodes, clamped_node, clamp, nominal.interface_rows()
-    )
+    mass, stiffness = nominal.nodal(matrices.mass), nominal.nodal(matrices.stiffness)
+    basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
     d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
     rates = {
-        parameter: {**vars(contract_derivative(matrices, change.matrices, basis.z, d)), **_item_rates(change, basis, d)}
+        parameter: {
+            **vars(change.stepped.contract_derivative(matrices, change.matrices, basis.z, d)),
+            **_item_rates(change, basis, d),
+        }
         for (parameter, change), d in zip(changes.items(), d_z, strict=True)
     }
-    constant = polynomials(nominal.parts, list(space.values), basis.z) if exact else {}
+    constant = nominal.polynomials(list(space.values), basis.z) if exact else {}
     return Reduced(
         space,
         basis,
-        contract(matrices, basis.z),
+        nominal.contract(space.values, basis.z),
         listed(rates, list(space.values)),
         constant,
         nominal.interfaces(basis.z),
-        stress_points(len(nominal.mesh.connectivity)),
+        nominal.stress_points,
     )
 
 

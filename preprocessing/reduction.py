@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from preprocessing.basis import Basis
 from preprocessing.basis_choice import BasisChoice
-from preprocessing.boundary import Boundary, clamped_boundary, free_boundary, with_points
+from preprocessing.boundary import Boundary, clamped_boundary, coordinates_of, free_boundary, with_points
 from preprocessing.constrained_pencil import ConstrainedPencil, constrained_pencil
 from preprocessing.constraint_modes import constraint_modes
 from preprocessing.elastic_shapes import ElasticShapes, InterfaceShapes, ModeShapes
@@ -26,17 +26,22 @@ DEPENDENT = 1e-11
 
 
 def undeformed(nodes: np.ndarray) -> np.ndarray:
-    """xi (3 n_nodes,): node positions (n_nodes, 2) on the translations, and zero on the rotations, because the elements are straight."""
-    return np.column_stack([nodes, np.zeros(len(nodes))]).ravel()
+    """xi (n,): node positions (n_nodes, d) on the translations, and zero on the rotations, because the elements are straight."""
+    return np.column_stack([nodes, np.zeros((len(nodes), per_node(nodes) - nodes.shape[1]))]).ravel()
 
 
-def tangent_frame(nodes: np.ndarray, node: int, name: str) -> Basis:
-    """All nodal coordinates of nodes (n_nodes, 2) but the three of one, to which the frame is tied; nothing is reduced.
+def per_node(nodes: np.ndarray) -> int:
+    """Coordinates of a node of nodes (n_nodes, d): two displacements and a rotation in the plane, three of each in space."""
+    return 3 if nodes.shape[1] == 2 else 6
+
+
+def tangent_frame(nodes: np.ndarray, node: int | Sequence[int], name: str) -> Basis:
+    """All nodal coordinates of nodes (n_nodes, d) but those of one, or of several, to which the frame is tied; nothing is reduced.
 
     The frame keeps the axes and the origin of the nodes' coordinates and moves with the clamped node as with a rigid wall.
     """
-    n = 3 * len(nodes)
-    free = np.delete(np.arange(n), np.arange(3) + 3 * (node % len(nodes)))
+    n = per_node(nodes) * len(nodes)
+    free = np.delete(np.arange(n), coordinates_of(node, len(nodes), per_node(nodes)))
     psi = np.eye(n)[:, free]
     return Basis(
         np.column_stack([undeformed(nodes), psi]),
@@ -55,7 +60,7 @@ def reduced_basis(
     mass: Any,
     stiffness: Any,
     nodes: np.ndarray,
-    node: int,
+    node: int | Sequence[int],
     name: str,
     interface_rows: Mapping[str, np.ndarray],
 ) -> Basis:
@@ -64,12 +69,12 @@ def reduced_basis(
     Parameters
     ----------
     mass, stiffness : (n, n), sparse or dense
-        M_11 + M_22 and K on all n = 3 n_nodes nodal coordinates.
-    nodes : (n_nodes, 2)
-    node, name : int, str
+        M and K on all n = 3 n_nodes nodal coordinates, in space 6 n_nodes.
+    nodes : (n_nodes, d)
+    node, name : int or several, str
         The node that is clamped (unless the boundary is free), and what to call it.
-    interface_rows : name -> (3, n)
-        Rows that give x, y and rotation of an interface point from the nodal coordinates.
+    interface_rows : name -> (3, n), in space (6, n)
+        Rows that give displacement and rotation of an interface point from the nodal coordinates.
 
     Raises
     ------
@@ -79,7 +84,7 @@ def reduced_basis(
     if choice.kind == "full":
         return tangent_frame(nodes, node, name)
     pencil = constrained_pencil(stiffness, mass)
-    clamped = clamped_boundary(len(pencil.mass), node)
+    clamped = clamped_boundary(len(pencil.mass), node, per_node(nodes))
     if choice.kind == "eigenmodes":
         boundary = free_boundary(len(pencil.mass)) if choice.boundary == "free" else clamped
     else:
@@ -131,10 +136,20 @@ def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str,
 
 
 def _motions_of_the_frame(nodes: np.ndarray) -> np.ndarray:
-    """Nodal coordinates of the unit translations and of the unit rotation, (n, 3)."""
+    """Nodal coordinates of the unit translations and rotations, (n, 3) or (n, 6)."""
+    if nodes.shape[1] == 3:
+        return spatial_motions(nodes)
     motions = np.tile(np.eye(3), (len(nodes), 1))
     motions[0::3, 2], motions[1::3, 2] = -nodes[:, 1], nodes[:, 0]
     return motions
+
+
+def spatial_motions(nodes: np.ndarray) -> np.ndarray:
+    """Nodal coordinates of the unit translations along and rotations about x, y and z, (6 n_nodes, 6), for nodes (n_nodes, 3)."""
+    motions = np.zeros((len(nodes), 6, 6))
+    motions[:] = np.eye(6)
+    motions[:, :3, 3:] = np.cross(np.eye(3)[None, :, :], nodes[:, None, :]).swapaxes(1, 2)
+    return motions.reshape(-1, 6)
 
 
 def _refuse_dependent(motions: np.ndarray, mass: np.ndarray, boundary: Boundary) -> None:
@@ -152,7 +167,9 @@ def _refuse_dependent(motions: np.ndarray, mass: np.ndarray, boundary: Boundary)
 def _description(choice: BasisChoice, boundary: Boundary, modes: list[NormalModes]) -> str:
     shapes = []
     if boundary.points:
-        shapes.append(f"{3 * len(boundary.points)} constraint modes of the interface points {', '.join(boundary.points)}")
+        shapes.append(
+            f"{boundary.per_point * len(boundary.points)} constraint modes of the interface points {', '.join(boundary.points)}"
+        )
     fixed = "fixed-interface" if boundary.points else choice.boundary
     shapes += [f"{found.count} {fixed} eigenmodes up to {found.frequencies[-1]:.6g} Hz" for found in modes if found.count]
     return f"{choice.derivative}: {choice.kind}, {' and '.join(shapes)}"

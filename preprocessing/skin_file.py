@@ -6,7 +6,7 @@ from pathlib import Path
 from types import NoneType
 from typing import Any, Literal, get_args
 
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from preprocessing.skin_tables import (
     Airfoil,
@@ -31,6 +31,7 @@ class SkinFile(Table):
     """Schema of skin.toml; all numbers in the units of the named system."""
 
     units: Literal["mm-t-s", "m-kg-s"]
+    dimension: Literal[2, 3] = 2  # of space; 3: the skin also bends out of its plane and twists, which needs Poisson's ratio
     airfoil: Airfoil
     skin: SkinCut
     section: SectionTable
@@ -40,6 +41,12 @@ class SkinFile(Table):
     shape: dict[ModeName, ShapeMode] = Field(default_factory=dict)
     groups: dict[GroupName, ElementGroup] = Field(default_factory=dict)
     basis: BasisTable = BasisTable()
+
+    @model_validator(mode="after")
+    def _twists(self) -> SkinFile:
+        if self.dimension == 3 and self.material.poisson_ratio is None:
+            raise ValueError("material.poisson_ratio: a skin in space (dimension = 3) twists with G = E / (2 (1 + nu)); add it")
+        return self
 
 
 def read_skin_file(path: str | Path) -> SkinFile:
@@ -81,9 +88,9 @@ def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]
     """Keys of the table at a location of the schema."""
     table: Any = schema
     for part in location:
-        of_mapping = get_args(table)  # (InterfaceName, Place) of dict
-        table = of_mapping[1] if of_mapping else _optional(table.model_fields[str(part)].annotation)
-    return list(table.model_fields)
+        of_group = get_args(table)  # (InterfaceName, Place) of dict, (BeamTable,) of list
+        table = of_group[-1] if of_group else _optional(table.model_fields[str(part)].annotation)
+    return [field.alias or name for name, field in table.model_fields.items()]
 
 
 def _optional(annotation: Any) -> Any:

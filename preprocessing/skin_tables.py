@@ -115,7 +115,11 @@ class SectionTable(Table):
 
 
 class Material(Table):
-    """Linear elastic material. Poisson's ratio enters in plane strain only: a wide skin bends with E / (1 - nu^2) instead of E."""
+    """Linear elastic material.
+
+    Poisson's ratio enters in plane strain, where a wide skin bends with E / (1 - nu^2) instead of E, and in space, where a skin twists with
+    G = E / (2 (1 + nu)).
+    """
 
     youngs_modulus: Positive  # stress
     density: Positive  # mass / length^3

@@ -1,4 +1,4 @@
-"""The file that a reduced model is built from, a skin.toml or a body.toml: which of them it is decides who reads it."""
+"""The file that a reduced model is built from, a skin.toml, body.toml or frame.toml: which of them it is decides who reads it."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from preprocessing.build import build, file_at, input_hash
+from preprocessing.build_frame import build_frame, frame_hash
 from preprocessing.changed_keys import changed_tables
+from preprocessing.frame_design import changed_frame
+from preprocessing.frame_file import is_frame, read_frame_file
 from preprocessing.geometry import Remark
 from preprocessing.skin_file import read_skin_file
 from preprocessing.skin_tables import Table
@@ -36,9 +39,12 @@ def source(path: Path) -> Source:
     Raises
     ------
     InputError
-        It is missing, or neither a skin.toml nor a body.toml.
+        It is missing, or none of skin.toml, body.toml and frame.toml.
     """
-    if is_body(read_toml(path, "a skin.toml or body.toml")):
+    content = read_toml(path, "a skin.toml, body.toml or frame.toml")
+    if is_frame(content):
+        return _frame(path)
+    if is_body(content):
         body, solids = read_body_file(path), _solids()
         return Source(
             [path, *(path.parent / name for name in body.inputs)],
@@ -55,7 +61,19 @@ def source(path: Path) -> Source:
         lambda changes: input_hash(path, skin, changes),
         lambda remark, values, keys: build(path, remark, values, keys),
         lambda values, keys: file_at(path, values, keys),
-        ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", "mesh"),
+        ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", "mesh" if skin.dimension == 2 else "surface"),
+    )
+
+
+def _frame(path: Path) -> Source:
+    frame = read_frame_file(path)
+    return Source(
+        [path],
+        frame,
+        lambda changes: frame_hash(path, changes),
+        lambda remark, values, keys: build_frame(path, remark, values, keys),
+        lambda values, keys: changed_frame(frame, values, keys, path),
+        ("invariants", "derivatives", "affine", "interfaces", "stress", "surface"),
     )
 
 

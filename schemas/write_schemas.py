@@ -1,4 +1,4 @@
-"""Write the JSON schemas of scene.toml, skin.toml and body.toml beside this script, from the classes that read those files.
+"""Write the JSON schemas of scene.toml, skin.toml, body.toml and frame.toml beside this script, from the classes that read those files.
 
 Run it after a change of those classes: python schemas/write_schemas.py
 """
@@ -6,6 +6,7 @@ Run it after a change of those classes: python schemas/write_schemas.py
 import json
 from pathlib import Path
 
+from preprocessing.frame_file import FrameFile
 from preprocessing.skin_file import SkinFile
 from preprocessing.solids.body_file import BodyFile
 from toolkit.replaced_file import replaced
@@ -15,7 +16,8 @@ skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexi
 body = tidy(
     {"$schema": DRAFT, **BodyFile.model_json_schema(), "title": "A flexible body of ffrf-toolkit from a mesh or matrices"}
 )
-schemas = {"scene": scene_schema(), "skin": skin, "body": body}
+frame = tidy({"$schema": DRAFT, **FrameFile.model_json_schema(), "title": "A frame of spatial beams of ffrf-toolkit"})
+schemas = {"scene": scene_schema(), "skin": skin, "body": body, "frame": frame}
 texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in schemas.items()}
 
 if __name__ == "__main__":

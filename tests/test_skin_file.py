@@ -61,7 +61,7 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
         ),
         ("{ node = 10 }", "{}", "interface_points.C: give either node, or arc_length, or x with side (got nothing)"),
         ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (got -1)."),
-        ("[section]", "[profile]", "profile: unknown key; allowed here: units, airfoil, skin, section"),
+        ("[section]", "[profile]", "profile: unknown key; allowed here: units, dimension, airfoil, skin, section"),
         ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (got -1.0)."),
         (
             "thickness = 1.5",

@@ -221,8 +221,8 @@ def lines_only(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (spatial, r"body\.toml', mesh.file: the mesh .* is spatial \(it holds tetra\)"),
-        (tilted, "is spatial: its z reaches from 0 to 1"),
+        (spatial, r"body\.toml', section: this body is spatial, .* such bodies have none"),
+        (tilted, "has triangles or quadrilaterals only, but its z reaches from 0 to 1"),
         (torn, r"2 parts that share no nodes; one of them is at \(5, -0.1\)"),
         (moved(0, (0.9, 0.09)), "flat or folded over, the first with the nodes"),
         (moved(4, (0.0, -0.1)), "flat or folded over"),
@@ -303,7 +303,7 @@ def _rotary(matrix):
         (_other("mass", _rotary), "treats x and y differently"),
         (lambda folder: (folder / "mass.npz").unlink(), "there is no file '.*mass.npz'"),
         (lambda folder: (folder / "mass.npz").write_text("no matrix"), "cannot be read as a matrix"),
-        (lambda folder: np.savetxt(folder / "nodes.csv", np.eye(3), delimiter=","), "holds nodes in space"),
+        (lambda folder: np.savetxt(folder / "nodes.csv", np.eye(3), delimiter=","), "section: this body is spatial"),
         (lambda folder: (folder / "nodes.csv").write_text("a,b\n"), "cannot be read as the coordinates of nodes"),
     ],
 )

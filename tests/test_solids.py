@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import skfem
+from scipy import sparse
 
 from preprocessing.solids import sparse_modes
 from preprocessing.solids.body_file import read_body_file
@@ -12,8 +13,8 @@ from preprocessing.solids.build_body import build_body
 from preprocessing.solids.discrete_body import discrete_body
 from preprocessing.solids.elasticity import solid_matrices
 from preprocessing.solids.elements import element_blocks
+from preprocessing.solids.lame import lame_factors
 from preprocessing.solids.outline import outline_of
-from preprocessing.solids.plane_material import lame_factors
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.solids.solid_stress import stress_rows
 from preprocessing.solids.ties import freedom, tie
@@ -172,9 +173,9 @@ def test_rigid_tie_is_stiffer_than_averaged_one_by_the_warping_that_it_prevents(
 def test_tied_point_follows_rigid_motions_wherever_it_is(nodes):
     mesh = rectangle("quad8", (6, 2), 1.0, 0.2, bent=0.01)
     members = mesh.groups["right"] if nodes == "group" else np.array([20])
-    weights = np.arange(1.0, 1 + len(members)) / np.arange(1.0, 1 + len(members)).sum()
+    spread = sparse.diags_array(np.arange(1.0, 1 + len(members)) / np.arange(1.0, 1 + len(members)).sum())
     at = [1.3, -0.4] if nodes == "group" else None
-    found = tie(mesh, members, weights, at, rigid=False)
+    found = tie(mesh, members, spread, at, rigid=False)
     x, y = found.point
     # columns: unit translations, and the unit rotation about the origin; round-off over arms of a tenth
     np.testing.assert_allclose(found.rows @ rigid_motions(mesh.nodes), [[1, 0, -y], [0, 1, x], [0, 0, 1]], atol=1e-12)

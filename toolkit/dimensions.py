@@ -29,7 +29,8 @@ NONE = Dimension()
 LABELLED = {
     "none": NONE, "angle": NONE, "length": Dimension(0, 1, 0), "time": Dimension(0, 0, 1), "mass": Dimension(1, 0, 0),
     "force": Dimension(1, 1, -2), "stress": Dimension(1, -1, -2), "density": Dimension(1, -3, 0), "torque": Dimension(1, 2, -2),
-    "energy": Dimension(1, 2, -2), "area": Dimension(0, 2, 0), "rate": Dimension(0, 0, -1),
+    "energy": Dimension(1, 2, -2), "area": Dimension(0, 2, 0), "second_moment": Dimension(0, 4, 0),
+    "rate": Dimension(0, 0, -1),
 }  # fmt: skip
 """Of the quantities that `toolkit.units` has labels for."""
 

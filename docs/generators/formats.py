@@ -11,6 +11,8 @@ import toolkit.scene_file  # noqa: F401  (importing all kinds is what makes them
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
+from preprocessing.frame_file import FrameFile
+from preprocessing.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection
 from preprocessing.skin_file import SkinFile
 from preprocessing.skin_tables import (
     Airfoil,
@@ -114,6 +116,11 @@ TABLES: dict[str, Callable[[], str]] = {
     "body-clamp": table(Region),
     "body-interface-points": table(TiedRegion),
     "body-stress": table(StressTable),
+    "frame-file": table(FrameFile),
+    "frame-beams": table(BeamTable),
+    "frame-sections": table(FrameSection),
+    "frame-materials": table(FrameMaterial),
+    "frame-points": table(FramePoint),
     "reduced-model": layout,
 }
 """What a page can ask for."""

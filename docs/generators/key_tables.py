@@ -27,7 +27,7 @@ def key_table(model: type[BaseModel], without: Iterable[str] = ()) -> str:
     schema = model.model_json_schema()
     if "$ref" in schema:
         schema = schema["$defs"][schema["$ref"].rpartition("/")[2]]
-    meaning = meanings(model)
+    meaning = {field.alias or name: meanings(model).get(name, "") for name, field in model.model_fields.items()}
     rows = []
     for key, value in schema.get("properties", {}).items():
         if key not in {"type", *without}:

@@ -14,6 +14,7 @@ from preprocessing.solids.body_tables import (
     MatricesTable,
     MeshTable,
     Region,
+    ShapeVariable,
     SolidMaterial,
     SolidSection,
     StressTable,
@@ -37,6 +38,10 @@ class BodyFile(Table):
     damping: Damping = Damping()
     clamp: Region | None = None  # the nodes that the body's frame is tied to
     interface_points: dict[InterfaceName, TiedRegion] = Field(default_factory=dict)
+    pressure_surfaces: dict[InterfaceName, Region] = Field(
+        default_factory=dict
+    )  # of spatial bodies, for pressures on their faces
+    shape_variables: dict[InterfaceName, ShapeVariable] = Field(default_factory=dict)
     basis: BasisTable = BasisTable()
     stress: StressTable = StressTable()
 
@@ -50,12 +55,16 @@ class BodyFile(Table):
     def _lacking(self) -> str:
         if self.mesh is None and self.matrices is None:
             return "a body needs [mesh], or [matrices]; add one of them"
-        if (self.material is None) != (self.section is None):
-            return "[material] and [section] belong together; add the other one"
+        if self.material is None and self.section is not None:
+            return "[section] belongs to [material]; add the latter"
         if self.matrices is None and (self.material is None or self.material.poisson_ratio is None):
-            return "elements need [material] with youngs_modulus, poisson_ratio and density, and [section] with width; add what lacks"
+            return "elements need [material] with youngs_modulus, poisson_ratio and density; add what lacks"
         if self.mesh is None and self.matrices is not None and self.matrices.nodes is None:
             return "finished matrices need the places of their nodes; add matrices.nodes, or [mesh]"
+        if self.mesh is None and self.pressure_surfaces:
+            return "[pressure_surfaces] are faces of elements; add [mesh]"
+        if self.matrices is not None and self.shape_variables:
+            return "[shape_variables] move the nodes of elements, but finished matrices stay as they are; leave one of them out"
         return ""
 
     def _frame(self) -> str:
@@ -70,6 +79,7 @@ class BodyFile(Table):
         """Names of all other files that the body is made of."""
         matrices = self.matrices
         named = [self.mesh.file if self.mesh else None]
+        named += [variable.field for variable in self.shape_variables.values()]
         named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress] if matrices else []
         return [name for name in named if name is not None]
 

@@ -13,23 +13,24 @@ import numpy as np
 from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
-from preprocessing.invariants import contract, contract_derivative, listed, polynomials
+from preprocessing.discretisation import STEP
+from preprocessing.invariants import listed
 from preprocessing.reduction import clamped_in_tangent_frame
+from preprocessing.solids.body_change import BodyChange, rate_of
 from preprocessing.solids.body_file import BodyFile, read_body_file
 from preprocessing.solids.changed_body import changed_body
+from preprocessing.solids.contraction import contractions
 from preprocessing.solids.discrete_body import DiscreteBody, discrete_body
 from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.parts import QUANTITIES
-from preprocessing.solids.solid_basis import solid_shapes
+from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
-from preprocessing.solids.ties import freedom
+from preprocessing.solids.surface_parts import pressure_on, surface_of
+from preprocessing.solids.ties import Freedom, freedom
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
 from toolkit.units import unit
-
-PER_NODE = 2
-"""Coordinates of a node: x and y."""
 
 
 def build_body(
@@ -56,12 +57,12 @@ def build_body(
     body = discrete_body(path, file)
     with at_key(path, "basis"):
         found = _reduced(body, file.basis.choice(), file.clamp.words if file.clamp else "")
-    points = body.parts.n_stress
+    points = len(found["invariants"].stress_operator)
     return ReducedModel(
         **found,
         dimension=body.mesh.dimension,
         units=file.units,
-        nominal_units={name: unit(file.units, QUANTITIES[name]) for name in found["nominal"]},
+        nominal_units={name: unit(file.units, QUANTITIES.get(name, "none")) for name in found["nominal"]},
         input_hash=body_hash(path, file, {**values, **keys}),
         writers={"ffrf-toolkit": WRITER_VERSION} | {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")},
         stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
@@ -94,38 +95,55 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     """Basis and contractions: those fields of the reduced model that follow from them.
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
-    polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and has a derivative.
+    polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
     """
-    free = freedom(body.mesh, body.clamped, body.ties)
+    by, free = contractions(body.mesh), freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
-    mass, stiffness = (free.map.T @ matrix @ free.map for matrix in (matrices.mass, matrices.stiffness))
-    motions = rigid_motions(body.mesh.nodes)
-    shapes = solid_shapes(choice, mass.tocsr(), stiffness.tocsr(), free.coordinates_of(motions, body.ties), free, body.ties)
+    mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in (matrices.mass, matrices.stiffness))
+    motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
+    shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     rates = {}
-    for parameter, d_matrices in body.by_poisson_ratio.items():
-        d_z = np.zeros_like(z)
-        if choice.derivative == "differentiated":
-            d_z[:, 1:] = free.map @ shapes.rates((free.map.T @ d_matrices.stiffness @ free.map).tocsr())
-        rates[parameter] = {**vars(contract_derivative(matrices, d_matrices, z, d_z, PER_NODE)), **_interface_rates(body, d_z)}
-    nominal = {**body.values, **body.poisson_ratio}
+    for parameter, change in body.changes.items():
+        d_z = _basis_rates(body, change, choice, free, shapes)
+        rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
+    nominal = {**body.values, **body.others}
     return {
         "reference_condition": MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}"),
         "basis": shapes.words,
         "nominal": nominal,
-        "invariants": contract(matrices, z, PER_NODE),
+        "invariants": by.contract(matrices, z),
         "derivatives": listed(rates, list(nominal)),
-        "affine": polynomials(body.parts, list(nominal), z, PER_NODE),
-        "outline": None if body.outline is None else _outline(body.outline, z),
+        "affine": by.polynomials(body.parts, list(nominal), z),
+        **_boundary_parts(body, z),
         "interfaces": {name: _interface(*each.motion(z)) for name, each in body.ties.items()},
     }
+
+
+def _basis_rates(body: DiscreteBody, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes) -> np.ndarray:
+    """dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
+    d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
+    d_z[:, 0] = change.motion
+    if choice.derivative == "differentiated":
+        stepped = change.freedom(body.clamped)
+        on_independent = change.on(free, stepped, body.parts.at(body.values), shapes.averaged)
+        d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
+    return d_z
+
+
+def _boundary_parts(body: DiscreteBody, z: np.ndarray) -> dict[str, Any]:
+    """Outline of a plane body; surface of a spatial one, and pressures on it."""
+    if body.boundary is None or isinstance(body.boundary, BoundaryLines):
+        return {"outline": None if body.boundary is None else _outline(body.boundary, z)}
+    loads = {name: pressure_on(each.normals(), z) for name, each in body.pressure_surfaces.items()}
+    return {"surface": surface_of(body.boundary, z), "surface_loads": loads}
 
 
 def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
     """The nodes on the boundary, and its edges between them."""
     edges = np.where(lines.edges[:, [2]] >= 0, lines.edges[:, [0, 2, 1]], lines.edges[:, [0, 0, 1]])
     nodes, number = np.unique(edges, return_inverse=True)
-    return Outline(z.reshape(-1, PER_NODE, z.shape[1])[nodes], number.reshape(edges.shape))
+    return Outline(z.reshape(-1, 2, z.shape[1])[nodes], number.reshape(edges.shape))
 
 
 def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:
@@ -133,9 +151,14 @@ def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:
     return InterfacePoint(np.zeros(()), np.zeros(2), position[None], rotation[None])
 
 
-def _interface_rates(body: DiscreteBody, d_z: np.ndarray) -> dict[str, np.ndarray]:
+def _item_rates(change: BodyChange, z: np.ndarray, d_z: np.ndarray) -> dict[str, np.ndarray]:
+    """Derivatives of interface points and pressures."""
+    stepped = z + 1j * STEP * d_z
     found: dict[str, np.ndarray] = {}
-    for name, each in body.ties.items():
-        moved = each.rows @ d_z
-        found |= {f"interfaces.{name}.position": moved[None, :2], f"interfaces.{name}.rotation": moved[None, 2]}
-    return found
+    for name, each in change.ties.items():
+        position, rotation = each.motion(stepped)
+        found |= {f"interfaces.{name}.position": position[None], f"interfaces.{name}.rotation": rotation[None]}
+    for name, normals in change.normals.items():
+        load = pressure_on(normals, stepped)
+        found |= {f"surface_loads.{name}.force": load.force, f"surface_loads.{name}.moment": load.moment}
+    return {name: rate_of(item) for name, item in found.items()}

@@ -18,7 +18,7 @@ PLACES = {
     "damping_mass": "damping.mass",
     "damping_stiffness": "damping.stiffness",
 }
-"""Where the parameters of a body stand in body.toml."""
+"""Where the parameters of a body stand in body.toml, besides its shape variables."""
 
 
 def changed_body(file: BodyFile, values: Mapping[str, float], keys: Mapping[str, Any], path: Path) -> BodyFile:
@@ -42,9 +42,10 @@ def changed_body(file: BodyFile, values: Mapping[str, float], keys: Mapping[str,
             "where the model follows it exactly, or export other matrices."
         )
     content = file.model_dump(exclude_none=True)
+    places = {**PLACES, **{name: f"shape_variables.{name}.value" for name in file.shape_variables}}
     for name in values:
-        if name not in PLACES:
-            raise InputError(f"{str(path)!r} has no parameter {name!r}; there are {', '.join(PLACES)}.")
-    for key, value in {**{PLACES[name]: value for name, value in values.items()}, **keys}.items():
+        if name not in places:
+            raise InputError(f"{str(path)!r} has no parameter {name!r}; there are {', '.join(places)}.")
+    for key, value in {**{places[name]: value for name, value in values.items()}, **keys}.items():
         put(content, key.split("."), value)
     return body_from(content, path)

@@ -6,6 +6,10 @@ With scalar shape functions N_p, the component a of the displacement is S_a = [N
 
     M_ab = rho s in block (a, b)                                                                     theory section 1
     K    = lambda K_lambda + mu K_mu,   K_lambda = g^ab in block (a, b),   K_mu = g^ba + delta_ab sum_c g^cc in block (a, b)
+
+Where the nodes move by V = N_k V_k per unit of a variable, the maps of the elements change by their gradients, and with them
+
+    d(dN_p/dx_a) = -dV_c/dx_a dN_p/dx_c,    d(dV) = div V dV
 """
 
 from __future__ import annotations
@@ -30,22 +34,30 @@ class SolidMatrices:
     shear: Any  # K_mu, sparse (n, n)
 
 
-def solid_matrices(blocks: Sequence[ElementBlock], n_nodes: int, dimension: int) -> SolidMatrices:
-    """Assemble the matrices over all elements."""
+def solid_matrices(
+    blocks: Sequence[ElementBlock], n_nodes: int, dimension: int, motion: np.ndarray | None = None
+) -> SolidMatrices:
+    """Assemble the matrices over all elements; with a motion of the nodes (n_nodes, d), their derivatives along it."""
     axes = range(dimension)
     mass = sparse.csr_array((n_nodes, n_nodes))
     gradients = {(a, b): sparse.csr_array((n_nodes, n_nodes)) for a in axes for b in axes if a <= b}
     for block in blocks:
         functions = block.functions()
         number = block.numbering(functions, n_nodes)
-        mass = mass + _assembled(_product, functions, number)
+        slope = None if motion is None else motion_gradient(functions, number @ motion)
+        mass = mass + _assembled(_product(slope), functions, number)
         for (a, b), before in gradients.items():
-            gradients[a, b] = before + _assembled(_gradient_product(a, b), functions, number)
+            gradients[a, b] = before + _assembled(_gradient_product(a, b, slope), functions, number)
     gradients |= {(b, a): matrix.T for (a, b), matrix in gradients.items() if a < b}
     divergence = sum(gradients[a, a] for a in axes)
     first = sum(in_block(gradients[a, b], a, b, dimension) for a in axes for b in axes)
     shear = sum(in_block(gradients[b, a] + (a == b) * divergence, a, b, dimension) for a in axes for b in axes)
     return SolidMatrices(mass, first.tocsr(), shear.tocsr())
+
+
+def motion_gradient(functions: Any, motion: np.ndarray) -> np.ndarray:
+    """dV_c/dx_a of the motion (functions, d) at [c, a], (d, d, n_e, n_points)."""
+    return np.stack([np.asarray(functions.interpolate(np.ascontiguousarray(each)).grad) for each in motion.T])
 
 
 def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
@@ -54,13 +66,19 @@ def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
     return sparse.kron(scalar, place, format="csr")
 
 
-def _product(u: Any, v: Any, _: Any) -> Any:
-    return u * v
-
-
-def _gradient_product(a: int, b: int) -> Any:
+def _product(slope: np.ndarray | None) -> Any:
     def form(u: Any, v: Any, _: Any) -> Any:
-        return v.grad[a] * u.grad[b]
+        return u * v if slope is None else u * v * np.trace(slope)
+
+    return form
+
+
+def _gradient_product(a: int, b: int, slope: np.ndarray | None) -> Any:
+    def form(u: Any, v: Any, _: Any) -> Any:
+        if slope is None:
+            return v.grad[a] * u.grad[b]
+        turned = sum(slope[c, a] * v.grad[c] * u.grad[b] + slope[c, b] * v.grad[a] * u.grad[c] for c in range(len(slope)))
+        return np.trace(slope) * v.grad[a] * u.grad[b] - turned
 
     return form
 

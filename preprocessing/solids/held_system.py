@@ -10,6 +10,8 @@ from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse.linalg import splu
 
+from preprocessing.solids.basis_change import BasisChange
+from preprocessing.solids.nested_dissection import dissected
 from toolkit.errors import InputError
 
 DEPENDENT = 1e-9
@@ -40,23 +42,61 @@ class HeldSystem:
         u = self.factors.solve(above)
         return u + self.factors.solve(above - self.stiffness @ u)
 
+    def reactions(self, forces: np.ndarray) -> np.ndarray:
+        """p (m, k) of B^T p = forces (n, k), which are such."""
+        return np.linalg.solve((self.rows @ self.rows.T).toarray(), self.rows @ forces)
 
-def held_system(stiffness: Any, rows: Any) -> HeldSystem:
+    def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
+        """u (n, k) with B u = -dB shapes, so that shapes (n, k) with B shapes = 0 go on meeting that."""
+        if self.complement is None or change.rows is None:
+            return np.zeros_like(shapes)
+        return self.solve(np.zeros_like(shapes), -(change.rows @ shapes))
+
+    def loads_of(self, forces: np.ndarray, change: BasisChange) -> np.ndarray:
+        """dB^T p (n, k) for the reactions p that carry forces = B^T p."""
+        if self.complement is None or change.rows is None:
+            return np.zeros_like(forces)
+        return change.rows.T @ self.reactions(forces)
+
+
+@dataclass(frozen=True, eq=False)
+class OrderedFactors:
+    """Factors of a matrix whose coordinates are taken in another order."""
+
+    factors: Any
+    order: np.ndarray
+
+    def solve(self, above: np.ndarray) -> np.ndarray:
+        """u (n, k) under loads (n, k)."""
+        found = np.empty_like(above)
+        found[self.order] = self.factors.solve(above[self.order])
+        return found
+
+
+def factored(stiffness: Any, places: np.ndarray | None) -> Any:
+    """Factors of a symmetric positive definite matrix; in space, where the nodes are given, in an order that leaves fewer entries."""
+    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
+    if places is None or places.shape[1] < 3:
+        return splu(sparse.csc_array(stiffness), permc_spec="MMD_AT_PLUS_A", **symmetric)
+    order = dissected(stiffness, places)
+    return OrderedFactors(splu(sparse.csc_array(stiffness[order][:, order]), permc_spec="NATURAL", **symmetric), order)
+
+
+def held_system(stiffness: Any, rows: Any, places: np.ndarray | None = None) -> HeldSystem:
     """Factor K and the compliance between the rows.
 
     Parameters
     ----------
     stiffness : (n, n) sparse, positive definite
     rows : (m, n) sparse; m may be zero
+    places : (n, d), where the node of every coordinate is
 
     Raises
     ------
     InputError
         The rows depend on each other.
     """
-    symmetric = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    factors = splu(sparse.csc_array(stiffness), **symmetric)
-    bare = HeldSystem(stiffness, rows, factors, np.zeros((stiffness.shape[0], 0)), None)
+    bare = HeldSystem(stiffness, rows, factored(stiffness, places), np.zeros((stiffness.shape[0], 0)), None)
     if not rows.shape[0]:
         return bare
     carried = bare.solve(rows.T.toarray())
@@ -68,4 +108,4 @@ def held_system(stiffness: Any, rows: Any) -> HeldSystem:
             "the averaged interface points cannot move independently of each other. Give every place one name, and more nodes to points "
             "that are close together."
         )
-    return HeldSystem(stiffness, rows, factors, carried, cho_factor(compliance))
+    return HeldSystem(stiffness, rows, bare.factors, carried, cho_factor(compliance))

@@ -11,14 +11,18 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.solids.outline import CORNERS
 from preprocessing.solids.solid_mesh import SolidMesh, refuse_parts
 from toolkit.errors import InputError
 
 PLANE = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
 """Kinds of elements that are used, and their numbers of nodes."""
+SPATIAL = {"tetra": 4, "tetra10": 10, "hexahedron": 8, "hexahedron20": 20, "hexahedron27": 27, "wedge": 6}
+"""The same in space."""
 LOWER = ("vertex", "line", "line3")
-"""Kinds that serve to name groups only."""
+"""Kinds that serve to name groups only; in space those of the plane too."""
 SOLID = ("tetra", "hexahedron", "wedge", "pyramid")
+"""What the names of spatial kinds begin with."""
 FLAT = 1e-9
 """Part of the extent by which a plane mesh may leave its plane."""
 FAILURES = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, AssertionError, StopIteration, SystemExit)
@@ -26,25 +30,31 @@ FAILURES = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError
 
 
 def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
-    """The plane elements of a mesh file; nodes that none of them has are left out.
+    """The elements of a mesh file, of the plane or spatial; nodes that none of them has are left out.
 
     Raises
     ------
     InputError
-        The file cannot be read, is spatial, holds no plane elements or kinds that are not supported, or falls into parts.
+        The file cannot be read, holds kinds of elements that are not supported, leaves its plane, or falls into parts.
     """
     raw = _read(path)
-    wanted = [block for block in raw.cells if block.type in PLANE]
-    _refuse_kinds(path, [block.type for block in raw.cells])
-    kinds = dict.fromkeys(block.type for block in wanted)
-    blocks = {kind: _once(np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind])) for kind in kinds}
+    kinds = _kinds(path, [block.type for block in raw.cells])
+    wanted = [block for block in raw.cells if block.type in kinds]
+    present = dict.fromkeys(block.type for block in wanted)
+    blocks = {kind: _once(np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind])) for kind in present}
     used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
-    groups = {name: number[members][number[members] >= 0] for name, members in _groups(raw)}
-    nodes = scale * _plane(path, np.asarray(raw.points, float)[used])
-    members = {name: np.unique(group) for name, group in groups.items()}
-    mesh = SolidMesh(nodes, {kind: number[block] for kind, block in blocks.items()}, members, used)
+    points = np.asarray(raw.points, float)[used]
+    found = list(_groups(raw))
+    mesh = SolidMesh(
+        scale * (_plane(path, points) if kinds is PLANE else _space(path, points)),
+        {kind: number[block] for kind, block in blocks.items()},
+        {name: np.unique(number[nodes := _nodes(elements)][number[nodes] >= 0]) for name, elements in found},
+        used,
+        {name: faces for name, elements in found if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
+        len(raw.points),
+    )
     refuse_parts(mesh)
     return mesh
 
@@ -76,45 +86,62 @@ def _read(path: Path) -> Any:
         ) from error
 
 
-def _refuse_kinds(path: Path, kinds: list[str]) -> None:
-    spatial = sorted({kind for kind in kinds if kind.startswith(SOLID)})
-    if spatial:
-        raise InputError(
-            f"the mesh {str(path)!r} is spatial (it holds {', '.join(spatial)}), but bodies move in the plane here. Give a mesh of "
-            "triangles or quadrilaterals of the section in the plane; its width is a number of [section]."
-        )
-    foreign = sorted(set(kinds) - {*PLANE, *LOWER})
-    if foreign or not set(kinds) & set(PLANE):
+def _kinds(path: Path, present: list[str]) -> dict[str, int]:
+    """The kinds of which the body is made: those of space if there are any."""
+    kinds = SPATIAL if any(kind.startswith(SOLID) for kind in present) else PLANE
+    foreign = sorted(set(present) - {*PLANE, *kinds, *LOWER})
+    if foreign or not set(present) & set(kinds):
         what = f"elements of the kinds {', '.join(foreign)}" if foreign else "no triangles and no quadrilaterals"
-        raise InputError(f"the mesh {str(path)!r} holds {what}; possible are {', '.join(PLANE)}. Mesh the surface with these.")
+        raise InputError(
+            f"the mesh {str(path)!r} holds {what}; possible are {', '.join(PLANE)} in the plane and {', '.join(SPATIAL)} in space. Mesh "
+            "the body with these."
+        )
+    return kinds
 
 
 def _plane(path: Path, points: np.ndarray) -> np.ndarray:
     """x and y of points whose z is the same."""
-    if not np.all(np.isfinite(points)):
-        raise InputError(f"the mesh {str(path)!r} holds coordinates that are not finite numbers. Export it again.")
+    points = _space(path, points)
     if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * np.ptp(points[:, :2]):
         raise InputError(
-            f"the mesh {str(path)!r} is spatial: its z reaches from {points[:, 2].min():g} to {points[:, 2].max():g}, but bodies move in "
-            "the plane here. Give a mesh in the plane of x and y."
+            f"the mesh {str(path)!r} has triangles or quadrilaterals only, but its z reaches from {points[:, 2].min():g} to "
+            f"{points[:, 2].max():g}. Give a mesh in the plane of x and y, or mesh the volume with tetrahedra or hexahedra."
         )
     return points[:, :2]
 
 
-def _groups(raw: Any) -> Iterator[tuple[str, np.ndarray]]:
-    """Names and nodes of node sets, element sets and physical groups."""
-    yield from ((name, np.asarray(members, int)) for name, members in raw.point_sets.items())
+def _space(path: Path, points: np.ndarray) -> np.ndarray:
+    """Points that are numbers."""
+    if not np.all(np.isfinite(points)):
+        raise InputError(f"the mesh {str(path)!r} holds coordinates that are not finite numbers. Export it again.")
+    return points
+
+
+Elements = list[tuple[str, np.ndarray]]
+"""Kind and nodes (n_e, n_local) of some elements."""
+
+
+def _groups(raw: Any) -> Iterator[tuple[str, Elements]]:
+    """Names and elements of node sets, element sets and physical groups."""
+    yield from ((name, [("vertex", np.asarray(members, int)[:, None])]) for name, members in raw.point_sets.items())
     for name, sets in raw.cell_sets.items():
         if name not in raw.point_sets and not name.startswith("gmsh:"):
             of = zip(raw.cells, sets, strict=True)
-            yield name, _nodes([block.data[np.asarray(own, int)] for block, own in of if own is not None])
+            yield name, [(block.type, np.asarray(block.data[np.asarray(own, int)], int)) for block, own in of if own is not None]
     for name, (tag, dimension) in raw.field_data.items():  # gmsh 2.2
         tags = raw.cell_data.get("gmsh:physical")
         if tags is not None and name not in raw.cell_sets:
             of = zip(raw.cells, tags, strict=True)
-            yield name, _nodes([block.data[np.asarray(own) == tag] for block, own in of if block.dim == dimension])
+            here = [(block, np.asarray(own) == tag) for block, own in of if block.dim == dimension]
+            yield name, [(block.type, np.asarray(block.data[own], int)) for block, own in here]
 
 
-def _nodes(elements: list[np.ndarray]) -> np.ndarray:
+def _nodes(elements: Elements) -> np.ndarray:
     """Numbers of the nodes of elements."""
-    return np.unique(np.concatenate([np.zeros(0, int), *(np.ravel(each) for each in elements)])).astype(int)
+    return np.unique(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)])).astype(int)
+
+
+def _faces(elements: Elements, number: np.ndarray) -> frozenset[tuple[int, ...]]:
+    """Corners, in rising order, of those of the elements that are faces of spatial ones."""
+    flat = [number[each[:, : CORNERS[kind]]] for kind, each in elements if kind in CORNERS]
+    return frozenset(tuple(row) for each in flat for row in np.sort(each, axis=1).tolist())

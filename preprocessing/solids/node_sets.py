@@ -1,18 +1,25 @@
-"""Nodes that a region of body.toml means, and how much of the boundary each of them stands for."""
+"""Nodes that a region of body.toml means, how means over them are taken, and the faces between them."""
 
 from __future__ import annotations
 
 from difflib import get_close_matches
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 from preprocessing.solids.body_tables import Region
+from preprocessing.solids.faces import BoundaryFaces
 from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.solid_mesh import SolidMesh
 from toolkit.errors import InputError
 
 ON_EDGE = 1e-9
 """Part of the body's extent by which a node may be outside of a box."""
+
+
+Boundary = BoundaryLines | BoundaryFaces
+"""The boundary of a mesh in the plane, or in space."""
 
 
 def nodes_in(mesh: SolidMesh, region: Region) -> np.ndarray:
@@ -53,25 +60,43 @@ def _of_group(mesh: SolidMesh, group: str) -> np.ndarray:
 
 
 def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
-    low, high = np.array(box[:2]), np.array(box[2:])
+    axes = "xyz"[: mesh.dimension]
+    order = ", ".join(f"{axis}_{end}" for end in ("min", "max") for axis in axes)
+    if len(box) != 2 * mesh.dimension:
+        raise InputError(f"the box {box} has {len(box)} numbers, but the body has {mesh.dimension} axes; write {order}.")
+    low, high = np.array(box).reshape(2, -1)
     if np.any(low > high):
-        raise InputError(f"the box {box} is turned inside out; write x_min, y_min, x_max, y_max.")
+        raise InputError(f"the box {box} is turned inside out; write {order}.")
     slack = ON_EDGE * mesh.size
     return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
 
 
-def weights_of(outline: BoundaryLines | None, nodes: np.ndarray) -> np.ndarray:
-    """Share of each node in a mean over the nodes, positive, sum 1.
+def spread_of(boundary: Boundary | None, nodes: np.ndarray) -> Any:
+    """W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
 
-    Where every node is on an edge of the boundary between these nodes, the mean is that along the boundary, so that it does not depend
-    on the mesh; else all count alike.
+    Where every node is on an edge or face of the boundary between these nodes, the mean is that over the boundary, int f g dA / A, so that
+    it does not depend on the mesh; else all nodes count alike.
     """
-    if outline is None:
-        return np.full(len(nodes), 1 / len(nodes))
-    inside = np.append(np.isin(np.arange(len(outline.nodes)), nodes), True)  # the last one stands for no node in the middle
-    edges = outline.edges[inside[outline.edges].all(axis=1)]
-    length = np.linalg.norm(outline.nodes[edges[:, 1]] - outline.nodes[edges[:, 0]], axis=1)
-    straight = edges[:, 2] < 0
-    ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
-    shares = np.bincount(np.append(edges, -1) + 1, np.append(np.column_stack([ends, ends, middle]), 0.0), len(inside))[1:][nodes]
-    return shares / shares.sum() if np.all(shares > 0) else np.full(len(nodes), 1 / len(nodes))
+    if boundary is not None:
+        products = boundary.between(nodes).products()[nodes][:, nodes]
+        if np.all(products.diagonal().real > 0):
+            return products / products.sum()
+    return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)), format="csr")
+
+
+def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> BoundaryFaces:
+    """The faces of the surface that a region means: those of the group, or all between its nodes.
+
+    Raises
+    ------
+    InputError
+        See `nodes_in`; or no face of the surface is there.
+    """
+    nodes = nodes_in(mesh, region)
+    group = mesh.faces.get(region.group or "")
+    found = surface.named(group) if group else surface.between(nodes)
+    if not any(len(each) for each in found.faces.values()):
+        raise InputError(
+            f"{region.words} holds no whole face of the body's surface. Name a group of faces, or all nodes of some faces."
+        )
+    return found

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from scipy import sparse
 
 CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
@@ -22,6 +24,25 @@ class BoundaryLines:
         """Unit vectors along the chords, (n_edges, 2)."""
         chords = self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]
         return chords / np.linalg.norm(chords, axis=1, keepdims=True)
+
+    @property
+    def points(self) -> np.ndarray:
+        """Numbers of the nodes of the boundary, in order."""
+        return np.unique(self.edges[self.edges >= 0])
+
+    def between(self, nodes: np.ndarray) -> BoundaryLines:
+        """The edges all of whose nodes are among these."""
+        inside = np.append(np.isin(np.arange(len(self.nodes)), nodes), True)  # the last one stands for no node in the middle
+        return BoundaryLines(self.nodes, self.edges[inside[self.edges].all(axis=1)])
+
+    def products(self) -> Any:
+        """int N_k N_l ds for all nodes k and l of the mesh by Simpson's rule, or half of every straight edge; sparse (n_nodes, n_nodes)."""
+        length = np.sqrt(((self.nodes[self.edges[:, 1]] - self.nodes[self.edges[:, 0]]) ** 2).sum(axis=1))
+        straight = self.edges[:, 2] < 0
+        ends, middle = np.where(straight, 1 / 2, 1 / 6) * length, np.where(straight, 0, 4 / 6) * length
+        found = np.zeros(len(self.nodes) + 1, self.nodes.dtype)  # the last one stands for no node
+        np.add.at(found, self.edges, np.column_stack([ends, ends, middle]))
+        return sparse.diags_array(found[:-1], format="csr")
 
 
 def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryLines:

@@ -12,7 +12,12 @@ from preprocessing.section import Monomial
 from preprocessing.solids.elasticity import SolidMatrices, in_block
 from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.solids.solid_stress import Rows
+from preprocessing.spatial_invariants import NAMES, SpatialParts
 from toolkit.errors import InputError
+from toolkit.spatial_model import PAIRS
+
+PLANE_NAMES = {"m_11": (0, 0), "m_12": (0, 1), "m_22": (1, 1)}
+"""Component mass matrices of the plane, and their axes."""
 
 UNEQUAL = 1e-9
 """Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
@@ -35,22 +40,31 @@ def parts_of(mass: Any, stiffness: Any, stress: Any, inertial: Monomial, elastic
     stiffness, stress : sparse (n, n), (n_stress, n)
     inertial, elastic, stressed : the monomials that these are multiplied by
     """
-    blocks = {(a, b): in_block(mass, a, b, 2) for a in (0, 1) for b in (0, 1) if a <= b}
-    damped = [("damping_mass", inertial, blocks[0, 0] + blocks[1, 1]), ("damping_stiffness", elastic, stiffness)]
+    dimension = stiffness.shape[0] // mass.shape[0]
+    names = PLANE_NAMES if dimension == 2 else dict(zip(NAMES, PAIRS, strict=True))
+    blocks = {name: in_block(mass, a, b, dimension) for name, (a, b) in names.items()}
+    whole = sum(blocks[name] for name, (a, b) in names.items() if a == b)
+    damped = [("damping_mass", inertial, whole), ("damping_stiffness", elastic, stiffness)]
     found = [
-        *(Part(inertial, f"m_{a + 1}{b + 1}", block) for (a, b), block in blocks.items()),
+        *(Part(inertial, name, block) for name, block in blocks.items()),
         Part(elastic, "stiffness", stiffness),
         *(Part(((name, 1), *factors), "damping", matrix) for name, factors, matrix in damped),
         Part(stressed, "stress", stress),
     ]
-    return Parts(tuple(found), stiffness.shape[0], stress.shape[0])
+    kind = Parts if dimension == 2 else SpatialParts
+    return kind(tuple(found), stiffness.shape[0], stress.shape[0])
 
 
 def element_parts(matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any]) -> Parts:
-    """Of elements: M = rho b M_1, K = E b (lambda/E K_lambda + mu/E K_mu), stress = E (lambda/E ... + mu/E ...)."""
+    """Of elements: M = rho b M_1, K = E b (lambda/E K_lambda + mu/E K_mu), stress = E (lambda/E ... + mu/E ...); in space without b."""
     stiffness, stress = (lame[0] * first + lame[1] * shear for first, shear in ((matrices.first, matrices.shear), rows))
-    inertial, elastic = (("density", 1), ("width", 1)), (("youngs_modulus", 1), ("width", 1))
+    width = _width(stiffness.shape[0] // matrices.scalar_mass.shape[0])
+    inertial, elastic = (("density", 1), *width), (("youngs_modulus", 1), *width)
     return parts_of(matrices.scalar_mass, stiffness, stress, inertial, elastic, (("youngs_modulus", 1),))
+
+
+def _width(dimension: int) -> Monomial:
+    return (("width", 1),) if dimension == 2 else ()
 
 
 def finished_parts(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made_with: Mapping[str, float]) -> Parts:
@@ -62,35 +76,38 @@ def finished_parts(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made
         The matrices are not those of displacement-based elements, or of a body with supports.
     """
     _refuse_supports(mesh, stiffness)
-    scalar = _scalar_mass(mass)
+    scalar = _scalar_mass(mass, mesh.dimension)
     if not made_with:
         scale: Monomial = (("stiffness_scale", 1),)
         return parts_of(scalar, stiffness, stress, (("mass_scale", 1),), scale, scale)
-    modulus, density, width = (made_with[name] for name in ("youngs_modulus", "density", "width"))
-    inertial, elastic = (("density", 1), ("width", 1)), (("youngs_modulus", 1), ("width", 1))
+    modulus, density, width = made_with["youngs_modulus"], made_with["density"], made_with.get("width", 1.0)
+    inertial, elastic = (("density", 1), *_width(mesh.dimension)), (("youngs_modulus", 1), *_width(mesh.dimension))
     scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
     return parts_of(*scaled, inertial, elastic, (("youngs_modulus", 1),))
 
 
-def _scalar_mass(mass: Any) -> Any:
+def _scalar_mass(mass: Any, d: int) -> Any:
     """The mass matrix (n_nodes, n_nodes) of one component, which is that of all."""
-    first, limit = mass[0::2, 0::2], UNEQUAL * abs(mass).max()
-    if abs(mass[0::2, 1::2]).max() > limit or abs(mass[1::2, 1::2] - first).max() > limit:
+    first, limit, axes = mass[0::d, 0::d], UNEQUAL * abs(mass).max(), range(d)
+    coupled = max(abs(mass[a::d, b::d]).max() for a in axes for b in axes if a != b)
+    if coupled > limit or max(abs(mass[a::d, a::d] - first).max() for a in axes) > limit:
+        what = " and ".join(("x", "y") if d == 2 else ("x, y", "z"))
         raise InputError(
-            "the mass matrix treats x and y differently or couples them, as displacement-based solids do not. Export it in the order "
-            "x and y of node 0, x and y of node 1, ..., without rotations, and all of it."
+            f"the mass matrix treats {what} differently or couples them, as displacement-based solids do not. Export it in the order "
+            f"{what} of node 0, {what} of node 1, ..., without rotations, and all of it."
         )
     return first
 
 
 def _refuse_supports(mesh: SolidMesh, stiffness: Any) -> None:
     centred = rigid_motions(mesh.nodes - mesh.nodes.mean(axis=0))
-    for axis, motion in zip(("x", "y", "rotation"), centred.T, strict=True):
+    names = ("x", "y", "rotation") if mesh.dimension == 2 else ("x", "y", "z", "rotation about x", "about y", "about z")
+    for axis, motion in zip(names, centred.T, strict=True):
         force, own = np.abs(stiffness @ motion).max(), (abs(stiffness) @ np.abs(motion)).max()
         if force > RESISTED * own:
             raise InputError(
                 f"the stiffness matrix resists a rigid motion ({axis}) by {force / own:.0e} of the forces of its elements. Export it "
-                "without supports, with nodes in the same order, and with x and y of every node."
+                "without supports, with nodes in the same order, and with all displacements of every node."
             )
 
 

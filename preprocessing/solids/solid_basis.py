@@ -1,4 +1,4 @@
-"""The basis of a solid: the shapes that were chosen, and their derivatives by what changes the stiffness alone."""
+"""The basis of a solid: the shapes that were chosen, and their derivatives by what changes the elements and the ties."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from scipy import sparse
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.mode_count import count_by_frequency
 from preprocessing.normal_modes import NormalModes
+from preprocessing.solids.basis_change import BasisChange
 from preprocessing.solids.free_system import free_system
 from preprocessing.solids.held_system import held_system
 from preprocessing.solids.sparse_modes import System, lowest_modes, mode_rates
@@ -34,33 +35,49 @@ class SolidShapes:
 
     columns: np.ndarray  # (n^, n_f)
     words: str
+    stiffness: Any = None  # sparse (n^, n^)
     system: System | None = None
     modes: NormalModes | None = None
     n_held: int = 0  # last coordinates, which the system does not have
+    averaged: tuple[str, ...] = ()  # interface points whose rows the system has, in their order
 
-    def rates(self, d_stiffness: Any) -> np.ndarray:
-        """Derivatives (n^, n_f) by a variable that changes the stiffness on the independent coordinates by dK (n^, n^)."""
+    def rates(self, change: BasisChange) -> np.ndarray:
+        """Derivatives (n^, n_f) by a variable that changes what is on the independent coordinates."""
         found = np.zeros_like(self.columns)
         if self.system is None:
             return found
         inside = len(found) - self.n_held
         n_static = self.columns.shape[1] - (self.modes.count if self.modes else 0)
         if n_static:
-            found[:inside, :n_static] = self.system.solve(-(d_stiffness @ self.columns[:, :n_static])[:inside])
+            found[:inside, :n_static] = self._static_rates(self.columns[:, :n_static], change, inside)
         if self.modes:
-            found[:inside, n_static:] = mode_rates(self.system, self.modes, d_stiffness[:inside, :inside])
+            found[:inside, n_static:] = mode_rates(self.system, self.modes, change.inside(inside))
         return found
+
+    def _static_rates(self, columns: np.ndarray, change: BasisChange, inside: int) -> np.ndarray:
+        """du of K du + B^T dp = -dK u - dB^T p, B du = -dB u, where the coordinates beyond `inside` stay what they are."""
+        assert self.system is not None
+        loads = self.system.loads_of(-(self.stiffness @ columns)[:inside], change.inside(inside))
+        below = 0.0 if change.rows is None else -(change.rows @ columns)
+        return self.system.solve(-(change.stiffness @ columns)[:inside] - loads, below)
 
 
 def solid_shapes(
-    choice: BasisChoice, mass: Any, stiffness: Any, motions: np.ndarray, free: Freedom, ties: Mapping[str, Tie]
+    choice: BasisChoice,
+    mass: Any,
+    stiffness: Any,
+    motions: np.ndarray,
+    places: np.ndarray,
+    free: Freedom,
+    ties: Mapping[str, Tie],
 ) -> SolidShapes:
     """The shapes that were chosen.
 
     Parameters
     ----------
     mass, stiffness : sparse (n^, n^), on the independent coordinates
-    motions : (n^, 3), rigid motions of a body that nothing holds
+    motions : (n^, m), rigid motions of a body that nothing holds
+    places : (n^, d), where each coordinate is
     ties : interface points
 
     Raises
@@ -78,33 +95,38 @@ def solid_shapes(
     rows = {name: (each.rows @ free.map) for name, each in ties.items()}
     moving = {name: row for name, row in rows.items() if abs(row).max() > STILL}
     if choice.kind != "eigenmodes":
-        return _with_interface(choice, mass, stiffness, free, moving)
-    held = choice.boundary == "clamped"
-    system: System = held_system(stiffness, sparse.csr_array((0, n))) if held else free_system(stiffness, mass, motions)
+        return _with_interface(choice, mass, stiffness, places, free, moving)
+    if choice.boundary == "clamped":
+        system: System = held_system(stiffness, sparse.csr_array((0, n)), places)
+    else:
+        system = free_system(stiffness, mass, motions, places)
     kept = _modes(choice, mass, moving, system)
-    return SolidShapes(kept.shapes, _words(choice, {}, kept), system, kept)
+    return SolidShapes(kept.shapes, _words(choice, {}, kept), stiffness, system, kept)
 
 
-def _with_interface(choice: BasisChoice, mass: Any, stiffness: Any, free: Freedom, rows: Mapping[str, Any]) -> SolidShapes:
+def _with_interface(
+    choice: BasisChoice, mass: Any, stiffness: Any, places: np.ndarray, free: Freedom, rows: Mapping[str, Any]
+) -> SolidShapes:
     """Constraint modes of the points in their order, then fixed-interface modes."""
     if not rows:
         raise InputError(f"a {choice.kind} basis needs an interface point away from the clamp.")
-    n_held, inside = 3 * len(free.rigid), free.n_free
-    averaged = [name for name in rows if name not in free.rigid]
+    m, inside = free.motions, free.n_free
+    n_held = m * len(free.rigid)
+    averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
-    system = held_system(stiffness[:inside, :inside].tocsr(), border[:, :inside])
+    system = held_system(stiffness[:inside, :inside].tocsr(), border[:, :inside], places[:inside])
     unit = np.eye(n_held)
     carried = system.solve(-(stiffness[:inside, inside:] @ unit), -(border[:, inside:] @ unit))
     lifted = system.solve(np.zeros((inside, border.shape[0])), np.eye(border.shape[0]))
-    shapes = {name: np.vstack([carried, unit])[:, 3 * k : 3 * k + 3] for k, name in enumerate(free.rigid)}
+    shapes = {name: np.vstack([carried, unit])[:, m * k : m * k + m] for k, name in enumerate(free.rigid)}
     for k, name in enumerate(averaged):
-        shapes[name] = np.vstack([lifted, np.zeros((n_held, border.shape[0]))])[:, 3 * k : 3 * k + 3]
+        shapes[name] = np.vstack([lifted, np.zeros((n_held, border.shape[0]))])[:, m * k : m * k + m]
     static = np.column_stack([shapes[name] for name in rows])
     if choice.kind == "static":
-        return SolidShapes(static, _words(choice, rows, None), system, None, n_held)
+        return SolidShapes(static, _words(choice, rows, None), stiffness, system, None, n_held, averaged)
     kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
     inner = np.vstack([kept.shapes, np.zeros((n_held, kept.count))])
-    return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), system, kept, n_held)
+    return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), stiffness, system, kept, n_held, averaged)
 
 
 def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> NormalModes:
@@ -133,7 +155,8 @@ def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: Syst
 
 
 def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:
-    found = [f"{3 * len(points)} constraint modes of the interface points {', '.join(points)}"] if points else []
+    n_static = sum(row.shape[0] for row in points.values())
+    found = [f"{n_static} constraint modes of the interface points {', '.join(points)}"] if points else []
     if modes and modes.count:
         fixed = "fixed-interface" if points else choice.boundary
         found.append(f"{modes.count} {fixed} eigenmodes up to {modes.frequencies[-1]:.6g} Hz")

@@ -23,6 +23,13 @@ class SolidMesh:
     blocks: Mapping[str, np.ndarray] = field(default_factory=dict)  # kind in the words of meshio -> (n_e, nodes of one element)
     groups: Mapping[str, np.ndarray] = field(default_factory=dict)  # name -> numbers of nodes
     in_file: np.ndarray | None = None  # (n_nodes,) number of each node in its file, rising, if some of the file were left out
+    faces: Mapping[str, frozenset] = field(default_factory=dict)  # name of a group -> corners of its faces, if it has any
+    n_file: int = 0  # nodes in the file
+
+    @property
+    def motions(self) -> int:
+        """Number of rigid motions, and of motions of a point with rotations."""
+        return self.dimension * (self.dimension + 1) // 2
 
     @property
     def dimension(self) -> int:
@@ -37,7 +44,7 @@ class SolidMesh:
     @property
     def size(self) -> float:
         """Largest extent of the body along an axis."""
-        return float(np.ptp(self.nodes, axis=0).max())
+        return float(np.ptp(self.nodes.real, axis=0).max())
 
     def around(self, node: int) -> np.ndarray:
         """Numbers of the other nodes of all elements that have a node."""
@@ -47,15 +54,26 @@ class SolidMesh:
 
 
 def rigid_motions(nodes: np.ndarray) -> np.ndarray:
-    """Nodal coordinates of unit translations, and of unit rotations in the planes of two axes about the origin, (n, d (d + 1) / 2)."""
-    d = nodes.shape[1]
-    columns = [np.tile(axis, len(nodes)) for axis in np.eye(d)]
-    for a in range(d):
-        for b in range(a + 1, d):
-            turned = np.zeros_like(nodes)
-            turned[:, a], turned[:, b] = -nodes[:, b], nodes[:, a]
-            columns.append(turned.ravel())
-    return np.column_stack(columns)
+    """Nodal coordinates of unit translations, and of unit rotations about the origin, (n, d (d + 1) / 2); nodes real or complex."""
+    return np.hstack([translations(*nodes.shape), *(turned.reshape(-1, 1) for turned in rotations(nodes))])
+
+
+def translations(n_nodes: int, dimension: int) -> np.ndarray:
+    """Nodal coordinates of the unit translations, (n, d)."""
+    return np.tile(np.eye(dimension), (n_nodes, 1))
+
+
+PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
+"""From which axis to which one every unit rotation turns; in space they are those about x, y and z."""
+
+
+def rotations(arms: np.ndarray) -> np.ndarray:
+    """Displacements under unit rotations at places `arms` (..., d) from the axes, (n_rotations, ..., d): -y, x in the plane."""
+    planes = PLANES[arms.shape[-1]]
+    found = np.zeros((len(planes), *arms.shape), arms.dtype)
+    for turned, (a, b) in zip(found, planes, strict=True):
+        turned[..., a], turned[..., b] = -arms[..., b], arms[..., a]
+    return found
 
 
 def refuse_parts(mesh: SolidMesh) -> None:

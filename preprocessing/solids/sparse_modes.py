@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 
 from preprocessing.constrained_pencil import ConstrainedPencil
 from preprocessing.normal_modes import NormalModes, normal_modes
+from preprocessing.solids.basis_change import BasisChange
 from toolkit.errors import InputError
 
 SMALL = 300
@@ -32,6 +33,12 @@ class System(Protocol):
 
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
         """u (n, k) under loads (n, k)."""
+
+    def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
+        """Displacements (n, k) that keep shapes (n, k) in what holds the body."""
+
+    def loads_of(self, forces: np.ndarray, change: BasisChange) -> np.ndarray:
+        """Rates (n, k) of the forces that hold the body, where their size stays what it is."""
 
 
 def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool], first: int) -> NormalModes:
@@ -78,18 +85,18 @@ def _modes(system: System, mass: Any, values: np.ndarray, shapes: np.ndarray) ->
     return NormalModes(pencil, values, shapes * signs, np.zeros((system.rows.shape[0], len(values))), np.zeros(0))
 
 
-def mode_rates(system: System, modes: NormalModes, d_stiffness: Any) -> np.ndarray:
-    """Derivatives (n, m) of the span of the kept modes by a variable that changes the stiffness alone, by dK.
+def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.ndarray:
+    """Derivatives (n, m) of the span of the kept modes by a variable.
 
-    For every mode j, on all u with B u = 0 and Phi^T M u = 0,
+    For every mode j, with v_j that follows the change dB of B phi_j = 0, and on all u with B u = 0 and Phi^T M u = 0,
 
-        (K - lambda_j M) dphi_j = -dK phi_j     up to B^T p and M Phi r
+        (K - lambda_j M) u = -(dK - lambda_j dM) phi_j - dB^T eta_j - (K - lambda_j M) v_j     up to B^T p and M Phi r,   dphi_j = v_j + u
 
     There the matrix is positive definite, because the kept modes are the lowest ones. So conjugate gradients serve, with K^-1 to speed
     them: the eigenvalues are 1 - lambda_j / lambda_k, k > m. See `subspace_rates` for the same with dense factors.
     """
     shapes, pencil = modes.shapes, modes.pencil
-    inertia = pencil.mass @ shapes
+    inertia, values = pencil.mass @ shapes, modes.eigenvalues[None]
 
     def forces(r: np.ndarray) -> np.ndarray:
         return r - inertia @ (shapes.T @ r)
@@ -98,10 +105,15 @@ def mode_rates(system: System, modes: NormalModes, d_stiffness: Any) -> np.ndarr
         u = system.solve(r[:, None])[:, 0]
         return u - shapes @ (inertia.T @ u)
 
-    found = np.zeros_like(shapes)
+    found = system.following(shapes, change)
+    found -= shapes @ (inertia.T @ found)
+    loads = -(change.stiffness @ shapes) - system.loads_of(values * inertia - pencil.stiffness @ shapes, change)
+    loads -= pencil.stiffness @ found - values * (pencil.mass @ found)
+    if change.mass is not None:
+        loads += values * (change.mass @ shapes)
     for j, value in enumerate(modes.eigenvalues):
-        found[:, j] = _conjugate_gradients(
-            lambda u, v=value: forces(pencil.stiffness @ u - v * (pencil.mass @ u)), nearly, forces(-(d_stiffness @ shapes[:, j]))
+        found[:, j] += _conjugate_gradients(
+            lambda u, v=value: forces(pencil.stiffness @ u - v * (pencil.mass @ u)), nearly, forces(loads[:, j])
         )
     return found
 
@@ -121,6 +133,6 @@ def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.n
         size, before = residual @ step, size
         direction = step + size / before * direction
     raise InputError(
-        "the derivative of the eigenmodes by poisson_ratio cannot be told: the last mode that is kept and the first that is left out are "
-        'too close. Keep one mode more or less, or take the derivative "frozen".'
+        "the derivative of the eigenmodes by poisson_ratio or shape cannot be told: the last mode that is kept and the first that is left "
+        'out are too close. Keep one mode more or less, or take the derivative "frozen".'
     )
