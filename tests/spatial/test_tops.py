@@ -89,9 +89,7 @@ def test_the_heavy_top_converges_to_the_elliptic_functions_with_second_order(for
     exact = np.column_stack([np.array(TOP["rederived"][key])[index] for key in ("com_position_m", "quaternion_e0_e1_e2_e3")])
     system, levels = compile_scene(heavy_top()), []
     for step in (2.5e-4, 1.25e-4, 6.25e-5, 3.125e-5):
-        run = simulate(
-            system, RunOptions(end_time=0.5, step=step, rho_inf=rho_inf, formulation=formulation, tolerance=1e-13)
-        )
+        run = simulate(system, RunOptions(end_time=0.5, step=step, rho_inf=rho_inf, formulation=formulation, tolerance=1e-13))
         levels.append(states(run, times)[:, :7])
         # by positions to round-off; by accelerations and Baumgarte's terms up to a few (omega h)^3 of a step
         allowed = 1e-13 if formulation != "index-1" else (150 * step) ** 3 / 100
