@@ -93,7 +93,7 @@ def losses(system: System, options: RunOptions) -> Losses:
 
 @pytest.mark.parametrize(("formulation", "rho_inf"), [("ggl", 1.0), ("index-1", 0.8)])
 def test_a_thousand_turns_keep_energy_and_momenta_to_second_order(tmp_path, formulation, rho_inf):
-    """Without numerical damping they stay where the first turns brought them; with it they leave slowly, with a higher power of the step."""
+    """Undamped they stay where the first turns brought them; numerical damping moves them on, slower by a higher power of the step."""
     system = tumbling(tmp_path, bent(), angular_velocity=tuple(OMEGA), velocity=(1e-3, 2e-3, -1e-3))
     coarse, fine = (
         losses(system, RunOptions(end_time=1000.0, step=1 / n, rho_inf=rho_inf, formulation=formulation, tolerance=1e-12))
