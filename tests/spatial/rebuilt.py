@@ -77,7 +77,17 @@ def in_space(scene: Scene, models: dict[str, str] | None = None, **changes: Any)
     bodies = {name: body_in_space(body, models or {}) for name, body in scene.bodies.items()}
     loads = {name: load_in_space(load) for name, load in scene.loads.items()}
     kept = {"units": scene.units, "directory": scene.directory, "solver": scene.solver}
-    return Scene(**{**kept, "dimension": 3, "points": points, "bodies": bodies, "joints": joints_in_space(scene), "loads": loads, **changes})
+    return Scene(
+        **{
+            **kept,
+            "dimension": 3,
+            "points": points,
+            "bodies": bodies,
+            "joints": joints_in_space(scene),
+            "loads": loads,
+            **changes,
+        }
+    )
 
 
 def body_in_space(body: Body, models: dict[str, str]) -> Body:
@@ -134,7 +144,9 @@ def load_in_space(load: Any) -> Any:
     if isinstance(load, Gravity):
         return SpatialGravity(acceleration=(*load.acceleration, 0.0))
     if isinstance(load, Torque):
-        return SpatialTorque(body=load.body, point=load.point, torque=(0.0, 0.0, load.torque), curve=load.curve, reaction=load.reaction)
+        return SpatialTorque(
+            body=load.body, point=load.point, torque=(0.0, 0.0, load.torque), curve=load.curve, reaction=load.reaction
+        )
     if isinstance(load, SpringDamper):
         return SpatialSpringDamper(**dict(load))
     assert isinstance(load, PointForce)
@@ -172,4 +184,6 @@ def force(run: Solution, joint: str) -> np.ndarray:
     own = np.stack([run.multipliers[:, row[f"{joint}_{axis}"] - n_q] for axis in CLOSING])
     second = scene.joints[f"{joint}_{CLOSING[0]}"].bodies[1]
     turned = 0 * own[0] if second == "ground" else angle(run, second)
-    return np.stack([np.cos(turned) * own[0] - np.sin(turned) * own[1], np.sin(turned) * own[0] + np.cos(turned) * own[1]], axis=1)
+    return np.stack(
+        [np.cos(turned) * own[0] - np.sin(turned) * own[1], np.sin(turned) * own[0] + np.cos(turned) * own[1]], axis=1
+    )
