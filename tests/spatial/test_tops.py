@@ -81,7 +81,7 @@ def judge(levels: list[np.ndarray], exact: np.ndarray) -> tuple[float, float, fl
     return float(np.log2(coarse / fine)), float(fine), float(np.abs(extrapolated(levels) - exact).max())
 
 
-@pytest.mark.parametrize(("formulation", "rho_inf"), [("index-1", 1.0), ("index-1", 0.8), ("index-3", 0.8), ("ggl", 0.8)])
+@pytest.mark.parametrize(("formulation", "rho_inf"), [("index-1", 0.8), ("index-3", 0.8), ("ggl", 0.8)])
 def test_the_heavy_top_converges_to_the_elliptic_functions_with_second_order(formulation, rho_inf):
     """Half a second, 12 turns and most of a nutation; position and quaternion, as the reference states them."""
     times = [0.05, 0.1, 0.2, 0.4, 0.5]
@@ -100,7 +100,7 @@ def test_the_heavy_top_converges_to_the_elliptic_functions_with_second_order(for
     assert rest < TOP["tolerance"]["com_position_abs_m"]
 
 
-@pytest.mark.parametrize(("formulation", "rho_inf"), [("index-1", 1.0), ("index-3", 0.8), ("ggl", 1.0)])
+@pytest.mark.parametrize(("formulation", "rho_inf"), [("index-1", 1.0), ("index-3", 0.8)])
 def test_the_free_body_flips_as_the_elliptic_functions_say(formulation, rho_inf):
     """Eight seconds with a flip to the stated digits. After the second flip what was wrong at the start has grown by a factor of 2000,
     so that at ten seconds round-off of 40 000 steps (and a fifth order at rho_inf = 0.8) is what is left."""
