@@ -62,9 +62,9 @@ def test_direct_and_complex_step_agree(crank):
 
 def test_gradients_of_the_equilibrium_agree(crank):
     """The driver stands at its end, the rod is bent by weight, spring and torque."""
-    scene = crank.model_copy(update={"solver": RunOptions(end_time=0.2, load_steps=2, tolerance=1e-12)})
+    scene = crank.model_copy(update={"solver": RunOptions(end_time=0.2, load_steps=1, tolerance=1e-12)})
     direct, adjoint, judge = (
-        gradients_by(method, scene, DESIGN[:5], "static") for method in ("direct", "adjoint", "complex-step")
+        gradients_by(method, scene, DESIGN[1:4], "static") for method in ("direct", "adjoint", "complex-step")
     )
     assert difference(scene, direct.gradients, adjoint.gradients) < SAME
     assert difference(scene, judge.gradients, direct.gradients) < SAME
