@@ -64,9 +64,9 @@ class ElementBlock:
         """Shape functions at points that integrate products of two of them exactly, on curved elements too."""
         return skfem.CellBasis(self.geometry, self.shapes, quadrature=points_of(self.kind))
 
-    def functions_at(self, point: np.ndarray, elements: np.ndarray | None = None) -> Any:
-        """Shape functions at one point (d,) of the reference element, of all elements or of those with the given numbers."""
-        return skfem.CellBasis(self.geometry, self.shapes, quadrature=(point[:, None], np.ones(1)), elements=elements)
+    def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> Any:
+        """Shape functions at points (d, n_points) of the reference element, of all elements or of those with the given numbers."""
+        return skfem.CellBasis(self.geometry, self.shapes, quadrature=(points, np.ones(points.shape[1])), elements=elements)
 
     def numbering(self, functions: Any, n_nodes: int) -> Any:
         """Sparse (functions, n_nodes) that says which shape function of scikit-fem belongs to which node."""
