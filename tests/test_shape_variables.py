@@ -14,6 +14,7 @@ from preprocessing.solids.solid_stress import stress_rows
 from tests.solid_bodies import SPATIAL_KINDS, box
 from tests.test_spatial_solids import BASES, LENGTHS, body_file, responses
 from toolkit.design_point import DesignPoint
+from toolkit.errors import InputError
 from toolkit.reduced_model_file import load, save
 
 STEP = 1e-30
@@ -72,3 +73,53 @@ def test_responses_have_the_slopes_of_models_built_afresh(basis, tie, tmp_path):
         expected = difference(lambda s, k=k: fresh[s][k], 2e-3)
         # fourth order in 2e-3, and the round-off of eigenvectors and factors over it
         np.testing.assert_allclose(slope, expected, atol=1e-7 * np.abs(expected).max(), err_msg=str(k))
+
+
+@pytest.mark.parametrize("basis", ["static", "full"])
+def test_every_item_of_unique_shapes_has_the_derivative_of_models_built_afresh(basis, tmp_path):
+    """Static shapes and nodal coordinates have no freedom in their span, so that all arrays can be compared themselves."""
+    path, _ = built(tmp_path, basis, "averaged")
+    model = build_body(path)
+    number = model.numbers["bulge"]
+    fresh = {s: build_body(path, {"bulge": s}) for h in (2e-3, 1e-3) for s in (h, -h)}
+    items = [*vars(model.invariants), "surface_loads.top.force", "surface_loads.top.moment"]
+    items += [f"interfaces.{name}.{array}" for name in ("hub", "tip") for array in ("position", "rotation")]
+    for item in items:
+        nominal = model.item(item)
+        entry, value = model.derivatives[item].by(number) if item in model.derivatives else (np.zeros(0, int), np.zeros(0))
+        rate = np.bincount(entry, value, nominal.size).reshape(nominal.shape)
+        expected = difference(lambda s, item=item: fresh[s].item(item), 2e-3)
+        # fourth order in 2e-3, and round-off over it of arrays that hardly change
+        tolerance = 1e-8 * np.abs(expected).max() + 1e-11 * np.abs(nominal).max()
+        np.testing.assert_allclose(rate, expected, atol=tolerance, err_msg=item)
+
+
+def test_regions_are_those_of_the_mesh_before_it_moves(tmp_path):
+    """A box keeps its nodes, so that the clamp does not jump with the variable."""
+    mesh = box("tetra10", (2, 1, 1), LENGTHS)
+    np.save(tmp_path / "bulge.npy", np.column_stack([mesh.nodes[:, 0] - 1.0, 0 * mesh.nodes[:, 1:]]))
+    path = body_file(tmp_path, mesh, "static", more=SHAPE)
+    text = path.read_text()
+    path.write_text(text.replace(f"[clamp]\nnodes = {mesh.groups['left'].tolist()}", "[clamp]\nbox = [0, -1, -1, 0, 1, 1]"))
+    moved = build_body(path, {"bulge": 0.1})
+    np.testing.assert_allclose(moved.interfaces["hub"].position[0, :, 0], [-0.1, 0, 0], atol=1e-15)
+    np.testing.assert_allclose(moved.surface.position[:, 0, 0].min(), -0.1, rtol=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("field", "message"),
+    [
+        (np.zeros((4, 3)), r"shape_variables.bulge: .* has shape \(4, 3\); the mesh file has 45 nodes"),
+        (np.zeros((45, 3)), "moves no node of the elements"),
+        (np.full((45, 3), np.nan), "other things than finite real numbers"),
+        (None, "there is no file"),
+        (np.array([[-40.0, 0, 0]] + 44 * [[0.0, 0, 0]]), "flat or folded over"),
+    ],
+)
+def test_wrong_motions_are_refused_by_name(field, message, tmp_path):
+    path, _ = built(tmp_path, "static")
+    (tmp_path / "bulge.npy").unlink()
+    if field is not None:
+        np.save(tmp_path / "bulge.npy", field)
+    with pytest.raises(InputError, match=message):
+        build_body(path, {"bulge": 0.5} if "folded" in message else {})
