@@ -31,6 +31,7 @@ from preprocessing.solids.body_tables import (
     Region,
     SolidMaterial,
     SolidSection,
+    ShapeVariable,
     StressTable,
     TiedRegion,
 )
@@ -113,6 +114,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "body-section": table(SolidSection),
     "body-clamp": table(Region),
     "body-interface-points": table(TiedRegion),
+    "body-pressure-surfaces": table(Region),
+    "body-shape-variables": table(ShapeVariable),
     "body-stress": table(StressTable),
     "reduced-model": layout,
 }
