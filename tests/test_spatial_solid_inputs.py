@@ -13,7 +13,7 @@ from scipy import io, sparse
 from preprocessing.solids.body_file import read_body_file
 from preprocessing.solids.build_body import build_body
 from preprocessing.solids.discrete_body import discrete_body
-from tests.solid_bodies import box, write_body, write_mesh
+from tests.solid_bodies import box, rectangle, write_body, write_mesh
 from tests.test_solid_inputs import same
 from toolkit.errors import InputError
 from toolkit.reduced_model_file import load, save
@@ -206,3 +206,51 @@ def test_group_of_faces_is_pressed_on_its_own_faces_alone(tmp_path):
     load = build_body(path).surface_loads["lids"]
     np.testing.assert_allclose(load.force, 0, atol=1e-15)
     np.testing.assert_allclose(load.moment[:, :, 0], np.diag([0, 0, -1.0]), atol=1e-15)
+
+
+def halves(first: str, second: str) -> meshio.Mesh:
+    """Two cubes side by side, of one kind of elements each."""
+    one, other = box(first, (1, 1, 1), (1.0, 1.0, 1.0)), box(second, (1, 1, 1), (1.0, 1.0, 1.0))
+    every = np.vstack([one.nodes, other.nodes + np.array([1.0, 0, 0])])
+    nodes, number = np.unique(every.round(12), axis=0, return_inverse=True)
+    elements = (one.blocks[first], other.blocks[second] + len(one.nodes))
+    return meshio.Mesh(nodes, [(kind, number.ravel()[each]) for kind, each in zip((first, second), elements, strict=True)])
+
+
+@pytest.mark.parametrize("kinds", [("hexahedron", "wedge"), ("hexahedron20", "hexahedron27")])
+def test_blocks_of_several_kinds_are_one_body(kinds, tmp_path):
+    """The wedges' quadrilateral faces meet those of the hexahedra; a face of 8 nodes and one of 9 do not."""
+    path = write_body(tmp_path, box("hexahedron", (2, 1, 1), (2.0, 1.0, 1.0)), 'kind = "static"')
+    meshio.write(tmp_path / "body.vtu", halves(*kinds))
+    text = path.read_text()
+    for end, x in (("left", 0.0), ("right", 2.0)):
+        nodes = box("hexahedron", (2, 1, 1), (2.0, 1.0, 1.0)).groups[end].tolist()
+        text = text.replace(f"nodes = {nodes}", f"box = [{x}, -1.0, -1.0, {x}, 1.0, 1.0]")
+    path.write_text(text)
+    if kinds[1] == "hexahedron27":
+        with pytest.raises(
+            InputError, match=r"mesh.file: 1 faces have nodes in the middle .* for one of their two elements only"
+        ):
+            build_body(path)
+        return
+    model = build_body(path)
+    np.testing.assert_allclose(model.invariants.mass, 7800.0 * 2.0, rtol=1e-12)  # round-off, here and below
+    faces = discrete_body(path, read_body_file(path)).boundary.faces
+    assert {kind: len(each) for kind, each in faces.items()} == {"quad": 8, "triangle": 4}
+    np.testing.assert_allclose(model.interfaces["tip"].position[0, :, 0], [2.0, 0, 0], atol=1e-12)
+
+
+def test_plane_bodies_have_no_pressure_surfaces_and_no_shape_variables(tmp_path):
+    path = write_body(tmp_path, rectangle("quad", (2, 1), 1.0, 0.5), 'kind = "static"')
+    text = path.read_text()
+    path.write_text(text + "\n[pressure_surfaces.top]\nnodes = [0]\n")
+    with pytest.raises(InputError, match="pressure_surfaces: this body is plane"):
+        build_body(path)
+    np.save(tmp_path / "f.npy", np.zeros((6, 3)))
+    path.write_text(text + '\n[shape_variables.top]\nfield = "f.npy"\n')
+    with pytest.raises(InputError, match=r"shape_variables.top: the nodes of plane meshes cannot be moved"):
+        build_body(path)
+    path = write_matrices(tmp_path, "npz")
+    path.write_text(path.read_text() + '\n[shape_variables.top]\nfield = "f.npy"\n')
+    with pytest.raises(InputError, match=r"finished matrices stay as they are"):
+        build_body(path)

@@ -29,9 +29,9 @@ from preprocessing.solids.body_tables import (
     MatricesTable,
     MeshTable,
     Region,
+    ShapeVariable,
     SolidMaterial,
     SolidSection,
-    ShapeVariable,
     StressTable,
     TiedRegion,
 )

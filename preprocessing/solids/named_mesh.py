@@ -65,7 +65,8 @@ def named_mesh(path: Path, file: BodyFile) -> NamedMesh:
     """
     unmoved, mesh, motions = _mesh(path, file)
     _refuse_other_dimension(path, file, mesh)
-    boundary = _boundary(mesh)
+    with at_key(path, "mesh.file"):
+        boundary = _boundary(mesh)
     surfaces = {}
     for name, region in file.pressure_surfaces.items():
         with at_key(path, f"pressure_surfaces.{name}"):
