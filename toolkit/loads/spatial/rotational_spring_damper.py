@@ -19,7 +19,8 @@ from toolkit.spatial import axes_along
 def spatial_rotational_spring_damper(z, w, force, force_z, force_w):
     """f = - T theta_z, T = k (theta - theta_0) + c theta', theta = atan2(s, c) with s = e_1a . e_2b, c = e_1a . e_1b.
 
-    (k, c, theta_0) = z[24:27], theta_z = (c s_z - s c_z) / d, d = c^2 + s^2, theta' = theta_z . w, and the derivative of theta_z in a direction u is
+    (k, c, theta_0) = z[24:27], theta_z = (c s_z - s c_z) / d, d = c^2 + s^2, theta' = theta_z . w; the derivative of theta_z in a
+    direction u is
 
         [(c s_zu - s c_zu) + (c_u s_z - s_u c_z)] / d - theta_z (2 c c_u + 2 s s_u) / d
     """
