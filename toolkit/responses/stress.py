@@ -7,8 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.model_body import DEPENDENCE
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
 from toolkit.design_point import NONE, DesignPoint
@@ -21,7 +20,7 @@ from toolkit.scene import Scene
 from toolkit.solution import Solution
 
 
-def flexible_body(scene: Scene, body: str) -> Flexible:
+def flexible_body(scene: Scene, body: str) -> ModelBody:
     """The flexible body of that name.
 
     Raises
@@ -30,8 +29,8 @@ def flexible_body(scene: Scene, body: str) -> Flexible:
         There is no such body, or it is not flexible; lists those that are.
     """
     found = scene.body(body)
-    if not isinstance(found, Flexible):
-        flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
+    if not isinstance(found, ModelBody):
+        flexible = [name for name, each in scene.bodies.items() if isinstance(each, ModelBody)]
         raise InputError(
             f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
         )
@@ -41,7 +40,7 @@ def flexible_body(scene: Scene, body: str) -> Flexible:
 def elastic_coordinates(solution: Solution, body: str) -> slice:
     """Where the elastic coordinates of a body are on the second axis of q."""
     whole = solution.coordinates(body)
-    return slice(whole.start + 3, whole.stop) if flexible_body(solution.system.scene, body).has_frame else whole
+    return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
 
 
 def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
@@ -50,8 +49,9 @@ def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
-    """Stress per elastic coordinate at the scene's parameter values, shape (n_s, n_f)."""
-    return design_point(scene, body).value("stress_operator")
+    """Stress per elastic coordinate at the scene's parameter values, shape (n_s, n_f); in space all components of a point in turn."""
+    operator = design_point(scene, body).value("stress_operator")
+    return operator.reshape(-1, operator.shape[-1])
 
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
