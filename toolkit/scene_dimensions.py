@@ -25,6 +25,7 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
@@ -66,6 +67,7 @@ FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
     SpatialTorque: {"torque": LABELLED["torque"]},
     PointForce: {"force": LABELLED["force"]},
     SpatialPointForce: {"force": LABELLED["force"]},
+    Pressure: {"pressure": LABELLED["stress"]},
     Gravity: {"acceleration": _ACCELERATION},
     SpatialGravity: {"acceleration": _ACCELERATION},
     SpringDamper: _SPRING,
@@ -83,7 +85,7 @@ FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
 
 CURVE_VALUES: dict[type, Dimension] = {
     Torque: NONE, PointForce: NONE, AngleDriver: NONE, PositionDriver: _LENGTH,
-    SpatialTorque: NONE, SpatialPointForce: NONE, SpatialAngleDriver: NONE, SpatialPositionDriver: _LENGTH,
+    Pressure: NONE, SpatialTorque: NONE, SpatialPointForce: NONE, SpatialAngleDriver: NONE, SpatialPositionDriver: _LENGTH,
 }  # fmt: skip
 """Owner of a time curve -> dimension of the curve's value."""
 CURVE_FIELDS: dict[str, Dimension | None] = {

@@ -38,6 +38,7 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.loads.spatial.pressure import Pressure
 
 DIMENSIONS = (2, 3)
 """Of scenes."""
@@ -46,6 +47,6 @@ DIMENSIONS = (2, 3)
 def kinds_of(dimension: int) -> dict[str, Mapping[str, type]]:
     """Group of the scene -> `type` -> class, of the plane (2) or of space (3); kinds of users' own included."""
     if dimension == 3:
-        loads = {**SpatialLoad.kinds, SpatialGravity.kind: SpatialGravity}
+        loads = {**SpatialLoad.kinds, SpatialGravity.kind: SpatialGravity, Pressure.kind: Pressure}
         return {"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": loads}
     return {"bodies": Body.kinds, "joints": Joint.kinds, "loads": {**Load.kinds, Gravity.kind: Gravity}}

@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.conformance.comparison import STEP, compare
 from toolkit.conformance.residual import design_paths
+from toolkit.errors import ConformanceError
 from toolkit.joints.joint import Joint
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.joint_kernel import ROWS
@@ -71,11 +72,23 @@ def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> No
         plain(load.law())(at.astype(dtype), rates.astype(dtype), *filled)
         return filled
 
-    _, force_z, force_w = fill(z, w)
+    force, force_z, force_w = fill(z, w)
+    if not load.feels_axes:
+        _check_blindness(load, force, force_z, force_w)
     owner, names, forces = f"{load.kind!r}: ", argument_names(used, size, load.dimension), FORCES[load.dimension]
     compare(f"{owner}force_z", force_z[:, used], stepped(lambda at: fill(at, w)[0], z, used), [forces, names])
     rates = [f"rate of {name}" for name in poses]
     compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(n)), [forces, rates])
+
+
+def _check_blindness(load: Load, force: np.ndarray, force_z: np.ndarray, force_w: np.ndarray) -> None:
+    """A load that says that it does not feel axes has neither forces on them nor derivatives by them."""
+    axes = [k for k, name in enumerate(POSES[load.dimension]) if "axis" in name]
+    if np.any(force[axes]) or np.any(force_z[:, axes]) or np.any(force_z[axes]) or np.any(force_w[:, axes]) or np.any(force_w[axes]):
+        raise ConformanceError(
+            f"{load.kind!r}: its formula uses axes of the markers, but `feels_axes` is False, so that nobody computes them. Leave "
+            "`feels_axes` out."
+        )
 
 
 def arguments(

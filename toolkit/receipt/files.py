@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.compilation.quantities import pressures_of
 from toolkit.receipt.asked import asking
 from toolkit.receipt.line import Line
 from toolkit.reduced_model_file import stored_bytes
@@ -60,6 +61,8 @@ def _reason(system: System, path: str, group: str) -> str:
         return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
     if group == "shape":
         return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"
+    if group == "surface_loads":
+        return f"for {', '.join(name for name, load in pressures_of(scene).items() if load.body in bodies)}"
     return "equations of motion"
 
 

@@ -25,7 +25,7 @@ STIFFNESSES = tuple(10.0**k for k in (-11, -9, -7, -5, -4, -3, -2, -1, 0, 1, 2))
 MASSES = tuple(10.0**k for k in (-8, -6, -4, -2, -1, 0, 1, 2, 4, 6, 8))
 LOADS = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 SPEEDS = (1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3)
-LOAD_FIELDS = ("torque", "force", "acceleration")
+LOAD_FIELDS = ("torque", "force", "acceleration", "pressure")
 
 
 def thickness_map(scene: Scene) -> Map:
@@ -81,7 +81,7 @@ def _inertial(body: Body) -> list[str]:
 
 
 def load_map(scene: Scene) -> Map:
-    """All torques, forces and accelerations of gravity at once.
+    """All torques, forces, pressures and accelerations of gravity at once.
 
     Raises
     ------
@@ -91,7 +91,7 @@ def load_map(scene: Scene) -> Map:
     written = [path.split(".") for path in dimensions(scene) if path.startswith("loads.")]
     paths = [".".join(keys) for keys in written if keys[2] in LOAD_FIELDS]
     paths = [path for path in paths if scene.number(path) != 0]
-    return _by_factor(scene, "load", "all loads", paths, LOADS, "the scene has no torque, force or gravity")
+    return _by_factor(scene, "load", "all loads", paths, LOADS, "the scene has no torque, force, pressure or gravity")
 
 
 def speed_map(scene: Scene) -> Map:
