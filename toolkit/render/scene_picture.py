@@ -12,8 +12,8 @@ from toolkit.render import parts
 from toolkit.render.canvas import canvas
 from toolkit.render.configuration import Configuration
 from toolkit.render.curves import shape_errors, stress_range
-from toolkit.render.look import Look
 from toolkit.render.layout import COLUMNS, color_bar, explain, head_line, overview_places
+from toolkit.render.look import Look
 from toolkit.render.panel import FRAME, INK, Panel, Place, Window
 from toolkit.render.scene_drawing import TARGET, UNDEFORMED, draw_scene, drawn_thickness
 from toolkit.render.skin_shape import drawn_model
