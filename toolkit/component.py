@@ -58,6 +58,11 @@ class Component(Registered):
         return None
 
     @property
+    def feels_axes(self) -> bool:
+        """Whether it asks for more than the positions of its markers, in space; a plain truth costs time alone."""
+        return True
+
+    @property
     def oriented(self) -> bool:
         """Whether it has `axes` of its own."""
         return False

@@ -24,6 +24,7 @@ from toolkit.joints.joint_kernel import Joints
 from toolkit.joints.spatial.joint_kernel import SpatialJoints
 from toolkit.kernel import inner, kernel
 from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
+from toolkit.loads.spatial.pressure_kernel import Pressures, add_pressure_designs, add_pressures
 
 
 class Plan(NamedTuple):
@@ -39,6 +40,8 @@ class Plan(NamedTuple):
     markers: Markers | SpatialMarkers
     joints: Joints | SpatialJoints
     loads: Loads
+    pressures: Pressures | None  # in space
+    dropped: np.ndarray  # rows of redundant constraints, in whose place the multiplier is zero
     curve_index: np.ndarray  # (n_d,) which time curve depends on the design
     curve_variable: np.ndarray  # (n_d,) on which variable
     touched_row: np.ndarray  # entries of I_x and A_x that can differ from zero, row by row
@@ -132,12 +135,38 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
             terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
         )  # fmt: skip
-    add_joints(plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms)
+    add_joints(
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms
+    )
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
         load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
         if linearize:
             load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
+    if not inputs.joints_only:
+        add_pressures(
+            plan.pressures,
+            frames,
+            work.markers,
+            q,
+            inputs.curves,
+            inputs.scale,
+            linearize,
+            work.scratch,
+            terms.applied,
+            terms.A_q,
+        )
+    drop_rows(plan, acc, linearize, terms)
+
+
+@inner
+def drop_rows(plan, acc, linearize, terms):
+    """lam = 0 in the place of redundant constraints."""
+    for row in plan.dropped:
+        terms.inertial[row], terms.applied[row] = acc[row], 0
+        for e in range(plan.indptr[row], plan.indptr[row + 1] if linearize else plan.indptr[row]):
+            terms.I_acc[e] = 1 if plan.indices[e] == row else 0
+            terms.I_q[e], terms.A_q[e], terms.A_v[e] = 0, 0, 0
 
 
 @inner
@@ -170,6 +199,13 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
             plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,
         )  # fmt: skip
+    if not inputs.joints_only:
+        add_pressure_designs(
+            plan.pressures, work.markers, q, inputs.curves, inputs.curves_x, plan.curve_variable, plan.curve_index, inputs.scale,
+            work.scratch, terms.A_x,
+        )  # fmt: skip
+    for row in plan.dropped:
+        terms.I_x[row], terms.A_x[row] = 0, 0
 
 
 @kernel

@@ -30,6 +30,11 @@ def contradictions(options: RunOptions) -> Iterator[str]:
             'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
             "formulation and quasi_static (a quasi-static run closes them by positions)"
         )
+    if options.redundant == "least-squares" and options.formulation == "ggl":
+        yield (
+            'formulation = "ggl" closes every joint twice and cannot leave redundant ones out; take index-1 or index-3, or '
+            'redundant = "refuse"'
+        )
     changing = options.times is not None or options.local_error is not None
     most = DAMPED_CHANGING if changing else DAMPED
     if options.formulation == "index-3" and options.rho_inf > most:

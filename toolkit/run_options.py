@@ -71,6 +71,9 @@ class RunOptions(Description):
         Whether a transient run first closes joints that are open in the given positions, by moving the bodies as little as possible
         (measured by the mass matrix). Without it they are an error. With it lengths, offsets and start values of drivers can be
         design variables: the bodies follow. Statics always closes the joints.
+    redundant
+        What to do with joints that repeat each other (a door on two hinges): "refuse" and name them, or "least-squares": constraints that
+        others imply at the start are left out of the motion, and joint forces are those of least squares among all that fit.
     memory
         GB that the states of a run may take. Beyond it, the adjoint keeps checkpoints and computes the rest twice; other methods
         refuse.
@@ -96,6 +99,7 @@ class RunOptions(Description):
     load_steps: Count = 10
     drift_tolerance: Positive = 1e-3
     assemble: bool = False
+    redundant: Literal["refuse", "least-squares"] = "refuse"
     memory: Positive = 8.0
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000

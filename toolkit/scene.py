@@ -21,6 +21,7 @@ from toolkit.listed_names import listed
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.load import Load
 from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.pressure import Pressure
 from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
@@ -68,7 +69,7 @@ class Scene(Description):
     points: dict[str, Point | BodyPoint] = Field(default_factory=dict)
     bodies: dict[str, Body]
     joints: dict[str, Joint] = Field(default_factory=dict)
-    loads: dict[str, Load | Gravity | SpatialGravity] = Field(default_factory=dict)
+    loads: dict[str, Load | Gravity | SpatialGravity | Pressure] = Field(default_factory=dict)
     design: dict[str, str] = Field(default_factory=dict)
     responses: dict[str, Registered] = Field(default_factory=dict)
     solver: RunOptions = RunOptions()

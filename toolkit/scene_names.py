@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.component import Component
 from toolkit.errors import InputError
+from toolkit.loads.spatial.pressure import Pressure
 from toolkit.point import BodyPoint
 from toolkit.validation_messages import SHORT
 
@@ -34,6 +36,11 @@ def check_names(
                 for body, point in component.grips:
                     known(body, existing["body"], f"{group}.{name}", "body")
                     known(point, points, f"{group}.{name}", "point")
+    for name, load in loads.items():
+        if isinstance(load, Pressure):
+            known(load.body, bodies, f"loads.{name}", "body")
+            if not isinstance(bodies[load.body], SpatialFlexible):
+                raise InputError(f"loads.{name} presses on body {load.body!r}, which is not flexible and has no named surfaces.")
     for name, owner in bodies.items():
         for point in owner.named_points():
             known(point, points, f"bodies.{name}", "point")

@@ -36,29 +36,22 @@ class FrameState(NamedTuple):
 
     A: np.ndarray  # (n, 3, 3)
     A_k: np.ndarray  # (n, 4, 3, 3)
-    A_kk: np.ndarray  # (n, 3, 3) second derivative by an angle; that of a quaternion is `SECOND`
+    A_kk: np.ndarray  # (n, 3, 3) second derivative by an angle; that of a quaternion is constant
     V: np.ndarray  # (n, 3, 3)
     V_k: np.ndarray  # (n, 4, 3, 3)
     W: np.ndarray
     W_k: np.ndarray  # (n, 4, 3, 3), zero for quaternions
     X: np.ndarray
     X_k: np.ndarray
+    scratch: np.ndarray  # (3, 3)
 
 
 def frame_state(frames: Frames, dtype: type) -> FrameState:
     """Memory for the matrices of all frames."""
     one, four = (len(frames.first) + 1, 3, 3), (len(frames.first) + 1, 4, 3, 3)
-    state = FrameState(*(np.zeros(shape, dtype) for shape in (one, four, one, one, four, one, four, one, four)))
+    state = FrameState(*(np.zeros(shape, dtype) for shape in (one, four, one, one, four, one, four, one, four, (3, 3))))
     state.A[-1] = np.eye(3)
     return state
-
-
-def _second_derivatives() -> np.ndarray:
-    """A_kl of a quaternion, (4, 4, 3, 3), constant."""
-    found = np.zeros((4, 4, 3, 3))
-    for k in range(4):
-        found[k] = partials_of_quaternion(np.eye(4)[k])
-    return found
 
 
 def partials_of_quaternion(s: np.ndarray) -> np.ndarray:
@@ -74,19 +67,19 @@ def partials_of_quaternion(s: np.ndarray) -> np.ndarray:
     )
 
 
-SECOND = _second_derivatives()
-"""A_kl of a quaternion."""
-
-
 @inner
 def fill_partials(out, vector, first):
-    """out_k = A_kl s_l of a quaternion for s = vector[first:first + 4]."""
-    for k in range(4):
+    """out_k = A_kl s_l of a quaternion for s = vector[first:first + 4], as `partials_of_quaternion`."""
+    a, b, c, d = 2 * vector[first], 2 * vector[first + 1], 2 * vector[first + 2], 2 * vector[first + 3]
+    for k in range(3):
+        out[0, k, k] = a
         for i in range(3):
-            for j in range(3):
-                out[k, i, j] = 0
-                for m in range(4):
-                    out[k, i, j] += SECOND[k, m, i, j] * vector[first + m]
+            out[1 + k, i, i] = -vector[first + 1 + k] * 2
+        out[1 + k, k, k] = 2 * vector[first + 1 + k]
+    out[0, 0, 1], out[0, 0, 2], out[0, 1, 0], out[0, 1, 2], out[0, 2, 0], out[0, 2, 1] = -d, c, d, -b, -c, b
+    out[1, 0, 1], out[1, 0, 2], out[1, 1, 0], out[1, 1, 2], out[1, 2, 0], out[1, 2, 1] = c, d, c, -a, d, a
+    out[2, 0, 1], out[2, 0, 2], out[2, 1, 0], out[2, 1, 2], out[2, 2, 0], out[2, 2, 1] = b, a, b, d, -a, d
+    out[3, 0, 1], out[3, 0, 2], out[3, 1, 0], out[3, 1, 2], out[3, 2, 0], out[3, 2, 1] = -a, b, a, c, b, c
 
 
 @inner
@@ -135,13 +128,20 @@ def update_frames(frames, state, q, v, acc):
 
 
 @inner
-def second_product(frames, state, f, k, m, matrix):
-    """<A_km, matrix>, the sum of products of all nine entries."""
-    total = 0 * matrix[0, 0]
-    for i in range(3):
-        for j in range(3):
-            total += (SECOND[k, m, i, j] if frames.count[f] == 4 else state.A_kk[f, i, j]) * matrix[i, j]
-    return total
+def second_products(frames, state, f, matrix, out):
+    """out_kl = <A_kl, matrix>, the sums of products of all nine entries, (4, 4); of an angle only the first."""
+    if frames.count[f] == 1:
+        out[0, 0] = 0 * matrix[0, 0]
+        for i in range(3):
+            for j in range(3):
+                out[0, 0] += state.A_kk[f, i, j] * matrix[i, j]
+        return
+    x, y, z = 2 * matrix[0, 0], 2 * matrix[1, 1], 2 * matrix[2, 2]
+    out[0, 0], out[1, 1], out[2, 2], out[3, 3] = x + y + z, x - y - z, y - x - z, z - x - y
+    for k in range(3):
+        i, j = (k + 1) % 3, (k + 2) % 3
+        out[0, 1 + k] = out[1 + k, 0] = 2 * (matrix[j, i] - matrix[i, j])
+        out[1 + i, 1 + j] = out[1 + j, 1 + i] = 2 * (matrix[i, j] + matrix[j, i])
 
 
 @inner

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -15,8 +15,10 @@ from toolkit.compilation.component_arrays import families
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
+from toolkit.compilation.redundant_rows import redundant_rows
 from toolkit.design import Design
 from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
 from toolkit.kernel import call, first_class, plain, slots
@@ -126,7 +128,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     Raises
     ------
     InputError
-        A name, a path, a body's grip or a parameter is wrong.
+        A name, a path, a body's grip or a parameter is wrong; or a driver is redundant.
     """
     check_numbers(scene)
     variables = scene.design_variables(design or [])
@@ -143,4 +145,23 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     else:
         functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    return System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
+    return _without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system
+
+
+def _without_redundant_rows(system: System) -> System:
+    """The system with multipliers zero in the place of constraints that repeat others at the start."""
+    q, rest, n_q = system.start()[0], np.zeros(system.n, system.dtype), system.n_q
+    terms = system.evaluate(system.inputs(0.0, np.array([1.0, 0, 0])), q, rest, rest)
+    jacobian = system.matrix(terms.I_acc).toarray()[n_q:, :n_q]
+    lengths = np.array(list(system.numbering.length.values()), int) - n_q
+    dropped = n_q + redundant_rows(jacobian, system.weights[:n_q], lengths)
+    driven = {
+        system.numbering.row[name] + len(joint.row_names) - 1 for name, joint in system.scene.joints.items() if joint.time_curve
+    }
+    if repeated := driven & set(dropped.tolist()):
+        raise InputError(
+            f"{system.numbering.names[min(repeated)]} drives what other joints already determine. Remove the driver, or the joint that "
+            "holds what it drives."
+        )
+    return replace(system, plan=system.plan._replace(dropped=dropped))

@@ -33,6 +33,8 @@ class Numbering:
         (body, point) in the order of the marker arrays; a third entry is the path of the component whose axes it has.
     names
         What each unknown is, for messages.
+    seen
+        Markers that a response looks at.
     """
 
     first: dict[str, int]
@@ -41,6 +43,7 @@ class Numbering:
     markers: tuple[tuple[str, ...], ...]
     names: tuple[str, ...]
     n_q: int
+    seen: tuple[tuple[str, ...], ...] = ()
 
     @property
     def n(self) -> int:
@@ -84,7 +87,7 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, ...], ...] = ()) -> Num
     loads = {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load)}
     components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
     grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
-    return Numbering(first, row, length, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q)
+    return Numbering(first, row, length, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q, tuple(extra_markers))
 
 
 def weights(scene: Scene) -> np.ndarray:

@@ -9,7 +9,13 @@ from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arr
 from toolkit.compilation.numbering import Numbering, weights
 from toolkit.compilation.pattern import Pattern, block, build_pattern
 from toolkit.compilation.quantities import Quantities, named_loads
-from toolkit.compilation.spatial_arrays import frames_part, spatial_floating_part, spatial_joint_arrays, spatial_marker_arrays
+from toolkit.compilation.spatial_arrays import (
+    frames_part,
+    pressure_part,
+    spatial_floating_part,
+    spatial_joint_arrays,
+    spatial_marker_arrays,
+)
 from toolkit.compilation.touched import touched
 from toolkit.equations import Plan
 from toolkit.scene import Scene
@@ -27,6 +33,7 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
         constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
         *of_dimension(scene, numbering, values, derivatives, columns, pattern, dtype),
         load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        pressure_part(scene, numbering, values, derivatives, pattern, dtype) if scene.dimension == 3 else None,
     )
     return Plan(
         numbering.n_q,
@@ -35,6 +42,7 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
         pattern.indptr,
         pattern.indices,
         *parts,
+        np.zeros(0, np.int64),
         curve_index,
         curve_variable,
         *touched(len(derivatives), *parts, curve_index, curve_variable),

@@ -22,6 +22,7 @@ from toolkit.joints.spatial.forms import Form, Row
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.load_kernel import SPATIAL_ARGUMENTS
+from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
 from toolkit.profile import Curve
 from toolkit.scene import Scene
 
@@ -45,6 +46,7 @@ class Quantities:
     markers: dict[int, Any]  # MarkerNumbers or SpatialMarkerNumbers
     joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros; in space the numbers of the rows, see `row_numbers`
     loads: dict[int, np.ndarray]  # (5,) parameters, in space (7,)
+    pressures: dict[int, PressureNumbers]
     gravity: np.ndarray  # (d,)
     curves: dict[int, Curve]
 
@@ -69,6 +71,7 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] 
         },
         {j: _joint_numbers(scene, joint) for j, joint in joints.items()},
         {k: _parameters(scene, load, LOAD_PARAMETERS[scene.dimension]) for k, load in loads.items()},
+        {p: pressure.numbers_on(scene, everybody[pressure.body]) for p, pressure in chosen("loads", pressures_of(scene)).items()},
         np.asarray(scene.gravity),
         {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected},
     )
@@ -116,10 +119,16 @@ def named_loads(scene: Scene) -> dict[str, Load]:
     return {name: load for name, load in scene.loads.items() if isinstance(load, Load)}
 
 
+def pressures_of(scene: Scene) -> dict[str, Pressure]:
+    """Loads on surfaces of flexible bodies, by name."""
+    return {name: load for name, load in scene.loads.items() if isinstance(load, Pressure)}
+
+
 def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
-    """Time curves of joints, then of loads, and whose they are."""
+    """Time curves of joints, then of loads, then of pressures, and whose they are."""
     components: list[tuple[str, Mapping[str, Component]]] = [("joints", scene.joints), ("loads", named_loads(scene))]
     found = [((group, name), component.time_curve) for group, items in components for name, component in items.items()]
+    found += [(("loads", name), pressure.curve) for name, pressure in pressures_of(scene).items()]
     return [(item, curve) for item, curve in found if curve is not None]
 
 

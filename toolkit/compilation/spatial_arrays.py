@@ -10,13 +10,14 @@ from toolkit.bodies.spatial.floating_kernel import SpatialFloating
 from toolkit.bodies.spatial.marker_kernel import POSE, SpatialMarkers
 from toolkit.compilation.arrays import ints, starts
 from toolkit.compilation.component_arrays import curve_numbers, designed, gripped, marker_changes, parameter_changes
-from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.pattern import Pattern, block
-from toolkit.compilation.quantities import Quantities, forms_of
+from toolkit.compilation.quantities import Quantities, forms_of, named_loads, pressures_of
 from toolkit.errors import InputError
 from toolkit.joints.spatial.forms import Form, Row
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.joint_kernel import ROWS, SpatialJoints
+from toolkit.loads.spatial.pressure_kernel import Pressures
 from toolkit.scene import Scene
 from toolkit.spatial import Frames
 
@@ -100,7 +101,7 @@ def spatial_marker_arrays(
     """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
     active, number = marker_changes(derivatives), {name: f for f, name in enumerate(turning(scene))}
     bodies = [scene.body(body) for body, *_ in numbering.markers]
-    parts = list(values.markers.values())
+    parts, full = list(values.markers.values()), _with_axes(scene, numbering)
     return SpatialMarkers(
         None,
         frames,
@@ -108,7 +109,8 @@ def spatial_marker_arrays(
         ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
         ints([[body.moves for body in bodies]]),  # type: ignore[attr-defined]
         ints([[body.turns for body in bodies]]),
-        ints([[int(np.any(part.shape[:, 3:] != 0)) for part in parts]]),
+        ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
+        ints([[POSE if m in full else 3 for m in range(len(parts))]]),
         np.array([part.point for part in parts], dtype).reshape(-1, 15),
         starts([len(c) for c in columns]),
         ints(columns),
@@ -119,6 +121,18 @@ def spatial_marker_arrays(
         starts([len(part.shape) for _, _, part in active])[:-1],
         np.concatenate([np.zeros((0, 6)), *(part.shape for _, _, part in active)]),
     )
+
+
+def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
+    """Markers whose axes something asks for."""
+    components = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
+    components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
+    used = {numbering.marker(grip): False for path, each in components.items() for grip in grips_of(path, each)}
+    for path, each in components.items():
+        for grip in grips_of(path, each):
+            used[numbering.marker(grip)] |= each.feels_axes
+    seen = {numbering.marker(grip) for grip in numbering.seen}
+    return seen | {m for m, felt in used.items() if felt}
 
 
 def spatial_joint_arrays(
@@ -155,6 +169,38 @@ def spatial_joint_arrays(
         *numbers,
         *_felt(rows),
         *_design(joints, rows, changes),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def pressure_part(
+    scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
+) -> Pressures:
+    """Pressures on surfaces and their design derivatives."""
+    loads, number = pressures_of(scene), {name: f for f, name in enumerate(turning(scene))}
+    blocks = [(k, -1, part) for k, part in values.pressures.items()]
+    for x, derivative in enumerate(derivatives):
+        blocks += [(k, x, part) for k, part in derivative.pressures.items() if np.any(part.force) or np.any(part.moment)]
+    before = sum(each.time_curve is not None for each in [*scene.joints.values(), *named_loads(scene).values()])
+    bodies: list[Any] = [scene.bodies[load.body] for load in loads.values()]
+    first = [numbering.first[load.body] for load in loads.values()]
+    n_f = [len(part.moment) - 1 for part in values.pressures.values()]
+    positions = []
+    for body, at, n in zip(bodies, first, n_f, strict=True):
+        positions.append(pattern.find(*block(at + np.arange(body.frame_size), at + np.arange(body.frame_size + n))))
+    return Pressures(
+        ints([[k for k, _, _ in blocks]]),
+        ints([[x for _, x, _ in blocks]]),
+        ints([[before + k for k in range(len(loads))]]),
+        ints([[number.get(load.body, len(number)) for load in loads.values()]]),
+        ints([first]),
+        ints([[body.moves for body in bodies]]),
+        ints([[body.turns for body in bodies]]),
+        ints([n_f]),
+        np.array([part.force for _, _, part in blocks], dtype).reshape(-1, 3),
+        starts([len(part.moment) for _, _, part in blocks])[:-1],
+        np.concatenate([np.zeros((0, 9)), *(part.moment for _, _, part in blocks)]).astype(dtype),
         starts([len(places) for places in positions])[:-1],
         ints(positions),
     )

@@ -18,6 +18,7 @@ from toolkit.compilation.arrays import ints
 from toolkit.joints.joint_kernel import Joints
 from toolkit.joints.spatial.joint_kernel import SpatialJoints
 from toolkit.loads.load_kernel import Loads
+from toolkit.loads.spatial.pressure_kernel import Pressures
 
 
 def touched(
@@ -27,12 +28,14 @@ def touched(
     markers: Markers | SpatialMarkers,
     joints: Joints | SpatialJoints,
     loads: Loads,
+    pressures: Pressures | None,
     curve_index: np.ndarray,
     curve_variable: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Row and variable of every such entry, ordered by row."""
     pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
     pairs += _by_floating(floating)
+    pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
         for k in range(len(part.marker)):
             variables = _variables(part, k, markers, curve_index, curve_variable)
@@ -50,6 +53,16 @@ def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray,
     sizes = 3 + floating.n_f if isinstance(floating, Floating) else floating.moves + floating.turns + floating.n_f
     found = [floating.frame[b] + np.arange(sizes[b]) for b, _ in pairs]
     return [(rows, np.full(len(rows), x)) for rows, (_, x) in zip(found, pairs, strict=True)]
+
+
+def _by_pressures(
+    pressures: Pressures, curve_index: np.ndarray, curve_variable: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Whole bodies under pressures that change."""
+    found = list(zip(pressures.block_load, pressures.block_variable, strict=True))[len(pressures.curve) :]
+    found += [(k, x) for k, c in enumerate(pressures.curve) for x in curve_variable[curve_index == c]]
+    sizes = pressures.moves + pressures.turns + pressures.n_f
+    return [(pressures.first[k] + np.arange(sizes[k]), np.full(sizes[k], x)) for k, x in found]
 
 
 def _variables(

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.flexible import Flexible
-from toolkit.responses.stress import elastic_coordinates, flexible_body, stress_operator
+from toolkit.responses.stress import elastic_coordinates, flexible_body, stress_components
+from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 from toolkit.units import unit
 
@@ -16,7 +17,7 @@ from toolkit.units import unit
 def stress_range(solution: Solution, body: str) -> np.ndarray:
     """Smallest and largest stress of a flexible body at every time, shape (n_t, 2)."""
     q = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    stress = q @ np.real(stress_operator(solution.system.scene, body)).T
+    stress = point_stress(np.real(stress_components(solution.system.scene, body, q)))
     return np.column_stack([stress.min(axis=1, initial=0), stress.max(axis=1, initial=0)])
 
 

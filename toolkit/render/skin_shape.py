@@ -93,7 +93,7 @@ def _displacement(mesh: Mesh, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 def _stress(configuration: Configuration, body: str, model: ReducedModel) -> np.ndarray:
     """Stress of outer and inner fibre, (n_e, POINTS, 2)."""
-    return fibre_values(model, np.real(stress_operator(configuration.scene, body)) @ configuration.elastic(body))
+    return fibre_values(model, np.real(stress_operator(configuration.scene, body)[:, 0]) @ configuration.elastic(body))
 
 
 def fibre_values(model: ReducedModel, values: np.ndarray) -> np.ndarray:

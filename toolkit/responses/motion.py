@@ -7,10 +7,15 @@ from typing import Any, Literal
 import numpy as np
 
 from toolkit.bodies.poses import update_pose_designs, update_poses
+from toolkit.description import Triple
 from toolkit.equations import allocate_work
+from toolkit.errors import InputError
+from toolkit.joints.spatial.joint_kernel import angle_of
+from toolkit.kernel import plain
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.solution import Solution
+from toolkit.spatial import axes_along
 from toolkit.system import System
 
 
@@ -33,12 +38,13 @@ class MarkerResponse(Instant):
         return ((self.body, self.point),)
 
     def pose(self, system: System, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Pose (3,), its derivatives by the coordinates (3, n_q) and by the design (3, n_x)."""
+        """Pose (p,), 3 or 12 numbers, its derivatives by the coordinates (p, n_q) and by the design (p, n_x)."""
         marker, state, markers = system.numbering.marker((self.body, self.point)), marker_states(system, q), system.plan.markers
         columns = slice(markers.start[marker], markers.start[marker + 1])
-        pose_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
+        size = state.y.shape[1]
+        pose_q: np.ndarray = np.zeros((size, system.n_q), system.dtype)
         pose_q[:, markers.coordinate[columns]] = state.B[columns].T
-        pose_x = np.zeros((3, system.n_x))
+        pose_x = np.zeros((size, system.n_x))
         for d in range(markers.design_start[marker], markers.design_start[marker + 1]):
             pose_x[:, markers.design_variable[d]] += np.real(state.y_x[d])
         return state.y[marker], pose_q, pose_x
@@ -55,15 +61,46 @@ def marker_states(system: System, q: np.ndarray) -> Any:
 
 
 class Rotation(MarkerResponse):
-    """Rotation of a body at a point since the undeformed configuration, counter-clockwise positive."""
+    """Rotation of a body at a point since the undeformed configuration, counter-clockwise positive; in space about an axis.
+
+    In space it is atan2(n_2 . A n_1, n_1 . A n_1) in (-pi, pi] with the body's rotation matrix A and n_1, n_2 normal to the axis: the
+    rotation itself, where the body turns about this axis alone.
+
+    Attributes
+    ----------
+    axis
+        Axis, of a spatial scene alone, of any length.
+    """
 
     kind = "rotation"
     quantity = "angle"
 
+    axis: Triple | None = None
+
+    def check(self, scene: Any) -> None:
+        """An axis belongs to space.
+
+        Raises
+        ------
+        InputError
+            It is missing there, or given in the plane.
+        """
+        super().check(scene)
+        if (scene.dimension == 3) != (self.axis is not None) or (self.axis is not None and not any(self.axis)):
+            raise InputError(
+                "a rotation in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
+            )
+
     def at(self, solution: Solution, step: int) -> Partials:
         """The angle of the marker."""
         pose, pose_q, pose_x = self.pose(solution.system, solution.q[step])
-        return Partials(pose[2], q=pose_q[2], design=pose_x[2])
+        if self.axis is None:
+            return Partials(pose[2], q=pose_q[2], design=pose_x[2])
+        axes = axes_along(self.axis)
+        cosine, sine = np.kron(axes[:, 0], axes[:, 0]), np.kron(axes[:, 0], axes[:, 1])  # on the axes e_1, e_2, e_3 of the pose
+        c, s = cosine @ pose[3:], sine @ pose[3:]
+        weights = (c * sine - s * cosine) / (c * c + s * s)
+        return Partials(plain(angle_of)(s, c), q=weights @ pose_q[3:], design=np.real(weights @ pose_x[3:]))
 
 
 class Displacement(MarkerResponse):
@@ -78,7 +115,19 @@ class Displacement(MarkerResponse):
     kind = "displacement"
     quantity = "length"
 
-    component: Literal["x", "y", "magnitude"]
+    component: Literal["x", "y", "z", "magnitude"]
+
+    def check(self, scene: Any) -> None:
+        """The plane has no z.
+
+        Raises
+        ------
+        InputError
+            A component that the scene does not have.
+        """
+        super().check(scene)
+        if self.component == "z" and scene.dimension == 2:
+            raise InputError('a scene of dimension 2 has no displacement along z; take "x", "y" or "magnitude".')
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Position of the marker minus the undeformed one, which may follow the design too."""
@@ -86,9 +135,10 @@ class Displacement(MarkerResponse):
         start, _, dstart, _ = (item[: system.n_q] for item in system.start())
         pose, pose_q, pose_x = self.pose(system, solution.q[step])
         origin, origin_q, origin_x = self.pose(system, start)
-        move, move_q, move_x = (pose - origin)[:2], pose_q[:2], (pose_x - origin_x - np.real(origin_q) @ dstart)[:2]
+        d = system.scene.dimension
+        move, move_q, move_x = (pose - origin)[:d], pose_q[:d], (pose_x - origin_x - np.real(origin_q) @ dstart)[:d]
         if self.component != "magnitude":
-            row = "xy".index(self.component)
+            row = "xyz".index(self.component)
             return Partials(move[row], q=move_q[row], design=move_x[row])
         length, direction = magnitude(move, lambda: np.real(move_q) @ solution.derivative("q")[step] + move_x)
         return Partials(length, q=direction @ move_q, design=direction @ move_x)

@@ -7,8 +7,7 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.model_body import DEPENDENCE
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
 from toolkit.design_point import NONE, DesignPoint
@@ -17,11 +16,12 @@ from toolkit.point import BodyPoint
 from toolkit.reduced_model import place_parameter
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.response import Partials, Response
+from toolkit.responses.von_mises import point_slope, point_stress
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 
 
-def flexible_body(scene: Scene, body: str) -> Flexible:
+def flexible_body(scene: Scene, body: str) -> ModelBody:
     """The flexible body of that name.
 
     Raises
@@ -30,8 +30,8 @@ def flexible_body(scene: Scene, body: str) -> Flexible:
         There is no such body, or it is not flexible; lists those that are.
     """
     found = scene.body(body)
-    if not isinstance(found, Flexible):
-        flexible = [name for name, each in scene.bodies.items() if isinstance(each, Flexible)]
+    if not isinstance(found, ModelBody):
+        flexible = [name for name, each in scene.bodies.items() if isinstance(each, ModelBody)]
         raise InputError(
             f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
         )
@@ -41,7 +41,7 @@ def flexible_body(scene: Scene, body: str) -> Flexible:
 def elastic_coordinates(solution: Solution, body: str) -> slice:
     """Where the elastic coordinates of a body are on the second axis of q."""
     whole = solution.coordinates(body)
-    return slice(whole.start + 3, whole.stop) if flexible_body(solution.system.scene, body).has_frame else whole
+    return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
 
 
 def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
@@ -50,8 +50,15 @@ def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
-    """Stress per elastic coordinate at the scene's parameter values, shape (n_s, n_f)."""
-    return design_point(scene, body).value("stress_operator")
+    """Components of stress per elastic coordinate at the scene's parameter values, shape (n_s, 1 or 6, n_f)."""
+    operator = design_point(scene, body).value("stress_operator")
+    return operator[:, None] if operator.ndim == 2 else operator
+
+
+def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
+    """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
+    operator = stress_operator(scene, body)
+    return (q_f @ operator.reshape(-1, operator.shape[-1]).T).reshape(*q_f.shape[:-1], *operator.shape[:2])
 
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
@@ -72,16 +79,18 @@ def model_parameter(scene: Scene, body: str, path: str) -> str:
 
 
 def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
-    """Stress sigma = B q_f at every point and time (n_t, n_s), and its design derivatives B dq_f + dB q_f (n_t, n_s, n_x)."""
-    where, operator = elastic_coordinates(solution, body), stress_operator(solution.system.scene, body)
-    stress = solution.q[:, where] @ operator.T
-    derivative = np.einsum("sf,tfx->tsx", operator, solution.dq[:, where])
+    """Stress at every point and time (n_t, n_s), and its design derivatives (n_t, n_s, n_x); components are B q_f, with B dq_f + dB q_f."""
+    scene, q = solution.system.scene, solution.q[:, elastic_coordinates(solution, body)]
+    operator, components = stress_operator(scene, body), stress_components(scene, body, q)
+    flat = operator.reshape(-1, operator.shape[-1])
+    derivative = np.einsum("sf,tfx->tsx", flat, solution.dq[:, elastic_coordinates(solution, body)])
     rates = design_rates(solution, body, "stress_operator")
     for x in np.unique(rates.parameter):
         entry, value = rates.by(x)
-        change = coo_array((value, np.unravel_index(entry, operator.shape)), operator.shape).tocsr()
-        derivative[:, :, x] += np.real(solution.q[:, where] @ change.T)
-    return stress, derivative
+        change = coo_array((value, np.unravel_index(entry, flat.shape)), flat.shape).tocsr()
+        derivative[:, :, x] += np.real(q @ change.T)
+    slope = np.real(point_slope(components))
+    return point_stress(components), np.einsum("tsc,tscx->tsx", slope, derivative.reshape(*components.shape, -1))
 
 
 class StressResponse(Response):
@@ -92,7 +101,7 @@ class StressResponse(Response):
     body
         Name of a flexible body.
     measure
-        Signed: tension counts. Absolute: tension and compression count alike.
+        Signed: tension counts. Absolute: tension and compression count alike. The stress of solids is von Mises', which has no sign.
     when
         All times, or the end.
     """
@@ -109,22 +118,32 @@ class StressResponse(Response):
 
     def considered(self, solution: Solution) -> np.ndarray:
         """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
+        components = self.components(solution)
+        stress = point_stress(components)
+        return np.hstack([stress, -stress]) if self.twice(components) else stress
+
+    def components(self, solution: Solution) -> np.ndarray:
+        """Components of stress at the times that count, (n_t, n_s, 1 or 6)."""
         where = elastic_coordinates(solution, self.body)
         q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
-        stress = q @ stress_operator(solution.system.scene, self.body).T
-        return np.hstack([stress, -stress]) if self.measure == "absolute" else stress
+        return stress_components(solution.system.scene, self.body, q)
+
+    def twice(self, components: np.ndarray) -> bool:
+        """Whether the opposite sign counts too."""
+        return self.measure == "absolute" and components.shape[-1] == 1
 
     def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
         """Partials of a response from its derivatives by the considered values."""
-        weights = np.real(weights)
-        if self.measure == "absolute":
+        weights, components = np.real(weights), self.components(solution)
+        if self.twice(components):
             weights = weights[:, : weights.shape[1] // 2] - weights[:, weights.shape[1] // 2 :]
+        by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
         if self.when == "end":
-            weights = np.vstack([np.zeros((len(solution.times) - 1, weights.shape[1])), weights])
-        where = elastic_coordinates(solution, self.body)
+            by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
+        where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.scene, self.body)
         value_q = np.zeros(solution.q.shape)
-        value_q[:, where] = weights @ np.real(stress_operator(solution.system.scene, self.body))
-        by_operator = np.real(weights.T @ solution.q[:, where]).ravel()
+        value_q[:, where] = by_component @ np.real(operator.reshape(by_component.shape[1], -1))
+        by_operator = np.real(by_component.T @ solution.q[:, where]).ravel()
         rates = design_rates(solution, self.body, "stress_operator")
         design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
         return Partials(value, q=value_q, design=design)

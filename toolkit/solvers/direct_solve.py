@@ -54,7 +54,8 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
     if np.all(parts >= system.n_q):
         return (
             f"the constraints {names} repeat or contradict each other, so their forces are not determined. "
-            "Remove one of these joints, or replace a rigid joint by a revolute or slider."
+            "Remove one of these joints, replace a rigid joint by a revolute or slider (in space a revolute by a spherical), or let "
+            'solver.redundant = "least-squares" leave out what others imply.'
         )
     return (
         f"nothing determines {names}: the mechanism is free to move there, or is in a singular position. "

@@ -13,7 +13,7 @@ from toolkit.bodies.spatial.floating_kernel import (
     turned_dot,
 )
 from toolkit.kernel import inner
-from toolkit.spatial import second_product
+from toolkit.spatial import second_products
 
 
 @inner
@@ -53,8 +53,17 @@ def add_moving_rows(part, frames, b, work, at, width, I_acc, I_q, A_q, A_v):
 
 @inner
 def add_turning_block(part, frames, state, b, acc, gravity, scale, work, at, width, I_acc, I_q, A_q, A_v):
-    """Entries beta by beta; by column l with the products A_l S^T, X_l S^T, V_l S^T and W_l S^T."""
+    """Entries beta by beta; by column l with the products A_l S^T, X_l S^T, V_l S^T and W_l S^T.
+
+    The sums in `work` that A_k is multiplied with get the terms of r'' and g too, for the products with A_kl.
+    """
     n_r, n0, frame = part.moves[b], work.first[0], part.frame[b]
+    for i in range(3):
+        for j in range(3):
+            work.inertial[i, j] += (acc[frame + i] if n_r > 0 else 0 * n0[0]) * n0[j]
+            work.applied[i, j] -= scale * gravity[i] * n0[j]
+    second_products(frames, state, b, work.inertial, work.curved_inertial)
+    second_products(frames, state, b, work.applied, work.curved_applied)
     for column in range(part.turns[b]):
         mass, inertial, applied, by_rate = work.pairs[0], work.pairs[1], work.pairs[2], work.pairs[3]
         for array in (mass, inertial, applied, by_rate):
@@ -70,22 +79,9 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, at, wid
         for row in range(part.turns[b]):
             place, A_k = at[(n_r + row) * width + n_r + column], state.A_k[b, row]
             I_acc[place] += product(A_k, mass)
-            I_q[place] += product(A_k, inertial) + second_product(frames, state, b, row, column, work.inertial)
-            A_q[place] += product(A_k, applied) + second_product(frames, state, b, row, column, work.applied)
+            I_q[place] += product(A_k, inertial) + work.curved_inertial[row, column]
+            A_q[place] += product(A_k, applied) + work.curved_applied[row, column]
             A_v[place] += product(A_k, by_rate)
-            fall, pull = 0 * n0[0], 0 * n0[0]
-            moment = work.pairs[4]
-            for i in range(3):
-                for j in range(3):
-                    moment[i, j] = scale * gravity[i] * n0[j]
-            fall = second_product(frames, state, b, row, column, moment)
-            A_q[place] -= fall
-            if n_r > 0:
-                for i in range(3):
-                    for j in range(3):
-                        moment[i, j] = acc[frame + i] * n0[j]
-                pull = second_product(frames, state, b, row, column, moment)
-                I_q[place] += pull
 
 
 @inner
@@ -162,5 +158,6 @@ def spatial_jacobian(part, frames, state, q, v, acc, scale, work, I_acc, I_q, A_
         if part.moves[b] > 0:
             add_moving_rows(part, state, b, work, at, width, I_acc, I_q, A_q, A_v)
         add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, at, width, I_acc, I_q, A_q, A_v)
-        add_bent_rows(part, state, b, acc, part.gravity, scale, work, at, width, I_acc, I_q, A_q, A_v)
+        if part.n_f[b] > 0:
+            add_bent_rows(part, state, b, acc, part.gravity, scale, work, at, width, I_acc, I_q, A_q, A_v)
         add_bent_block(part, b, work, I_acc, I_q, A_q, A_v)

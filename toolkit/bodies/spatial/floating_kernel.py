@@ -50,7 +50,7 @@ class SpatialFloating(NamedTuple):
     def work(self, dtype: type) -> "SpatialFloatingWork":
         """Scratch memory."""
         n = 1 + int(max(self.n_f, default=0))
-        shapes = [(3, 3)] + [(n, 9)] * 3 + [(3, 3)] * 3 + [(3, 3)] * 5 + [(16, 3, 3)]
+        shapes = [(3, 3)] + [(n, 9)] * 3 + [(3, 3)] * 8 + [(9, 3, 3)] + [(4, 4)] * 2
         return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
@@ -69,7 +69,9 @@ class SpatialFloatingWork(NamedTuple):
     turned: np.ndarray  # A^T X
     rate: np.ndarray  # A^T V
     bent: np.ndarray  # A^T W
-    pairs: np.ndarray  # (16, 3, 3) scratch memory
+    pairs: np.ndarray  # (9, 3, 3) scratch memory
+    curved_inertial: np.ndarray  # (4, 4) products with A_kl
+    curved_applied: np.ndarray
 
 
 @inner
@@ -158,9 +160,10 @@ def multiply_spatial_block(part, frames, block, q, v, acc, work):
     by_transpose(frames.X[body], work.s_q, 1.0, work.inertial)
     by_transpose(frames.V[body], work.s_v, 2.0, work.applied)
     by_transpose(frames.W[body], work.s_q, 1.0, work.applied)
-    transposed_product(frames.A[body], frames.X[body], work.turned)
-    transposed_product(frames.A[body], frames.V[body], work.rate)
-    transposed_product(frames.A[body], frames.W[body], work.bent)
+    if n > 0:
+        transposed_product(frames.A[body], frames.X[body], work.turned)
+        transposed_product(frames.A[body], frames.V[body], work.rate)
+        transposed_product(frames.A[body], frames.W[body], work.bent)
 
 
 @inner

@@ -55,9 +55,9 @@ def local_design(markers, state, m, d):
     for k in range(offset, count):
         for c in range(12):
             state.slope_x[first + k, c] = markers.design_shape[first + k, c] if c < 3 else 0
-    for block in range(3, 12, 3):
+    for block in range(3, markers.size[m], 3):
         add_axis_design(markers, state, m, d, block, first, offset, count)
-    for c in range(12):
+    for c in range(markers.size[m]):
         state.local_x[d, c] = motion[0, c]
 
 
@@ -117,18 +117,18 @@ def has_rotation(markers, d, count):
 @inner
 def pose_design(markers, state, m, d):
     """dy, d(B v), d(B a) and db."""
-    f, frames, motion = markers.frame[m], state.frames, state.motion_x
+    f, size, frames, motion = markers.frame[m], markers.size[m], state.frames, state.motion_x
     y, rate, acceleration, centripetal = state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d]
     for array in (y, rate, acceleration, centripetal):
         array[:] = 0
     for i in range(3):
         y[i] = y[i] + markers.design_point[d, 12 + i]
-    apply(frames.A[f], motion[0], y, 1.0)
-    apply(frames.A[f], motion[1], rate, 1.0)
-    apply(frames.A[f], motion[2], acceleration, 1.0)
-    apply(frames.A[f], motion[3], centripetal, 1.0)
+    apply(size, frames.A[f], motion[0], y, 1.0)
+    apply(size, frames.A[f], motion[1], rate, 1.0)
+    apply(size, frames.A[f], motion[2], acceleration, 1.0)
+    apply(size, frames.A[f], motion[3], centripetal, 1.0)
     if markers.turns[m] > 0:
-        apply(frames.V[f], motion[0], rate, 1.0)
-        apply(frames.X[f], motion[0], acceleration, 1.0)
-        apply(frames.W[f], motion[0], centripetal, 1.0)
-        apply(frames.V[f], motion[1], centripetal, 2.0)
+        apply(size, frames.V[f], motion[0], rate, 1.0)
+        apply(size, frames.X[f], motion[0], acceleration, 1.0)
+        apply(size, frames.W[f], motion[0], centripetal, 1.0)
+        apply(size, frames.V[f], motion[1], centripetal, 2.0)

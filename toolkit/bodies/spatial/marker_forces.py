@@ -7,7 +7,7 @@ F is conjugate to the pose: four vectors F_m, a force and what turns the axes. A
 
 from toolkit.bodies.spatial.marker_kernel import second_index
 from toolkit.kernel import inner
-from toolkit.spatial import second_product
+from toolkit.spatial import second_products
 
 
 @inner
@@ -15,29 +15,26 @@ def add_spatial_force(markers, state, m, force, factor, residual):
     """residual += factor * B^T F for F (12,) on marker m."""
     for k in range(markers.start[m], markers.start[m + 1]):
         total = 0 * force[0]
-        for c in range(12):
+        for c in range(markers.size[m]):
             total += state.B[k, c] * force[c]
         residual[markers.coordinate[k]] += factor * total
 
 
 @inner
-def outer(force, vectors, out):
+def outer(size, force, vectors, out):
     """out = sum_m F_m X_m^T, so that sum_m F_m . M X_m = <M, out> for any matrix M."""
     for i in range(3):
         for j in range(3):
-            out[i, j] = (
-                force[i] * vectors[j]
-                + force[3 + i] * vectors[3 + j]
-                + force[6 + i] * vectors[6 + j]
-                + force[9 + i] * vectors[9 + j]
-            )
+            out[i, j] = force[i] * vectors[j]
+            for m in range(3, size, 3):
+                out[i, j] += force[m + i] * vectors[m + j]
 
 
 @inner
-def contract(matrix, force, vectors):
+def contract(size, matrix, force, vectors):
     """sum_m F_m . M X_m."""
     total = 0 * force[0]
-    for m in range(0, 12, 3):
+    for m in range(0, size, 3):
         for i in range(3):
             total += force[m + i] * (matrix[i, 0] * vectors[m] + matrix[i, 1] * vectors[m + 1] + matrix[i, 2] * vectors[m + 2])
     return total
@@ -52,17 +49,17 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
     f, frames = markers.frame[m], state.frames
     n_b, first = markers.turns[m], markers.start[m] + markers.moves[m]
     turn = offset + markers.moves[m]
-    square = state.turned.by_by[0]
+    square, curved = state.turned.by_by[0], state.square
     if n_b > 0:
-        outer(force, state.local[m], square)
+        outer(markers.size[m], force, state.local[m], square)
+        second_products(markers.frames, frames, f, square, curved)
     for i in range(n_b):
         for k in range(n_b):
-            entry = second_product(markers.frames, frames, f, i, k, square)
-            values[positions[(turn + i) * stride + turn + k]] += factor * entry
+            values[positions[(turn + i) * stride + turn + k]] += factor * curved[i, k]
     for column in range(first + n_b, markers.start[m + 1]):
         k = offset + column - markers.start[m]
         for i in range(n_b):
-            entry = contract(frames.A_k[f, i], force, state.slope[column])
+            entry = contract(markers.size[m], frames.A_k[f, i], force, state.slope[column])
             values[positions[(turn + i) * stride + k]] += factor * entry
             values[positions[k * stride + turn + i]] += factor * entry
     if markers.bends[m] == 1:
@@ -75,7 +72,9 @@ def add_bent_stiffness(markers, state, m, force, factor, positions, stride, offs
     stiffness = state.turned.by
     for i in range(3):
         for j in range(i, 3):
-            stiffness[i, j] = contract(state.frames.A[markers.frame[m]], force, state.bend[m, second_index(i, j)])
+            stiffness[i, j] = contract(
+                markers.size[m], state.frames.A[markers.frame[m]], force, state.bend[m, second_index(i, j)]
+            )
             stiffness[j, i] = stiffness[i, j]
     first = markers.start[m] + markers.moves[m] + markers.turns[m]
     for row in range(first, markers.start[m + 1]):
@@ -94,7 +93,9 @@ def add_spatial_force_design(markers, state, m, d, force, factor, residual_x):
     x, f, frames = markers.design_variable[d], markers.frame[m], state.frames
     first = markers.start[m] + markers.moves[m]
     for k in range(markers.turns[m]):
-        residual_x[markers.coordinate[first + k], x] += factor * contract(frames.A_k[f, k], force, state.local_x[d])
+        residual_x[markers.coordinate[first + k], x] += factor * contract(
+            markers.size[m], frames.A_k[f, k], force, state.local_x[d]
+        )
     for k in range(first + markers.turns[m], markers.start[m + 1]):
         row = markers.design_shape_start[d] + k - markers.start[m]
-        residual_x[markers.coordinate[k], x] += factor * contract(frames.A[f], force, state.slope_x[row])
+        residual_x[markers.coordinate[k], x] += factor * contract(markers.size[m], frames.A[f], force, state.slope_x[row])

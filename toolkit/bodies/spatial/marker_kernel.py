@@ -33,7 +33,8 @@ class SpatialMarkers(NamedTuple):
     frame: np.ndarray  # (n_m,) number of its frame; the last for bodies that do not turn
     moves: np.ndarray  # (n_m,) 3 if its body has r, otherwise 0
     turns: np.ndarray  # (n_m,) how many beta its body has
-    bends: np.ndarray  # (n_m,) 1 if any T is not zero
+    bends: np.ndarray  # (n_m,) 1 if any T is not zero and the axes matter
+    size: np.ndarray  # (n_m,) 12, or 3 where nothing asks for the axes: they stay zero
     point: np.ndarray  # (n_m, 15) z0, e_1, e_2, e_3, r0
     start: np.ndarray  # (n_m + 1,)
     coordinate: np.ndarray  # (n_columns,) global number
@@ -49,7 +50,7 @@ class SpatialMarkers(NamedTuple):
         n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
         numbers = (np.zeros((n, POSE), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,))
         return SpatialMarkerState(
-            *numbers, np.zeros((n_m, 6, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
+            *numbers, np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
             np.zeros((12, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
             np.zeros((len(self.design_shape), POSE), dtype), turned_vector(dtype), frame_state(self.frames, dtype),
         )  # fmt: skip
@@ -74,6 +75,7 @@ class SpatialMarkerState(NamedTuple):
     local: np.ndarray  # (n_m, 12) X_m
     slope: np.ndarray  # (n_columns, 12) X_m,j
     bend: np.ndarray  # (n_m, 6, 12) second derivatives of X_m by phi: 11, 22, 33, 23, 13, 12
+    square: np.ndarray  # (4, 4) scratch memory
     sums: np.ndarray  # (3, 6) u, phi, and their first and second derivatives by time
     motion: np.ndarray  # (4, 12) X_m', the parts of X_m'' by c'' and by c', and scratch memory
     by: np.ndarray  # (12, 12) derivatives by phi_1, phi_2, phi_3 of X_m, of X_m' and of the two parts of X_m''
@@ -91,9 +93,9 @@ def second_index(i, j):
 
 
 @inner
-def apply(matrix, source, target, factor):
-    """target += factor * matrix source, vector by vector of a pose."""
-    for m in range(0, 12, 3):
+def apply(size, matrix, source, target, factor):
+    """target += factor * matrix source, vector by vector of a pose of `size` numbers."""
+    for m in range(0, size, 3):
         a, b, c = source[m], source[m + 1], source[m + 2]
         for i in range(3):
             target[m + i] += factor * (matrix[i, 0] * a + matrix[i, 1] * b + matrix[i, 2] * c)
@@ -123,7 +125,7 @@ def update_local(markers, state, m):
         motion[2, i] = 0
         for row in range(12):
             state.by[row, i] = 0
-    for block in range(3, 12, 3):
+    for block in range(3, markers.size[m], 3):
         turned, e = state.turned, markers.point[m, block : block + 3]
         if markers.bends[m] == 1:
             turn(sums[0, 3:6], sums[1, 3:6], sums[2, 3:6], e, turned)
@@ -158,7 +160,7 @@ def update_spatial_markers(markers, state, q, v, acc):
 @inner
 def update_pose(markers, state, m, q, v, acc):
     """y, B v, B a and b."""
-    f, frames, local, motion = markers.frame[m], state.frames, state.local[m], state.motion
+    f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     for array in (state.y[m], state.rate[m], state.acceleration[m], state.centripetal[m]):
         array[:] = 0
     for i in range(3):
@@ -166,35 +168,35 @@ def update_pose(markers, state, m, q, v, acc):
     for i in range(markers.moves[m]):
         at = markers.coordinate[markers.start[m] + i]
         state.y[m, i], state.rate[m, i], state.acceleration[m, i] = q[at], v[at], acc[at]
-    apply(frames.A[f], local, state.y[m], 1.0)
-    apply(frames.A[f], motion[0], state.rate[m], 1.0)
-    apply(frames.A[f], motion[1], state.acceleration[m], 1.0)
-    apply(frames.A[f], motion[2], state.centripetal[m], 1.0)
+    apply(size, frames.A[f], local, state.y[m], 1.0)
+    apply(size, frames.A[f], motion[0], state.rate[m], 1.0)
+    apply(size, frames.A[f], motion[1], state.acceleration[m], 1.0)
+    apply(size, frames.A[f], motion[2], state.centripetal[m], 1.0)
     if markers.turns[m] > 0:
-        apply(frames.V[f], local, state.rate[m], 1.0)
-        apply(frames.X[f], local, state.acceleration[m], 1.0)
-        apply(frames.W[f], local, state.centripetal[m], 1.0)
-        apply(frames.V[f], motion[0], state.centripetal[m], 2.0)
+        apply(size, frames.V[f], local, state.rate[m], 1.0)
+        apply(size, frames.X[f], local, state.acceleration[m], 1.0)
+        apply(size, frames.W[f], local, state.centripetal[m], 1.0)
+        apply(size, frames.V[f], motion[0], state.centripetal[m], 2.0)
 
 
 @inner
 def update_frame_columns(markers, state, m):
     """Columns of r and beta."""
-    f, frames, local, motion = markers.frame[m], state.frames, state.local[m], state.motion
+    f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
     first = markers.start[m] + markers.moves[m]
     for i in range(markers.moves[m]):
         state.B[markers.start[m] + i, i] = 1
     for k in range(markers.turns[m]):
         for array in (state.B[first + k], state.B_v[first + k], state.B_a[first + k], state.b_q[first + k]):
             array[:] = 0
-        apply(frames.A_k[f, k], local, state.B[first + k], 1.0)
-        apply(frames.V_k[f, k], local, state.B_v[first + k], 1.0)
-        apply(frames.A_k[f, k], motion[0], state.B_v[first + k], 1.0)
-        apply(frames.X_k[f, k], local, state.B_a[first + k], 1.0)
-        apply(frames.A_k[f, k], motion[1], state.B_a[first + k], 1.0)
-        apply(frames.W_k[f, k], local, state.b_q[first + k], 1.0)
-        apply(frames.V_k[f, k], motion[0], state.b_q[first + k], 2.0)
-        apply(frames.A_k[f, k], motion[2], state.b_q[first + k], 1.0)
+        apply(size, frames.A_k[f, k], local, state.B[first + k], 1.0)
+        apply(size, frames.V_k[f, k], local, state.B_v[first + k], 1.0)
+        apply(size, frames.A_k[f, k], motion[0], state.B_v[first + k], 1.0)
+        apply(size, frames.X_k[f, k], local, state.B_a[first + k], 1.0)
+        apply(size, frames.A_k[f, k], motion[1], state.B_a[first + k], 1.0)
+        apply(size, frames.W_k[f, k], local, state.b_q[first + k], 1.0)
+        apply(size, frames.V_k[f, k], motion[0], state.b_q[first + k], 2.0)
+        apply(size, frames.A_k[f, k], motion[2], state.b_q[first + k], 1.0)
 
 
 @inner
@@ -209,19 +211,21 @@ def combine(rows, weights, target):
 @inner
 def update_elastic_columns(markers, state, m):
     """Columns of the elastic coordinates."""
-    f, frames = markers.frame[m], state.frames
+    f, size, frames = markers.frame[m], markers.size[m], state.frames
     for k in range(markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]):
         slope = state.slope[k]
-        combine(state.by, markers.shape[k, 3:6], slope)
+        slope[:] = 0
+        if markers.bends[m] == 1:
+            combine(state.by, markers.shape[k, 3:6], slope)
         for i in range(3):
             slope[i] = slope[i] + markers.shape[k, i]
         for array in (state.B[k], state.B_v[k], state.B_a[k], state.b_q[k]):
             array[:] = 0
-        apply(frames.A[f], slope, state.B[k], 1.0)
+        apply(size, frames.A[f], slope, state.B[k], 1.0)
         if markers.turns[m] > 0:
-            apply(frames.V[f], slope, state.B_v[k], 1.0)
-            apply(frames.X[f], slope, state.B_a[k], 1.0)
-            apply(frames.W[f], slope, state.b_q[k], 1.0)
+            apply(size, frames.V[f], slope, state.B_v[k], 1.0)
+            apply(size, frames.X[f], slope, state.B_a[k], 1.0)
+            apply(size, frames.W[f], slope, state.b_q[k], 1.0)
         if markers.bends[m] == 1:
             add_bent_column(markers, state, m, k)
 
@@ -229,12 +233,12 @@ def update_elastic_columns(markers, state, m):
 @inner
 def add_bent_column(markers, state, m, k):
     """What the curvature of R(phi) adds to a column: derivatives of X_m' and X_m'' by its coordinate."""
-    f, frames, T, part = markers.frame[m], state.frames, markers.shape[k, 3:6], state.motion[3]
+    f, size, frames, T, part = markers.frame[m], markers.size[m], state.frames, markers.shape[k, 3:6], state.motion[3]
     combine(state.by[3:6], T, part)
-    apply(frames.A[f], part, state.B_v[k], 1.0)
+    apply(size, frames.A[f], part, state.B_v[k], 1.0)
     if markers.turns[m] > 0:
-        apply(frames.V[f], part, state.b_q[k], 2.0)
+        apply(size, frames.V[f], part, state.b_q[k], 2.0)
     combine(state.by[6:9], T, part)
-    apply(frames.A[f], part, state.B_a[k], 1.0)
+    apply(size, frames.A[f], part, state.B_a[k], 1.0)
     combine(state.by[9:12], T, part)
-    apply(frames.A[f], part, state.b_q[k], 1.0)
+    apply(size, frames.A[f], part, state.b_q[k], 1.0)

@@ -37,6 +37,13 @@ class SpatialJoint(Joint):
         """Names of the constraint's rows, for messages; their number is the joint's size."""
         return [row.name for row in self.constraint(None)]
 
+    @property
+    def feels_axes(self) -> bool:
+        """Whether a row has an axis in it."""
+        forms = [form for row in self.constraint(None) for form in (row.form, row.sine) if form is not None]
+        places = [place // 3 for form in forms for place, _ in form.linear]
+        return any(vector % 4 for vector in [*places, *(v for form in forms for pair in form.pairs for v in pair[:2])])
+
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None: the numbers of a spatial joint stand in its rows."""
         return []

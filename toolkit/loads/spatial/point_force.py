@@ -72,6 +72,11 @@ class SpatialPointForce(SpatialLoad):
         """s(t)."""
         return self.curve
 
+    @property
+    def feels_axes(self) -> bool:
+        """Of a force that follows the body."""
+        return self.frame == "body"
+
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The force, and whether it follows."""
         return [*self.force, 1.0 if self.frame == "body" else 0.0]

@@ -88,6 +88,11 @@ class SpatialSpringDamper(SpatialLoad):
         """Each body at its own point."""
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
+    @property
+    def feels_axes(self) -> bool:
+        """Positions alone."""
+        return False
+
     def parameters(self, scene: Skeleton) -> list[Any]:
         """Stiffness, damping, relaxed length."""
         d = scene.position(self.points[0]) - scene.position(self.points[1])

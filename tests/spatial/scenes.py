@@ -1,0 +1,22 @@
+"""Points and frame models that the tests in space share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from preprocessing.build_frame import build_frame
+from toolkit.point import Point
+from toolkit.reduced_model_file import save
+
+
+def at(**places: tuple[float, float, float]) -> dict[str, Point]:
+    """Points of a scene by their coordinates."""
+    return {name: Point(x=float(x), y=float(y), z=float(z)) for name, (x, y, z) in places.items()}
+
+
+def save_frame(directory: Path, name: str, text: str) -> Path:
+    """Write `name`.toml with the text, and build `name`.h5 beside it; the path of the text."""
+    path = directory / f"{name}.toml"
+    path.write_text(text)
+    save(build_frame(path), directory / f"{name}.h5")
+    return path

@@ -1,0 +1,67 @@
+"""Pressure on a named surface of a flexible body."""
+
+from __future__ import annotations
+
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.body import Placed
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.description import Number, Registered
+from toolkit.errors import InputError
+from toolkit.listed_names import listed
+from toolkit.profile import Constant, Curve
+
+
+class PressureNumbers(NamedTuple):
+    """f (3,) and L (1 + n_f, 9) of `SurfaceLoad` times the pressure, in the axes of the body's frame at the start."""
+
+    force: np.ndarray
+    moment: np.ndarray
+
+
+class Pressure(Registered):
+    """Pressure p s(t) on a surface that the body's reduced model names; it follows the body's frame, not the deformation.
+
+    Attributes
+    ----------
+    body
+        Flexible body that the pressure acts on.
+    surface
+        Name of the surface, one of `pressure_surfaces` in the file that the reduced model was built from.
+    pressure
+        p, in force/length^2; positive pushes on the surface.
+    curve
+        s(t).
+    """
+
+    kind = "pressure"
+    dimension: ClassVar[int] = 3
+    closed: ClassVar[bool] = True
+
+    body: str
+    surface: str
+    pressure: Number
+    curve: Curve = Constant()
+
+    def numbers_on(self, scene: Placed, body: SpatialFlexible) -> PressureNumbers:
+        """What the equations need of it.
+
+        Raises
+        ------
+        InputError
+            The body's reduced model has no such surface; lists those that it has.
+        """
+        design = body.design_point(scene, "surface_loads")
+        known = design.model.surface_loads or {}
+        if self.surface not in known:
+            raise InputError(
+                f"reduced model {design.model.label} has no surface {self.surface!r} to press on; it has: {listed(known)}. Name it in "
+                "[pressure_surfaces] of the file that the model is built from, and run preprocessing again."
+            )
+        force = design.value(f"surface_loads.{self.surface}.force")
+        moment = design.value(f"surface_loads.{self.surface}.moment")
+        A = np.eye(3) if body.frame == "moving" else body.placement
+        turned = np.einsum("ac,bd,cdj->jab", A, A, moment)
+        return PressureNumbers(self.pressure * (A @ force), self.pressure * turned.reshape(len(turned), 9))
