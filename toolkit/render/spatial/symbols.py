@@ -78,11 +78,13 @@ def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSy
         return []
     kind, grounded = KINDS.get(type(joint), "ball"), "ground" in joint.bodies
     point, base = moment.ends(joint)
-    axes = np.eye(3) if joint.axes(moment.scene) is None else moment.turned(*joint.grips[1], np.real(joint.axes(moment.scene)))
+    own = joint.axes(moment.scene)
+    before = np.eye(3) if own is None else np.real(own)
+    axes = moment.turned(*joint.grips[1], before)
     if kind == "weld":
         return [SpatialSymbol(kind, point, np.eye(3), True)] if grounded else []
     if kind == "cross":
-        first = moment.turned(*joint.grips[0], np.real(joint.axes(moment.scene)))[:, 0]
+        first = moment.turned(*joint.grips[0], before)[:, 0]
         axes = np.column_stack([first, axes[:, 1], np.cross(first, axes[:, 1])])
     if kind in ("slider", "sleeve"):
         return [SpatialSymbol(kind, point, axes), SpatialSymbol("rails" if kind == "slider" else "rail", point, axes, grounded)]
