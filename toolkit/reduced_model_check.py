@@ -97,19 +97,22 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
 
 
 def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
-    spatial = isinstance(inv, SpatialInvariants)
-    own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)} if not spatial else {}
-    own |= {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)} if spatial else {}
+    own: dict[str, tuple[np.ndarray, int]]
+    if isinstance(inv, SpatialInvariants):
+        own = {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)}
+        place, mass = "second_moment", spatial_generalized_mass(inv)
+    else:
+        own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)}
+        place, mass = "inertia", generalized_mass(inv)
     for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
         if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    mass = spatial_generalized_mass(inv) if spatial else generalized_mass(inv)
     try:
         np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
     except np.linalg.LinAlgError:
         _refuse(
             path,
-            "invariants/" + ("second_moment" if spatial else "inertia"),
+            f"invariants/{place}",
             "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame",
         )
 

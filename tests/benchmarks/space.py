@@ -39,8 +39,9 @@ elements = {elements}
 section = "round"
 
 [sections.round]
-kind = "circle"
-diameter = 0.02
+kind = "rectangle"
+width = 0.02
+height = 0.013
 material = "steel"
 
 [materials.steel]
@@ -53,7 +54,7 @@ node = "B"
 
 [basis]
 kind = "eigenmodes"
-modes = {modes}
+count = {modes}
 """
 
 

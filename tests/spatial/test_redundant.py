@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -61,7 +63,7 @@ def bricard(redundant: str, step: float) -> Scene:
     order = ["ground", *bodies, "ground"]
     joints = {
         f"hinge-{point}": SpatialRevolute(bodies=(first, second), point=point, axis=AXES[point])
-        for point, (first, second) in zip(CUBE, zip(order, order[1:], strict=False), strict=True)
+        for point, (first, second) in zip(CUBE, pairwise(order), strict=True)
     }
     return Scene(
         units="m-kg-s",
