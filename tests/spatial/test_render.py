@@ -225,8 +225,11 @@ def test_what_is_clamped_is_still(folder):
 
     (clamp,) = clamped_points(SpatialConfiguration(rest(gallows(folder), 0), 0))
     np.testing.assert_allclose(clamp, 0, atol=1e-15)  # the node A
-    faces = clamped_faces(body_shape(SpatialConfiguration(rest(crank(folder, "grounded"), 0), 0), "beam"))
-    assert faces.area == pytest.approx(0.2 * 0.15, rel=1e-12)  # the left end of the box
+    moment = SpatialConfiguration(rest(crank(folder, "grounded"), 0), 0)
+    assert clamped_faces(body_shape(moment, "beam")).area == pytest.approx(0.2 * 0.15, rel=1e-12)  # the left end of the box
+    (middle,) = clamped_points(moment)
+    np.testing.assert_allclose(middle, [0.1, 0.2, 0.3], atol=1e-15)  # where the box begins
+    assert not clamped_points(SpatialConfiguration(rest(crank(folder), 0), 0))  # its frame moves
 
 
 def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
