@@ -117,7 +117,12 @@ def all_bodies() -> dict[str, Any]:
         ),
         "flag": SpatialFlexible(model="frame.h5", frame="translating", position=(0.3, -0.2, 0.1), orientation=turned),
         "arm": SpatialFlexible(
-            model="frame.h5", frame="turning", axis=(0.0, 0.6, 1.0), position=(0.1, 0.2, 0.0), orientation=turned, density_stuff=0.9
+            model="frame.h5",
+            frame="turning",
+            axis=(0.0, 0.6, 1.0),
+            position=(0.1, 0.2, 0.0),
+            orientation=turned,
+            density_stuff=0.9,
         ),
         "mast": SpatialFlexible(model="frame.h5", position=(0.5, 0.4, -0.3), orientation=turned, width_bar=0.5),
         "block of rubber": SpatialFlexible(
@@ -175,7 +180,9 @@ def _cases() -> list[SpatialCase]:
             cases.append(SpatialCase(f"{name}: {grip}", kind, numbers, bodies, places, common))
     surfaces = [("block of rubber", "moving"), ("fixed rubber", "grounded")]
     numbers = {"surface": "top", "pressure": 0.7, "curve": SUM}
-    return cases + [SpatialCase(f"pressure: {frame}", Pressure, numbers, (body, "rod"), ("A", "B"), "A") for body, frame in surfaces]
+    return cases + [
+        SpatialCase(f"pressure: {frame}", Pressure, numbers, (body, "rod"), ("A", "B"), "A") for body, frame in surfaces
+    ]
 
 
 CASES = _cases()

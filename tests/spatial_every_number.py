@@ -92,14 +92,24 @@ def frames(folder: Path) -> Scene:
         points=points("OABCF") | {name: BodyPoint(body=body, interface=place) for name, (body, place) in grips.items()},
         bodies={
             "wheel": SpatialRigid(
-                mass=0.9, inertia=TENSOR, center="C", frame="turning", axis=(0.2, 1.0, 0.4), origin="A",
+                mass=0.9,
+                inertia=TENSOR,
+                center="C",
+                frame="turning",
+                axis=(0.2, 1.0, 0.4),
+                origin="A",
                 angular_velocity=(0.04, 0.2, 0.08),
             ),
             "sled": SpatialRigid(mass=1.1, inertia=(0.3, 0.4, 0.5), center="B", frame="translating", velocity=SPEED),
             "plate": SpatialRigid(mass=0.8, inertia=TENSOR, center="F", velocity=SPEED, angular_velocity=SPIN),
             "mast": SpatialFlexible(model="frame.h5", position=(0.5, 0.4, -0.3), orientation=turned, thickness_bar=0.2),
             "strip": SpatialFlexible(
-                model="frame.h5", frame="moving", position=(-0.4, 0.5, 0.2), orientation=turned, velocity=SPEED, angular_velocity=SPIN
+                model="frame.h5",
+                frame="moving",
+                position=(-0.4, 0.5, 0.2),
+                orientation=turned,
+                velocity=SPEED,
+                angular_velocity=SPIN,
             ),
             "rubber": SpatialFlexible(model="solid.h5", position=(0.2, -0.1, 0.3), orientation=turned),
         },
@@ -115,7 +125,11 @@ def frames(folder: Path) -> Scene:
             "plate": SpatialSpringDamper(bodies=("plate", "ground"), points=("F", "A"), stiffness=11.0, damping=0.4),
             "wheel": SpatialSpringDamper(bodies=("wheel", "ground"), points=("C", "O"), stiffness=41.0, damping=0.3, length=1.4),
             "turn": SpatialTorque(
-                body="wheel", point="C", torque=(0.2, 0.7, -0.4), frame="body", curve=Sine(amplitude=0.6, frequency=0.8, phase=0.2)
+                body="wheel",
+                point="C",
+                torque=(0.2, 0.7, -0.4),
+                frame="body",
+                curve=Sine(amplitude=0.6, frequency=0.8, phase=0.2),
             ),
             "pull": SpatialPointForce(body="strip", point="U", force=(0.08, -0.11, 0.05), curve=Constant(value=0.4)),
             "push": SpatialPointForce(body="plate", point="F", force=(0.5, 0.4, 0.3), frame="body", curve=FOLLOW),
