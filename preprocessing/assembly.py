@@ -73,7 +73,7 @@ class Parts:
 
     def _sum(self, weighted: list[tuple[Part, Any]]) -> Any:
         def one(name: str) -> Any:
-            terms = [weight * part.matrix for part, weight in weighted if part.name == name]
+            terms = [weight * part.matrix for part, weight in weighted if part.name == name and weight != 0]
             return _added(terms, self.n_stress if name == "stress" else self.n, self.n)
 
         return self.matrices(one)
@@ -116,6 +116,8 @@ def _added(terms: list[Any], n_rows: int, n: int) -> Any:
     """Sum of sparse matrices, by one conversion instead of one per term."""
     if not terms:
         return sparse.csr_array((n_rows, n))
+    if len(terms) == 1:
+        return terms[0].tocsr()
     every = [term.tocoo() for term in terms]
     row, column, value = (np.concatenate([getattr(term, name) for term in every]) for name in ("row", "col", "data"))
     return sparse.coo_array((value, (row, column)), shape=(n_rows, n)).tocsr()

@@ -48,6 +48,12 @@ SHAPES: dict[Any, dict[str, str]] = {
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
 
+
+def letters_of(part: Any) -> dict[str, str]:
+    """Letters of the axes of every array of one object of a model."""
+    return SPATIAL_POINT if isinstance(part, InterfacePoint) and part.rotation.ndim == 3 else SHAPES[type(part)]
+
+
 Sizes = dict[str, int]
 
 
@@ -97,19 +103,22 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
 
 
 def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
-    spatial = isinstance(inv, SpatialInvariants)
-    own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)} if not spatial else {}
-    own |= {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)} if spatial else {}
+    own: dict[str, tuple[np.ndarray, int]]
+    if isinstance(inv, SpatialInvariants):
+        own = {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)}
+        place, mass = "second_moment", spatial_generalized_mass(inv)
+    else:
+        own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)}
+        place, mass = "inertia", generalized_mass(inv)
     for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
         if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    mass = spatial_generalized_mass(inv) if spatial else generalized_mass(inv)
     try:
         np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
     except np.linalg.LinAlgError:
         _refuse(
             path,
-            "invariants/" + ("second_moment" if spatial else "inertia"),
+            f"invariants/{place}",
             "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame",
         )
 
@@ -180,8 +189,7 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
 def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
     """Fit all arrays of one object; its free letters are its own, f, z and s are known to all after the invariants."""
     own = dict(sizes)
-    spatial_point = isinstance(part, InterfacePoint) and part.rotation.ndim == 3
-    for name, letters in (SPATIAL_POINT if spatial_point else SHAPES[type(part)]).items():
+    for name, letters in letters_of(part).items():
         _fit(path, f"{place}/{name}", getattr(part, name), letters, own)
         if name == "stiffness":
             own["z"] = 1 + own["f"]

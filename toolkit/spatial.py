@@ -25,7 +25,7 @@ class Frames(NamedTuple):
     """Frames that turn. What never changes."""
 
     first: np.ndarray  # (n,) global number of the first orientation coordinate
-    count: np.ndarray  # (n,) 4 for a quaternion, 1 for an angle
+    turns: np.ndarray  # (n,) 4 for a quaternion, 1 for an angle
     axis: np.ndarray  # (n, 3) n of an angle
     row: np.ndarray  # (n,) number of the multiplier of a quaternion's length among all unknowns, or -1
     position: np.ndarray  # (n, 12) where (row, p_k), (p_k, row) and (p_k, p_k) are stored
@@ -115,7 +115,7 @@ def update_frames(frames, state, q, v, acc):
     """Evaluate the matrices of all frames."""
     for f in range(len(frames.first)):
         at = frames.first[f]
-        if frames.count[f] == 1:
+        if frames.turns[f] == 1:
             update_angle(frames, state, f, q, v, acc)
         else:
             fill_partials(state.A_k[f], q, at)
@@ -130,7 +130,7 @@ def update_frames(frames, state, q, v, acc):
 @inner
 def second_products(frames, state, f, matrix, out):
     """out_kl = <A_kl, matrix>, the sums of products of all nine entries, (4, 4); of an angle only the first."""
-    if frames.count[f] == 1:
+    if frames.turns[f] == 1:
         out[0, 0] = 0 * matrix[0, 0]
         for i in range(3):
             for j in range(3):

@@ -160,7 +160,8 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
 
 def _without_redundant_rows(system: System) -> System:
     """The system with multipliers zero in the place of constraints that repeat others at the start."""
-    q, rest, n_q = system.start()[0], np.zeros(system.n, system.dtype), system.n_q
+    q, n_q = system.start()[0], system.n_q
+    rest = np.zeros_like(q)
     terms = system.evaluate(system.inputs(0.0, np.array([1.0, 0, 0])), q, rest, rest)
     jacobian = system.matrix(terms.I_acc).toarray()[n_q:, :n_q]
     lengths = np.array(list(system.numbering.length.values()), int) - n_q

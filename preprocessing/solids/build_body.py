@@ -105,7 +105,7 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     rates = {}
     for parameter, change in body.changes.items():
-        d_z = _basis_rates(body, change, choice, free, shapes)
+        d_z = _basis_rates(body, matrices, change, choice, free, shapes)
         rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
     nominal = {**body.values, **body.others}
     return {
@@ -120,13 +120,15 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     }
 
 
-def _basis_rates(body: DiscreteBody, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes) -> np.ndarray:
+def _basis_rates(
+    body: DiscreteBody, matrices: Any, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
+) -> np.ndarray:
     """dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
     d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
     d_z[:, 0] = change.motion
     if choice.derivative == "differentiated":
         stepped = change.freedom(body.clamped)
-        on_independent = change.on(free, stepped, body.parts.at(body.values), shapes.averaged)
+        on_independent = change.on(free, stepped, matrices, shapes.averaged)
         d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
     return d_z
 

@@ -42,12 +42,12 @@ def solid_matrices(
     mass = sparse.csr_array((n_nodes, n_nodes))
     gradients = {(a, b): sparse.csr_array((n_nodes, n_nodes)) for a in axes for b in axes if a <= b}
     for block in blocks:
-        functions = block.functions()
-        number = block.numbering(functions, n_nodes)
-        slope = None if motion is None else motion_gradient(functions, number @ motion)
-        mass = mass + _assembled(_product(slope), functions, number)
-        for (a, b), before in gradients.items():
-            gradients[a, b] = before + _assembled(_gradient_product(a, b, slope), functions, number)
+        for functions in block.functions_in_parts():
+            number = block.numbering(functions, n_nodes)
+            slope = None if motion is None else motion_gradient(functions, number @ motion)
+            mass = mass + _assembled(_product(slope), functions, number)
+            for (a, b), before in gradients.items():
+                gradients[a, b] = before + _assembled(_gradient_product(a, b, slope), functions, number)
     gradients |= {(b, a): matrix.T for (a, b), matrix in gradients.items() if a < b}
     divergence = sum(gradients[a, a] for a in axes)
     first = sum(in_block(gradients[a, b], a, b, dimension) for a in axes for b in axes)

@@ -11,6 +11,9 @@ import skfem
 from scipy import sparse
 from skfem.quadrature import get_quadrature
 
+from preprocessing.solids.outline import CORNERS
+from toolkit.errors import InputError
+
 TETRA_EDGES = ((0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3))
 HEXAHEDRON_EDGES = ((0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7))
 """Corners of every edge, in the order of the nodes in their middles."""
@@ -67,8 +70,7 @@ class BoundaryFaces:
         """The faces with these corners, in rising order."""
         found = {}
         for kind, each in self.faces.items():
-            keys = np.sort(each[:, : 3 if kind.startswith("triangle") else 4], axis=1).tolist()
-            found[kind] = each[[tuple(key) in corners for key in keys]]
+            found[kind] = each[[tuple(key) in corners for key in _corners(each, kind).tolist()]]
         return BoundaryFaces(self.nodes, found)
 
     def products(self) -> Any:
@@ -105,6 +107,11 @@ def faces_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryFac
     Parameters
     ----------
     blocks : kind of element -> (n_e, nodes of one element), in the order of mesh files
+
+    Raises
+    ------
+    InputError
+        Elements with and without nodes in the middle of their edges meet.
     """
     every: dict[str, list[np.ndarray]] = {}
     for kind, block in blocks.items():
@@ -113,13 +120,32 @@ def faces_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryFac
             members = block[:, places]
             members[mirrored] = members[mirrored][:, TURNED[face]]
             every.setdefault(face, []).append(members)
-    return BoundaryFaces(nodes, {kind: _single(np.concatenate(found), kind) for kind, found in every.items()})
+    found = {kind: _single(np.concatenate(faces), kind) for kind, faces in every.items()}
+    for corners in (3, 4):
+        _refuse_unlike([_corners(faces, kind) for kind, faces in found.items() if CORNERS[kind] == corners])
+    return BoundaryFaces(nodes, found)
+
+
+def _corners(faces: np.ndarray, kind: str) -> np.ndarray:
+    """Corners of the faces, in rising order."""
+    return np.sort(faces[:, : CORNERS[kind]], axis=1)
 
 
 def _single(faces: np.ndarray, kind: str) -> np.ndarray:
-    key = np.sort(faces[:, : 3 if kind.startswith("triangle") else 4], axis=1)
-    _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
+    _, first, count = np.unique(_corners(faces, kind), axis=0, return_index=True, return_counts=True)
     return faces[np.sort(first[count == 1])]
+
+
+def _refuse_unlike(keys: list[np.ndarray]) -> None:
+    """Refuse faces of different kinds with the same corners: the elements there would part."""
+    if not keys:
+        return
+    place, count = np.unique(np.concatenate(keys), axis=0, return_counts=True)
+    if np.any(count > 1):
+        raise InputError(
+            f"{np.count_nonzero(count > 1)} faces have nodes in the middle of their edges for one of their two elements only, the first "
+            f"with the corners {', '.join(map(str, place[np.argmax(count > 1)]))}. Mesh the whole body with elements of one order."
+        )
 
 
 def _mirrored(places: np.ndarray) -> np.ndarray:

@@ -17,7 +17,6 @@ import numpy as np
 import skfem
 from scipy import sparse
 
-from preprocessing.solids.elasticity import motion_gradient
 from preprocessing.solids.elements import ElementBlock
 from preprocessing.solids.faces import BoundaryFaces
 from preprocessing.solids.outline import BoundaryLines
@@ -64,7 +63,7 @@ def stress_rows(
     a, b = AXES[quantity]
     found = []
     for block in blocks:
-        functions = block.functions_at(_centre(block))
+        functions = block.functions_at(_centre(block)[:, None])
         found.append(_rows(_gradients(functions), block.connectivity, np.eye(2)[[a]], np.eye(2)[[b]], n))
     return tuple(sparse.vstack(parts, format="csr") for parts in zip(*found, strict=True))  # type: ignore[return-value]
 
@@ -113,20 +112,26 @@ def surface_rows(blocks: Sequence[ElementBlock], nodes: np.ndarray, points: np.n
     meeting = np.bincount(np.concatenate([block.connectivity.ravel() for block in blocks]), minlength=len(nodes))
     first, shear = (sparse.csr_array((6 * len(points), nodes.size)) for _ in range(2))
     for block in blocks:
-        for k, place in enumerate(block.shapes.doflocs):
-            elements = np.flatnonzero(where[block.connectivity[:, k]] >= 0)
-            if not len(elements):
-                continue
-            functions, members = block.functions_at(place, elements), block.connectivity[elements]
-            gradients = _gradients(functions)
-            if motion is not None:
-                slope = motion_gradient(functions, block.numbering(block.functions_at(place), len(nodes)) @ motion)[..., 0]
-                gradients = -np.einsum("cae,cei->aei", slope, gradients)
+        touching = np.flatnonzero((where[block.connectivity] >= 0).any(axis=1))
+        every = _gradients_at_nodes(block, touching, nodes, motion)
+        for k in range(block.connectivity.shape[1]):
+            on = where[block.connectivity[touching, k]] >= 0
+            members = block.connectivity[touching[on]]
             here = members[:, k]
             mean = sparse.coo_array((1 / meeting[here], (where[here], np.arange(len(here)))), shape=(len(points), len(here)))
-            by_lambda, by_mu = _six_rows(gradients, members, nodes.size)
+            by_lambda, by_mu = _six_rows(every[..., k][:, on], members, nodes.size)
             first, shear = (total + sparse.kron(mean, np.eye(6)) @ part for total, part in ((first, by_lambda), (shear, by_mu)))
     return first.tocsr(), shear.tocsr()
+
+
+def _gradients_at_nodes(block: ElementBlock, elements: np.ndarray, nodes: np.ndarray, motion: np.ndarray | None) -> np.ndarray:
+    """Gradients of the shape functions i at the nodes k of some elements, (3, n_e, i, k), or their rates along a motion."""
+    functions = block.functions_at(block.shapes.doflocs.T, elements)
+    gradients = np.stack([functions.basis[i][0].grad for i in range(functions.Nbfun)], axis=2)
+    if motion is None:
+        return gradients
+    slope = np.einsum("aeik,eic->caek", gradients, motion[block.connectivity[elements]])
+    return -np.einsum("caek,ceik->aeik", slope, gradients)
 
 
 def _six_rows(gradients: np.ndarray, members: np.ndarray, n: int) -> Rows:

@@ -102,7 +102,7 @@ def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.nd
         return r - inertia @ (shapes.T @ r)
 
     def nearly(r: np.ndarray) -> np.ndarray:
-        u = system.solve(r[:, None])[:, 0]
+        u = system.solve(r)
         return u - shapes @ (inertia.T @ u)
 
     found = system.following(shapes, change)
@@ -111,28 +111,37 @@ def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.nd
     loads -= pencil.stiffness @ found - values * (pencil.mass @ found)
     if change.mass is not None:
         loads += values * (change.mass @ shapes)
-    for j, value in enumerate(modes.eigenvalues):
-        found[:, j] += _conjugate_gradients(
-            lambda u, v=value: forces(pencil.stiffness @ u - v * (pencil.mass @ u)), nearly, forces(loads[:, j])
-        )
-    return found
+
+    def matrix(u: np.ndarray) -> np.ndarray:
+        return forces(pencil.stiffness @ u - values * (pencil.mass @ u))
+
+    return found + _conjugate_gradients(matrix, nearly, forces(loads))
 
 
 def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.ndarray) -> np.ndarray:
-    """Solution on the space that `nearly_inverse` (n,) -> (n,), symmetric, leads into, as far as round-off lets the residual fall."""
+    """Solutions (n, k), column by column but in step, on the space that `nearly_inverse` (n, k) -> (n, k), symmetric, leads into.
+
+    They are as exact as round-off lets the residuals fall.
+    """
     u, residual = np.zeros_like(force), force
     step = direction = nearly_inverse(residual)
-    first = size = residual @ step
+    first = size = _products(residual, step)
     for _ in range(PATIENCE):
-        if not size > CONVERGED**2 * first:
+        open_ = size > CONVERGED**2 * first
+        if not open_.any():
             return u
         moved = matrix(direction)
-        length = size / (direction @ moved)
+        length = np.divide(size, _products(direction, moved), out=np.zeros_like(size), where=open_)
         u, residual = u + length * direction, residual - length * moved
         step = nearly_inverse(residual)
-        size, before = residual @ step, size
-        direction = step + size / before * direction
+        size, before = _products(residual, step), size
+        direction = step + np.divide(size, before, out=np.zeros_like(size), where=open_) * direction
     raise InputError(
         "the derivative of the eigenmodes by poisson_ratio or shape cannot be told: the last mode that is kept and the first that is left "
         'out are too close. Keep one mode more or less, or take the derivative "frozen".'
     )
+
+
+def _products(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Of the columns, (k,)."""
+    return np.einsum("nk,nk->k", one, other)

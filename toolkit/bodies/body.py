@@ -99,14 +99,14 @@ class Body(Registered):
         """sqrt(I / m) of the undeformed body about its frame's origin: its size, where points tell nothing."""
 
     @abstractmethod
-    def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
+    def marker(self, scene: Placed, point: str, name: str) -> Any:
         """The named point of the scene as a marker on this body."""
 
     @abstractmethod
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """What is constant in the body's equations."""
 
-    def floating(self, _scene: Placed) -> FloatingNumbers | None:
+    def floating(self, _scene: Placed) -> Any:
         """Invariants, if the body is flexible with a moving frame."""
         return None
 

@@ -12,7 +12,7 @@ from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers,
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description import Number, Pair
 from toolkit.planar import rotation
-from toolkit.reduced_model import generalized_lengths
+from toolkit.reduced_model import Invariants, generalized_lengths
 
 
 class Flexible(ModelBody):
@@ -66,6 +66,12 @@ class Flexible(ModelBody):
         """Undeformed global position of an interface point, (2,)."""
         return np.array(self.position) + rotation(self.angle) @ self.point(scene, point, name)[0][:, 0]
 
+    def nominal(self, scene: Placed) -> Invariants:
+        """Invariants at the nominal design."""
+        inv = scene.model(self.model).invariants
+        assert isinstance(inv, Invariants)
+        return inv
+
     def coordinate_names(self, scene: Placed) -> list[str]:
         """Elastic coordinates by number, after the frame."""
         elastic = [f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f)]
@@ -80,12 +86,12 @@ class Flexible(ModelBody):
 
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """RMS displacement of the body per unit elastic coordinate."""
-        elastic = generalized_lengths(scene.model(self.model).invariants)
+        elastic = generalized_lengths(self.nominal(scene))
         return np.concatenate([[1.0, 1.0, np.nan], elastic]) if self.has_frame else elastic
 
     def radius_of_gyration(self, scene: Placed) -> float:
         """About the origin of the reference condition, at the nominal design."""
-        inv = scene.model(self.model).invariants
+        inv = self.nominal(scene)
         return float(np.sqrt(inv.inertia[0, 0] / inv.mass))
 
     def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.compilation.body_arrays import constant_part, floating_part
@@ -29,24 +31,16 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
     pattern = _pattern(scene, numbering, values, constant_rows, columns)
     curve_index, curve_variable = curve_pairs(derivatives)
     of_dimension = _planar_parts if scene.dimension == 2 else _spatial_parts
-    parts = (
+    parts: list[Any] = [
         constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
         *of_dimension(scene, numbering, values, derivatives, columns, pattern, dtype),
         load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
         pressure_part(scene, numbering, values, derivatives, pattern, dtype) if scene.dimension == 3 else None,
-    )
-    return Plan(
-        numbering.n_q,
-        numbering.n,
-        len(derivatives),
-        pattern.indptr,
-        pattern.indices,
-        *parts,
-        np.zeros(0, np.int64),
-        curve_index,
-        curve_variable,
-        *touched(len(derivatives), *parts, curve_index, curve_variable),
-    )
+    ]
+    driven = [curve_index, curve_variable]
+    numbers = [numbering.n_q, numbering.n, len(derivatives), pattern.indptr, pattern.indices]
+    touching = touched(len(derivatives), *[*parts, *driven])
+    return Plan(*[*numbers, *parts, np.zeros(0, np.int64), *driven, *touching])
 
 
 def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:

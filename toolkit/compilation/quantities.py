@@ -57,7 +57,7 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] 
     def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
         return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected}
 
-    everybody = scene.all_bodies()
+    everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
     floating = {b: body.floating(scene) for b, body in bodies.items()}
     return Quantities(

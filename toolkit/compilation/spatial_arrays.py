@@ -13,10 +13,12 @@ from toolkit.compilation.component_arrays import curve_numbers, designed, grippe
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, forms_of, named_loads, pressures_of
+from toolkit.component import Component
 from toolkit.errors import InputError
 from toolkit.joints.spatial.forms import Form, Row
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.joint_kernel import ROWS, SpatialJoints
+from toolkit.joints.spatial.row_checks import check_rows
 from toolkit.loads.spatial.pressure_kernel import Pressures
 from toolkit.scene import Scene
 from toolkit.spatial import Frames
@@ -59,7 +61,7 @@ def spatial_floating_part(
         borders.append(
             np.concatenate([pattern.find(*block(local[:size], local)), pattern.find(*block(local[size:], local[:size]))])
         )
-    empty = np.zeros((0, 9), dtype)
+    empty: np.ndarray = np.zeros((0, 9), dtype)
     return SpatialFloating(
         ints([[b for b, _, _ in blocks]]),
         ints([[x for _, x, _ in blocks]]),
@@ -125,7 +127,7 @@ def spatial_marker_arrays(
 
 def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
     """Markers whose axes something asks for."""
-    components = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
+    components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
     components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
     used = {numbering.marker(grip): False for path, each in components.items() for grip in grips_of(path, each)}
     for path, each in components.items():
@@ -146,6 +148,8 @@ def spatial_joint_arrays(
 ) -> SpatialJoints:
     """Joints of the scene as forms, with the places of their local entries in the pattern."""
     joints: list[Any] = list(scene.joints.values())
+    for joint in joints:
+        check_rows(joint, scene)
     rows = [joint.constraint(scene) for joint in joints]
     gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
     positions = []
@@ -154,9 +158,13 @@ def spatial_joint_arrays(
         positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
     forms = [form for each in rows for form in forms_of(each)]
     changes = parameter_changes([d.joints for d in derivatives], len(joints))
-    numbers = _form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype)
+    numbers: list[Any] = [
+        *_form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
+        *_felt(rows),
+        *_design(joints, rows, changes),
+    ]
     markers = [pair for _, pair in gripping]
-    return SpatialJoints(
+    gripped_by = [
         np.array(markers, np.int64).reshape(-1, 2),
         ints([[numbering.row[name] for name in scene.joints]]),
         ints([[len(each) for each in rows]]),
@@ -166,12 +174,8 @@ def spatial_joint_arrays(
         np.array([[int(i < len(each) and each[i].sine is not None) for i in range(ROWS)] for each in rows], np.int64).reshape(
             -1, ROWS
         ),
-        *numbers,
-        *_felt(rows),
-        *_design(joints, rows, changes),
-        starts([len(places) for places in positions])[:-1],
-        ints(positions),
-    )
+    ]
+    return SpatialJoints(*[*gripped_by, *numbers, starts([len(places) for places in positions])[:-1], ints(positions)])
 
 
 def pressure_part(

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.bodies.poses import update_pose_designs, update_poses
 from toolkit.equations import allocate_work
 from toolkit.errors import InputError
-from toolkit.joints.joint_kernel import evaluate_joint
+from toolkit.joints.joint_kernel import Joints, evaluate_joint
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.least_squares_forces import least_squares_forces
 from toolkit.responses.response import Partials
@@ -93,6 +93,7 @@ def _planar_force(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
     plan = system.plan
+    assert isinstance(plan.joints, Joints)
     work, markers = allocate_work(plan, system.dtype), plan.markers
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])

@@ -11,7 +11,7 @@ import numpy as np
 
 from toolkit.bodies.poses import update_pose_designs, update_poses
 from toolkit.equations import Work, allocate_work
-from toolkit.joints.spatial.joint_kernel import NUMBERS, evaluate_spatial_joint
+from toolkit.joints.spatial.joint_kernel import NUMBERS, SpatialJoints, evaluate_spatial_joint
 from toolkit.system import System
 
 
@@ -67,6 +67,7 @@ def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, w
 def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
     """What the numbers of the rows change, such as a length."""
     joints, z = system.plan.joints, np.real(work.joint.z)
+    assert isinstance(joints, SpatialJoints)
     for d in range(joints.design_start[j], joints.design_start[j + 1]):
         f, at = np.zeros(NUMBERS), joints.design_place[d]
         factor = np.real(lam[joints.design_row[d]]) * joints.design_value[d]

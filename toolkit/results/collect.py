@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress import flexible_body, stress_field
@@ -58,7 +58,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
         responses=found.values,
         response_units=found.units,
         gradients=found.gradients,
-        bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, Flexible)},
+        bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)},
         variables={each.name: {"path": each.path, "value": each.value} for each in variables},
         run={
             "drift": solution.drift,
@@ -97,7 +97,7 @@ def _record(scene: Scene, text: str, changes: Mapping[str, str]) -> SceneRecord:
     models = {
         body.model: hashlib.sha256((scene.directory / body.model).read_bytes()).hexdigest()
         for body in scene.bodies.values()
-        if isinstance(body, Flexible)
+        if isinstance(body, ModelBody)
     }
     sha256 = hashlib.sha256(text.encode()).hexdigest() if text else ""
     return SceneRecord(table_of(scene), text, sha256, dict(changes), str(scene.directory), models)

@@ -113,7 +113,7 @@ class SpatialBody(Body):
 
     def frame_state(self, origin: np.ndarray, quaternion: np.ndarray, omega: Any) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and velocities of the frame at the start; omega in the frame's axes."""
-        turned = {
+        turned: dict[int, Any] = {
             4: (quaternion, quaternion_rate(quaternion, omega)),
             1: ([0.0], [self.unit_axis @ np.array(self.angular_velocity)]),
         }

@@ -12,7 +12,7 @@ with the matrices A, A_k, V, W, X of the body's frame (`toolkit.spatial`). r0 is
 A body that does not turn has A = I and no columns beta; the placement of such a body is part of z0, Z, T and e_m.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -48,12 +48,13 @@ class SpatialMarkers(NamedTuple):
     def state(self, dtype: type) -> "SpatialMarkerState":
         """Memory for the state of the markers."""
         n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
-        numbers = (np.zeros((n, POSE), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,))
-        return SpatialMarkerState(
-            *numbers, np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
+        numbers: list[Any] = [np.zeros((n, POSE), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,)]
+        numbers += [
+            np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
             np.zeros((12, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
             np.zeros((len(self.design_shape), POSE), dtype), turned_vector(dtype), frame_state(self.frames, dtype),
-        )  # fmt: skip
+        ]  # fmt: skip
+        return SpatialMarkerState(*numbers)
 
 
 class SpatialMarkerState(NamedTuple):

@@ -1,0 +1,154 @@
+"""Joints that repeat each other: named where they are refused; on request left out of the motion, with joint forces of least squares."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from tests.spatial.scenes import at
+from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.compilation.redundant_rows import redundant_rows
+from toolkit.errors import InputError, SingularSystemError
+from toolkit.joints.spatial.driver import SpatialAngleDriver
+from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.spherical import Spherical
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.profile import SmoothStep
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.motion import Rotation
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.sensitivity.methods import gradients_by
+from toolkit.solution import Solution
+from toolkit.solvers.energy_balance import energy_balance
+from toolkit.solvers.transient import simulate
+from toolkit.system import compile_scene
+
+Z = (0.0, 0.0, 1.0)
+MASS, WIDTH, HEIGHT, GRAVITY, TORQUE = 15.0, 1.0, 2.0, 9.81, 5.0
+CUBE = {"A": (0, 0, 0), "B": (1, 0, 0), "C": (1, -1, 0), "D": (1, -1, 1), "E": (0, -1, 1), "F": (0, 0, 1)}
+AXES = {"A": (0.0, 1.0, 0.0), "B": Z, "C": (1.0, 0.0, 0.0), "D": (0.0, 1.0, 0.0), "E": Z, "F": (1.0, 0.0, 0.0)}
+
+
+def door(redundant: str, upper: type = SpatialRevolute, **joints) -> Scene:
+    """A door on two hinges, pushed by a torque about them."""
+    hinges = {"lower": SpatialRevolute(bodies=("door", "ground"), point="A", axis=Z)}
+    axis = {"axis": Z} if upper is SpatialRevolute else {}
+    hinges["upper"] = upper(bodies=("door", "ground"), point="B", **axis)
+    forces = {
+        f"{joint}-{c}": JointForce(joint=joint, component=c) for joint in hinges for c in ("x", "y", "z", "torque-x", "torque-y")
+    }
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points=at(A=(0, 0, 0), B=(0, 0, HEIGHT), C=(WIDTH / 2, 0, HEIGHT / 2)),
+        bodies={"door": SpatialRigid(mass=MASS, inertia=(5.0, 6.25, 1.25), center="C")},
+        joints={**hinges, **joints},
+        loads={
+            "weight": SpatialGravity(acceleration=(0.0, 0.0, -GRAVITY)),
+            "push": SpatialTorque(body="door", point="C", torque=(0.0, 0.0, TORQUE)),
+        },
+        responses={**forces, "angle": Rotation(body="door", point="C", axis=Z)},
+        solver=RunOptions(end_time=0.2, step=0.01, redundant=redundant),  # type: ignore[arg-type]
+    )
+
+
+def bricard(redundant: str, step: float) -> Scene:
+    """Five rods and the ground along the edges of a cube, six hinges: one motion, though the count of constraints leaves none."""
+    rods = [("A", "B"), ("B", "C"), ("C", "D"), ("D", "E"), ("E", "F")]
+    bodies = {f"rod-{a}{b}": SpatialRod(between=(a, b), area=1e-3, density=1e4) for a, b in rods}
+    order = ["ground", *bodies, "ground"]
+    joints = {
+        f"hinge-{point}": SpatialRevolute(bodies=(first, second), point=point, axis=AXES[point])
+        for point, (first, second) in zip(CUBE, pairwise(order), strict=True)
+    }
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points=at(**CUBE),
+        bodies=bodies,
+        joints=joints,
+        loads={"weight": SpatialGravity(acceleration=(0.0, -9.81, 0.0))},
+        solver=RunOptions(end_time=1.0, step=step, rho_inf=0.9, redundant=redundant),  # type: ignore[arg-type]
+    )
+
+
+@pytest.fixture(scope="module")
+def opened() -> Solution:
+    return simulate(compile_scene(door("least-squares")))
+
+
+def response(solution: Solution, name: str) -> float:
+    return float(solution.system.scene.responses[name].partials(solution).value)
+
+
+def test_a_door_on_two_hinges_is_refused_and_both_hinges_are_named():
+    with pytest.raises(SingularSystemError, match=r"lower.*upper.*least-squares"):
+        simulate(compile_scene(door("refuse")))
+
+
+def test_the_door_turns_as_it_does_on_one_hinge_and_a_ball(opened):
+    """Theta phi'' = M with the moment of inertia about the hinges: a closed form that the scheme meets to the last digits."""
+    inertia = 1.25 + MASS * (WIDTH / 2) ** 2
+    assert response(opened, "angle") == pytest.approx(TORQUE / inertia * 0.2**2 / 2, rel=1e-4)  # second order in the step
+    assert opened.drift < 1e-7  # rows that were dropped stay closed too: as index 1 leaves the others
+
+
+def test_two_hinges_share_the_load_as_least_squares_says(opened):
+    """The least sum of squares splits the weight in two halves; its moment is carried by forces and torques in the ratio of their arms."""
+    assert response(opened, "lower-z") + response(opened, "upper-z") == pytest.approx(MASS * GRAVITY, rel=1e-9)
+    assert response(opened, "lower-z") == pytest.approx(response(opened, "upper-z"), rel=0.01)  # the door has moved a little
+    assert response(opened, "lower-torque-x") == pytest.approx(response(opened, "upper-torque-x"), abs=1e-9)
+    arm = (response(opened, "upper-x") - response(opened, "lower-x")) * HEIGHT / 2
+    moment = arm + response(opened, "lower-torque-y") + response(opened, "upper-torque-y")
+    assert moment == pytest.approx(-MASS * GRAVITY * WIDTH / 2, rel=0.01)  # likewise
+
+
+def test_gradients_of_redundant_joints_agree_by_all_methods():
+    """To 1e-8: round-off of the accelerations, amplified by Baumgarte's 1/step."""
+    scene, variables = door("least-squares"), ["points.B.z", "points.C.x", "bodies.door.mass", "loads.push.torque.2"]
+    results = {method: gradients_by(method, scene, variables, "transient") for method in ("complex-step", "direct", "adjoint")}
+    for name in ("lower-x", "upper-z", "lower-torque-y", "angle"):
+        reference, *found = (np.array([result.gradients[name][v] for v in variables]) for result in results.values())
+        for ours in found:
+            np.testing.assert_allclose(ours, reference, rtol=1e-8, atol=1e-8 * np.abs(reference).max())
+
+
+def test_a_driver_of_what_other_joints_hold_is_refused():
+    drive = SpatialAngleDriver(
+        bodies=("door", "ground"), point="A", axis=(1.0, 0.0, 0.0), curve=SmoothStep(height=1.0, duration=0.1)
+    )
+    with pytest.raises(InputError, match="drives what other joints already determine"):
+        compile_scene(door("least-squares", drive=drive))
+
+
+def test_bricards_linkage_moves_and_keeps_its_energy():
+    """Second order: half the step, a quarter of the energy's error."""
+    defects = []
+    for step in (0.01, 0.005):
+        solution = simulate(compile_scene(bricard("least-squares", step)))
+        assert len(solution.system.plan.dropped) == 1  # Maxwell's count: thirty rows, one motion, so one too many
+        assert np.ptp(solution.q[:, :3]) > 0.1
+        defects.append(energy_balance(solution).relative_defect)
+    assert defects[1] < 0.35 * defects[0]
+
+
+def test_bricards_linkage_is_refused_unless_asked_for():
+    with pytest.raises(SingularSystemError, match="repeat or contradict"):
+        simulate(compile_scene(bricard("refuse", 0.01)))
+
+
+def test_only_what_repeats_is_dropped():
+    """A hinge holds all points of its axis, so that a ball there repeats three directions; a lone hinge repeats nothing."""
+    both = door("least-squares", Spherical)
+    assert len(compile_scene(both).plan.dropped) == 3
+    lone = both.model_copy(update={"joints": {"lower": both.joints["lower"]}, "responses": {}})
+    assert len(compile_scene(lone).plan.dropped) == 0
+
+
+def test_rows_that_come_first_are_never_dropped():
+    rows = np.array([[1.0, 0, 0], [0, 2, 0], [3, 4, 0]])
+    assert redundant_rows(rows, np.ones(3), np.array([2])).tolist() in ([0], [1])
