@@ -20,11 +20,12 @@ from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.point import BodyPoint, Point
 from toolkit.profile import Constant, Sine, SmoothStep
-from toolkit.responses.catalogue import KineticEnergy, StrainEnergy, TimeIntegral
+from toolkit.responses.catalogue import Displacement, JointForce, KineticEnergy, KSStress, Rotation, StrainEnergy, TimeIntegral
 from toolkit.scene import Scene
 
 POINTS = {
@@ -76,7 +77,16 @@ def linkage(_folder: Path) -> Scene:
             "motor": SpatialTorque(body="link", reaction="block", point="B", torque=(1.7, -0.6, 0.5), curve=FOLLOW),
             "spring": SpatialSpringDamper(bodies=("tray", "crank"), points=("E", "A"), stiffness=2.1, damping=0.6, length=0.4),
         },
-        responses={"energy": energy, "before": KineticEnergy(time=0.04), "whole": TimeIntegral(of=energy)},
+        responses={
+            "energy": energy,
+            "whole": TimeIntegral(of=energy),
+            "way": Displacement(body="link", point="B", component="z"),
+            "turn": Rotation(body="tray", point="E", axis=(0.3, 0.1, 0.8), time=0.04),
+            "force": JointForce(joint="ball", component="magnitude"),
+            "torque": JointForce(joint="guide", component="torque-x", time=0.04),
+            "drive": JointForce(joint="lead", component="torque-z"),
+            "rail": JointForce(joint="rail", component="y"),
+        },
         solver=SOLVER,
     )
 
@@ -124,6 +134,9 @@ def frames(folder: Path) -> Scene:
             "last": SpatialSpringDamper(bodies=("sled", "ground"), points=("B", "C"), stiffness=31.0, damping=0.4, length=1.2),
             "plate": SpatialSpringDamper(bodies=("plate", "ground"), points=("F", "A"), stiffness=11.0, damping=0.4),
             "wheel": SpatialSpringDamper(bodies=("wheel", "ground"), points=("C", "O"), stiffness=41.0, damping=0.3, length=1.4),
+            "coil": SpatialRotationalSpringDamper(
+                bodies=("wheel", "ground"), point="A", axis=(0.2, 1.0, 0.4), stiffness=3.0, damping=0.2, rest_angle=0.1
+            ),
             "turn": SpatialTorque(
                 body="wheel",
                 point="C",
@@ -135,7 +148,16 @@ def frames(folder: Path) -> Scene:
             "push": SpatialPointForce(body="plate", point="F", force=(0.5, 0.4, 0.3), frame="body", curve=FOLLOW),
             "wind": Pressure(body="rubber", surface="top", pressure=0.02, curve=SmoothStep(duration=0.4)),
         },
-        responses={"energy": energy, "whole": TimeIntegral(of=energy), "strain": StrainEnergy(), "bent": StrainEnergy(time=0.04)},
+        responses={
+            "energy": energy,
+            "whole": TimeIntegral(of=energy),
+            "strain": StrainEnergy(),
+            "way": Displacement(body="strip", point="U", component="magnitude"),
+            "turn": Rotation(body="wheel", point="C", axis=(0.2, 1.0, 0.4)),
+            "force": JointForce(joint="glue", component="torque-y"),
+            "stress": KSStress(body="strip", aggregation=20.0, reference_stress=1.0),
+            "mises": KSStress(body="rubber", aggregation=20.0, reference_stress=1.0),
+        },
         solver=SOLVER,
     )
 

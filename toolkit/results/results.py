@@ -15,8 +15,8 @@ class BodyResults:
     """Fields of one flexible body; the last axis of a derivative is that of `Results.design`.
 
     Stress is in the fibre `fibre` (+1 outer, -1 inner) at the end `end` (0 or 1) of element `element`. The shape error is the distance
-    of every node to its target; without a target its arrays have no nodes. Of solids, whose points belong to no element, all three are -1
-    and the stress is that of von Mises.
+    of every node to its target; without a target its arrays have no nodes. Of solids, whose points belong to no beam, all three are -1;
+    in space their stress is that of von Mises.
     """
 
     stress: np.ndarray  # (n_t, n_s)
