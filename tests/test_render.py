@@ -10,6 +10,7 @@ import pytest
 
 import toolkit.render.probe as probe
 from tests.cases import CASES, write_models
+from tests.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.scenes import hanging_skin
 from toolkit.bodies.rigid import Rod
 from toolkit.errors import InputError, ToolkitError
@@ -17,10 +18,11 @@ from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
 from toolkit.reduced_model_file import load, save
-from toolkit.render.configuration import Configuration, names_by_place
+from toolkit.render.configuration import Configuration
 from toolkit.render.curves import merged, shape_errors, stress_range
 from toolkit.render.labels import label_places
 from toolkit.render.look import choose_look
+from toolkit.render.moment import names_by_place
 from toolkit.render.panel import Panel, Window, multiples, tick_step
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.probe import RenderError, drawing, drawing_environment
@@ -31,21 +33,9 @@ from toolkit.responses.shape_error import ShapeRMS
 from toolkit.responses.stress import MaxStress, stress_field
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.system import compile_scene
 
 SCENE = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 WIDTH = 700
-
-
-def rest(scene, steps):
-    """A solution that stays in the undeformed state."""
-    system = compile_scene(scene)
-    q = np.tile(system.start()[0][: system.n_q], (steps + 1, 1))
-    zero, none = np.zeros_like(q), np.zeros((*q.shape, 0))
-    multipliers = np.zeros((steps + 1, system.n - system.n_q))
-    times = np.linspace(0, 1, steps + 1)
-    return Solution(system, times, q, zero, zero, multipliers, none, none, none, np.zeros((*multipliers.shape, 0)))
 
 
 @pytest.fixture(scope="module")
@@ -74,23 +64,7 @@ def pendulum(steps=0):
 
 @pytest.fixture(scope="module")
 def opengl():
-    """Skip where no picture can be drawn, and say why."""
-    try:
-        drawing_environment()
-    except RenderError as error:
-        pytest.skip(f"OpenGL is missing: {error}")
-
-
-def image(path):
-    """Pixels of a picture, (height, width, channels)."""
-    from PIL import Image
-
-    with Image.open(path) as opened:
-        return np.asarray(opened)
-
-
-def distinct_colors(pixels):
-    return len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0))
+    skip_where_nothing_draws()
 
 
 def test_every_instant_the_overview_and_the_curves_are_written(opengl, wing, tmp_path):
@@ -238,7 +212,7 @@ def test_a_flexible_body_without_a_mesh_is_a_line_through_its_interface_points(o
 
 def test_the_legend_tells_where_the_skin_is_thicker_than_it_is(wing):
     moment, look = Configuration(wing, 4), choose_look(wing, [4])
-    wide, near = (Panel(None, 1, (0, 0, 800, 400), Window(np.zeros(2), np.array(size)), 20) for size in ((200, 100), (40, 20)))
+    wide, near = (Panel(None, 1, (0, 0, 800, 400), 20, Window(np.zeros(2), np.array(size))) for size in ((200, 100), (40, 20)))
 
     def words(*panels):
         return [text for text, _ in meanings(panels, look, moment) if "thickness" in text]

@@ -46,11 +46,12 @@ _VELOCITY = (_LENGTH.times(_RATE), _LENGTH.times(_RATE), _RATE)
 _STIFFNESS = LABELLED["force"].times(_LENGTH.power(-1))
 _ACCELERATION = _LENGTH.times(_RATE.power(2))
 _INERTIA = LABELLED["mass"].times(LABELLED["area"])
-_SPRING = {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH}
-_COIL = {"stiffness": _ENERGY, "damping": _ENERGY.times(_TIME), "rest_angle": NONE}
-_ROD = {"area": LABELLED["area"], "density": LABELLED["density"]}
+_Fields = dict[str, Dimension | tuple[Dimension, ...]]
+_SPRING: _Fields = {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH}
+_COIL: _Fields = {"stiffness": _ENERGY, "damping": _ENERGY.times(_TIME), "rest_angle": NONE}
+_ROD: _Fields = {"area": LABELLED["area"], "density": LABELLED["density"]}
 
-FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
+FIELDS: dict[type, _Fields] = {
     Point: {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH},
     BodyPoint: {"arc_length": _LENGTH},
     RigidBody: {"velocity": _VELOCITY},
