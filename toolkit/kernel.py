@@ -36,8 +36,11 @@ def inner(function: Callable) -> CPUDispatcher:
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
-def chooser(function: Callable) -> CPUDispatcher:
-    """Decorator of a formula that only chooses between others: always inlined, because passing on its many arguments costs more."""
+def inlined(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that becomes part of its callers, where passing on many arguments would cost more than the formula does.
+
+    Measured, it doubles the speed of small mechanisms, and takes a third more time to compile; so it is kept to what runs most.
+    """
     return _compiled(function, forceinline=True)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
@@ -45,7 +45,7 @@ class Constant(NamedTuple):
     design_force: np.ndarray
 
 
-@inner
+@inlined
 def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
     """Residual of the constant part, K q with usual sums if `rough`; `halves` (2, n) is scratch memory."""
     stiffness = part.stiffness if rough else part.soft
@@ -63,7 +63,7 @@ def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
         applied[i] -= scale * part.force[i]
 
 
-@inner
+@inlined
 def precise_sum(part, first, last, q, halves):
     """Sum of K_ik q_k over the stiff entries first ... last - 1, as if computed with 32 digits and rounded once."""
     total, rest = 0.0 * q[0], 0.0 * q[0]
@@ -76,7 +76,7 @@ def precise_sum(part, first, last, q, halves):
     return total + rest
 
 
-@inner
+@inlined
 def constant_jacobian(part, I_acc, A_q, A_v):
     """The same entries in every step."""
     for e in range(len(part.row)):
@@ -86,7 +86,7 @@ def constant_jacobian(part, I_acc, A_q, A_v):
         A_v[at] += part.damping[e]
 
 
-@inner
+@inlined
 def constant_design(part, q, v, acc, scale, I_x, A_x):
     """Partial design derivatives of the residual."""
     for d in range(len(part.design_entry)):

@@ -3,10 +3,10 @@
 import numpy as np
 
 from toolkit.bodies.floating_kernel import hat, multiply_block
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 
-@inner
+@inlined
 def add_frame_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v):
     """Entries between the three frame coordinates."""
     frame, n, m = part.frame[b], part.n_f[b], part.mass[b]
@@ -36,7 +36,7 @@ def add_frame_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v)
     A_v[at[2 * w + 2]] += 2 * rate
 
 
-@inner
+@inlined
 def add_border_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v):
     """Entries between frame and elastic coordinates."""
     frame, n = part.frame[b], part.n_f[b]
@@ -71,7 +71,7 @@ def add_border_jacobian(part, b, q, v, acc, g_x, g_y, work, I_acc, I_q, A_q, A_v
         A_v[turn_col] += -2 * omega * Gz - 2 * Hdz
 
 
-@inner
+@inlined
 def add_elastic_jacobian(part, b, v, acc, I_acc, I_q, A_q, A_v):
     """Entries between elastic coordinates."""
     omega, alpha = v[part.frame[b] + 2], acc[part.frame[b] + 2]
@@ -84,7 +84,7 @@ def add_elastic_jacobian(part, b, v, acc, I_acc, I_q, A_q, A_v):
             A_v[at] -= 2 * omega * part.gyroscopic[e]
 
 
-@inner
+@inlined
 def floating_jacobian(part, q, v, acc, scale, work, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v and a."""
     g_x, g_y = scale * part.gravity[0], scale * part.gravity[1]

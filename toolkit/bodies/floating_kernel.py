@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 
 class Floating(NamedTuple):
@@ -57,13 +57,13 @@ class FloatingWork(NamedTuple):
     products: np.ndarray  # (6, 1 + n_f): G z^, G z', G a^, H z^, H z', H a^
 
 
-@inner
+@inlined
 def hat(vector, frame, i, leading):
     """Entry i of [leading; c], for the elastic part c of a global vector."""
     return leading + 0 * vector[frame] if i == 0 else vector[frame + 2 + i]
 
 
-@inner
+@inlined
 def multiply_block(part, block, q, v, acc, work):
     """All products of one block's invariants with z^, z' and a^."""
     body = part.block_body[block]
@@ -88,7 +88,7 @@ def multiply_block(part, block, q, v, acc, work):
             work.products[3 + j, i] += part.gyroscopic[e] * factor
 
 
-@inner
+@inlined
 def add_block_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied):
     """The residual's terms of one block, for a body or for a design derivative of its invariants; g includes the load scale."""
     body = part.block_body[block]
@@ -111,7 +111,7 @@ def add_block_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied
     add_elastic_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied)
 
 
-@inner
+@inlined
 def add_elastic_residual(part, block, q, v, acc, g_x, g_y, work, inertial, applied):
     """The elastic rows of one block."""
     body = part.block_body[block]
@@ -126,7 +126,7 @@ def add_elastic_residual(part, block, q, v, acc, g_x, g_y, work, inertial, appli
         applied[row] += -omega * omega * work.products[0, i] - 2 * omega * work.products[4, i] - tx * g_x - ty * g_y
 
 
-@inner
+@inlined
 def floating_residual(part, q, v, acc, scale, work, inertial, applied):
     """Residual of all bodies with a moving frame."""
     g_x, g_y = scale * part.gravity[0], scale * part.gravity[1]
@@ -135,7 +135,7 @@ def floating_residual(part, q, v, acc, scale, work, inertial, applied):
         add_block_residual(part, b, q, v, acc, g_x, g_y, work, inertial, applied)
 
 
-@inner
+@inlined
 def floating_design(part, q, v, acc, scale, work, I_x, A_x):
     """Partial design derivatives of the residual: derivatives of the invariants, and of gravity."""
     g_x, g_y = scale * part.gravity[0], scale * part.gravity[1]

@@ -3,7 +3,7 @@
 import numpy as np
 
 from toolkit.bodies.marker_kernel import rotate_sum, rotated
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import inlined, kernel
 
 
 @kernel
@@ -24,7 +24,7 @@ def update_marker_designs(markers, state, q, v, acc, scratch):
             store_design(state, d, frame, q, v, acc, scratch[0], scratch[1], scratch[2])
 
 
-@inner
+@inlined
 def store_design(state, d, frame, q, v, acc, u, du, ddu):
     """One marker, one design variable."""
     if frame < 0:

@@ -1,9 +1,9 @@
 """Forces on markers in the compiled loop: B^T F, and its derivatives by coordinates and design at constant F."""
 
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 
-@inner
+@inlined
 def add_force(markers, state, m, force, factor, residual):
     """residual += factor * B^T F for a force F = (f_x, f_y, torque) on marker m."""
     for k in range(markers.start[m], markers.start[m + 1]):
@@ -11,7 +11,7 @@ def add_force(markers, state, m, force, factor, residual):
         residual[markers.coordinate[k]] += factor * total
 
 
-@inner
+@inlined
 def add_geometric_stiffness(markers, state, m, force, factor, positions, stride, offset, values):
     """values += factor * d(B^T F)/dq at constant F.
 
@@ -32,7 +32,7 @@ def add_geometric_stiffness(markers, state, m, force, factor, positions, stride,
         values[positions[i * stride + local]] += factor * entry
 
 
-@inner
+@inlined
 def add_force_design(markers, state, m, d, force, factor, c, s, residual_x):
     """residual_x += factor * d(B^T F)/dx at constant F: theta: F . A J du, c: F . A dZ + dT F_3; (c, s) of theta."""
     x = markers.design_variable[d]

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import inlined, kernel
 
 
 class Markers(NamedTuple):
@@ -58,21 +58,21 @@ class MarkerState(NamedTuple):
     centripetal_x: np.ndarray
 
 
-@inner
+@inlined
 def rotated(column, c, s, factor, x, y):
     """Store factor * A (x, y) in the first two entries of a column."""
     column[0] = factor * (c * x - s * y)
     column[1] = factor * (s * x + c * y)
 
 
-@inner
+@inlined
 def turned(column, c, s, factor, x, y):
     """Store factor * A J (x, y) in the first two entries of a column."""
     column[0] = factor * (-c * y - s * x)
     column[1] = factor * (-s * y + c * x)
 
 
-@inner
+@inlined
 def shape_sum(markers, first, last, vector, out):
     """Z w_c and T w_c of the columns first:last."""
     out[:] = 0
@@ -101,7 +101,7 @@ def update_markers(markers, state, q, v, acc, scratch):
             update_moving(markers, state, m, q, v, acc, u, du, ddu)
 
 
-@inner
+@inlined
 def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     """A marker whose body has a frame."""
     first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
@@ -134,14 +134,14 @@ def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     velocity(state.acceleration[m], state.B[turn], c, s, acc, frame, alpha, ddu)
 
 
-@inner
+@inlined
 def rotate_sum(column, c, s, factor, u, factor_turned, w):
     """Store factor * A u + factor_turned * A J w in the first two entries of a column."""
     column[0] = factor * (c * u[0] - s * u[1]) + factor_turned * (-c * w[1] - s * w[0])
     column[1] = factor * (s * u[0] + c * u[1]) + factor_turned * (-s * w[1] + c * w[0])
 
 
-@inner
+@inlined
 def velocity(out, turn, c, s, w, frame, w_theta, w_u):
     """B w = w_r + A J u w_theta + A Z w_c, and the angle's rate."""
     out[0] = w[frame] + turn[0] * w_theta + c * w_u[0] - s * w_u[1]

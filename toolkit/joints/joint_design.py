@@ -4,10 +4,10 @@ import numpy as np
 
 from toolkit.bodies.marker_forces import add_force, add_force_design
 from toolkit.joints.joint_jacobian import direction_force, direction_rows
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 
-@inner
+@inlined
 def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curve_x, levels, work, I_x, A_x):
     """Partial derivatives of the residual by the design: markers, parameters, time curve."""
     for side in range(2):
@@ -32,7 +32,7 @@ def joint_design(joints, j, markers, state, q, curve_variable, curve_index, curv
             A_x[last, curve_variable[d]] -= levels[0] * f[2] + levels[1] * f[1] + levels[2] * f[0]
 
 
-@inner
+@inlined
 def add_direction(joints, j, markers, state, first, size, y, x, work, I_x, A_x):
     """Rows and forces of one design direction."""
     for i in range(joints.n_rows[j]):

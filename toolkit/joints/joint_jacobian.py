@@ -4,10 +4,10 @@ A direction is a coordinate or a design variable, given by its derivatives of y,
 """
 
 from toolkit.bodies.marker_forces import add_geometric_stiffness
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 
-@inner
+@inlined
 def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, levels, work):
     """Derivatives of the constraint rows in one direction, given its derivatives of y, B v, B a and b.
 
@@ -35,7 +35,7 @@ def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, l
         work.row[3, i] = position
 
 
-@inner
+@inlined
 def direction_force(first, size, y, work):
     """Derivative of g_z^T lam in one direction at constant lam."""
     for k in range(6):
@@ -44,7 +44,7 @@ def direction_force(first, size, y, work):
             work.dforce[k] += work.stiffness[k, first + c] * y[c]
 
 
-@inner
+@inlined
 def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v, a and lam, scattered into the pattern."""
     a, b = joints.marker[j, 0], joints.marker[j, 1]
@@ -71,7 +71,7 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
         add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1.0, position, n, side * n_a, I_q)
 
 
-@inner
+@inlined
 def curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q):
     """B^T (lam . g_zz) B, one column."""
     for side in range(2):

@@ -16,7 +16,7 @@ import numba
 import numpy as np
 
 from toolkit.bodies.marker_forces import add_force
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import inlined, kernel
 
 ROWS, ARGUMENTS = 3, 12
 """Most rows of a joint, and most arguments z: two poses and six parameters."""
@@ -94,7 +94,7 @@ def evaluate_joint(functions, joints, j, markers, state, acc, work):
         contract_curvature(joints, j, state, acc, work)
 
 
-@inner
+@inlined
 def contract_curvature(joints, j, state, acc, work):
     """The products of g_zz that all directions share."""
     a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]
@@ -112,7 +112,7 @@ def contract_curvature(joints, j, state, acc, work):
                 work.stiffness[k, c] += acc[row + i] * work.phi_zz[i, k, c]
 
 
-@inner
+@inlined
 def joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
     """Constraint rows, and constraint forces on both bodies."""
     a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]

@@ -11,7 +11,7 @@ import numba
 import numpy as np
 
 from toolkit.bodies.poses import add_pose_force, add_pose_force_design, add_pose_stiffness
-from toolkit.kernel import inner
+from toolkit.kernel import inlined
 
 ARGUMENTS, CURVE = 12, 11
 """Most arguments z in the plane: two poses, five parameters, and the value of the time curve, which is the last one."""
@@ -57,7 +57,7 @@ def load_work(pose: int, dtype: type) -> LoadWork:
     return LoadWork(*(np.zeros(s, dtype) for s in (z, w, w, (w, z), (w, w), w, w)))
 
 
-@inner
+@inlined
 def evaluate_load(functions, loads, k, markers, state, curves, scale, work):
     """The force law at the poses and rates of the two markers."""
     size, curve = len(markers.pose), len(work.z) - 1
@@ -77,13 +77,13 @@ def evaluate_load(functions, loads, k, markers, state, curves, scale, work):
     functions[loads.family[k]](work.z, work.w, work.force, work.force_z, work.force_w)
 
 
-@inner
+@inlined
 def load_residual(loads, k, markers, state, work, applied):
     """- B^T f."""
     add_both(loads, k, markers, state, work.force, applied)
 
 
-@inner
+@inlined
 def direction_force(markers, work, first, y, rate):
     """Derivative of f in a direction of one pose: f_z y + f_w rate."""
     for i in range(2 * len(markers.pose)):
@@ -92,7 +92,7 @@ def direction_force(markers, work, first, y, rate):
             work.dforce[i] += work.force_z[i, first + c] * y[c] + work.force_w[i, first + c] * rate[c]
 
 
-@inner
+@inlined
 def load_jacobian(loads, k, markers, state, work, A_q, A_v):
     """Derivatives of - B^T f by q and v, scattered into the pattern."""
     a, b = loads.marker[k, 0], loads.marker[k, 1]
@@ -113,7 +113,7 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
         add_pose_stiffness(markers.plane, markers.frames, markers, state, m, force, -1.0, position, n, side * n_a, A_q)
 
 
-@inner
+@inlined
 def load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_v):
     """One column of - B^T (f_z B + f_w B_v) and of - B^T f_w B."""
     for side in range(2):
@@ -125,7 +125,7 @@ def load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_
                 A_v[at] -= state.B[row, c] * work.rateforce[len(markers.pose) * side + c]
 
 
-@inner
+@inlined
 def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_x, scale, work, A_x):
     """Partial derivatives of - B^T f by the design: markers, parameters, time curve."""
     size, curve = len(markers.pose), len(work.z) - 1
@@ -148,7 +148,7 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
             add_both(loads, k, markers, state, work.dforce, A_x[:, curve_variable[d]])
 
 
-@inner
+@inlined
 def add_both(loads, k, markers, state, force, residual):
     """residual -= B^T force, on both markers."""
     size = len(markers.pose)

@@ -6,11 +6,11 @@ F is conjugate to the pose: four vectors F_m, a force and what turns the axes. A
 """
 
 from toolkit.bodies.spatial.marker_kernel import second_index
-from toolkit.kernel import inner
+from toolkit.kernel import inlined, inner
 from toolkit.spatial import second_products
 
 
-@inner
+@inlined
 def add_spatial_force(markers, state, m, force, factor, residual):
     """residual += factor * B^T F for F (12,) on marker m."""
     for k in range(markers.start[m], markers.start[m + 1]):

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.spatial.nodal_rotation import TurnedVector, still, turn, turned_vector
-from toolkit.kernel import inner
+from toolkit.kernel import inlined, inner
 from toolkit.spatial import Frames, FrameState, frame_state
 
 POSE = 12
@@ -93,7 +93,7 @@ def second_index(i, j):
     return i if i == j else 6 - i - j
 
 
-@inner
+@inlined
 def apply(size, matrix, source, target, factor):
     """target += factor * matrix source, vector by vector of a pose of `size` numbers."""
     for m in range(0, size, 3):
@@ -102,7 +102,7 @@ def apply(size, matrix, source, target, factor):
             target[m + i] += factor * (matrix[i, 0] * a + matrix[i, 1] * b + matrix[i, 2] * c)
 
 
-@inner
+@inlined
 def shape_sums(markers, m, q, v, acc, sums):
     """u and phi, and their derivatives by time, from z0, Z and T."""
     sums[:] = 0
@@ -158,7 +158,7 @@ def update_spatial_markers(markers, state, q, v, acc):
         update_elastic_columns(markers, state, m)
 
 
-@inner
+@inlined
 def update_pose(markers, state, m, q, v, acc):
     """y, B v, B a and b."""
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
@@ -180,7 +180,7 @@ def update_pose(markers, state, m, q, v, acc):
         apply(size, frames.V[f], motion[0], state.centripetal[m], 2.0)
 
 
-@inner
+@inlined
 def update_frame_columns(markers, state, m):
     """Columns of r and beta."""
     f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
@@ -209,7 +209,7 @@ def combine(rows, weights, target):
         target[k] = rows[0, k] * weights[0] + rows[1, k] * weights[1] + rows[2, k] * weights[2]
 
 
-@inner
+@inlined
 def update_elastic_columns(markers, state, m):
     """Columns of the elastic coordinates."""
     f, size, frames = markers.frame[m], markers.size[m], state.frames

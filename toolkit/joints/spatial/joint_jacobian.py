@@ -5,10 +5,10 @@ A direction is a coordinate or a design variable of one marker, given by its der
 
 from toolkit.bodies.spatial.marker_forces import add_spatial_stiffness
 from toolkit.joints.spatial.joint_kernel import ROWS
-from toolkit.kernel import inner
+from toolkit.kernel import inlined, inner
 
 
-@inner
+@inlined
 def direction_rows(joints, j, side, y, rate, acceleration, centripetal, levels, work):
     """Derivatives of the constraint rows in one direction of one marker, as of planar joints.
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.spatial.marker_forces import add_spatial_force
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import inlined, inner, kernel
 
 ROWS, NUMBERS = 6, 24
 """Most rows of a joint, and numbers of two poses."""
@@ -93,7 +93,7 @@ def add_pair(value, i, j, source, target):
         target[3 * j + c] += value * source[3 * i + c]
 
 
-@inner
+@inlined
 def evaluate_form(joints, form, which, work):
     """One form with its derivatives, as number `which` of its row."""
     h_z, along = work.h_z[which], work.h_along[which]
@@ -119,7 +119,7 @@ def evaluate_form(joints, form, which, work):
         work.h_rate[which, 2] += along[0, k] * work.w[k]
 
 
-@inner
+@inlined
 def compose_plain(i, work):
     """A row that is a form."""
     work.phi[i], work.slope[i, 0], work.slope[i, 1] = work.h[0], 1, 0
@@ -196,7 +196,7 @@ def evaluate_spatial_joint(joints, j, state, acc, work):
             work.force[k] += work.phi_z[i, k] * acc[joints.row[j] + i]
 
 
-@inner
+@inlined
 def gap(joints, j, i, value, target):
     """value - target; of an angle that of the turn next to the target."""
     difference = value - target
