@@ -50,7 +50,7 @@ LAYERS = [
     ("reduced_model", "reduced_model_check", "reduced_model_file", "reduced_model_units", "design_point", "linear"),
     ("point", "component", "bodies"),
     ("loads", "joints"),
-    ("scene", "scene_names", "equations"),
+    ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),
     ("system",),
     ("solution", "solvers", "conformance"),

@@ -48,6 +48,12 @@ SHAPES: dict[Any, dict[str, str]] = {
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
 
+
+def letters_of(part: Any) -> dict[str, str]:
+    """Letters of the axes of every array of one object of a model."""
+    return SPATIAL_POINT if isinstance(part, InterfacePoint) and part.rotation.ndim == 3 else SHAPES[type(part)]
+
+
 Sizes = dict[str, int]
 
 
@@ -183,8 +189,7 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
 def _fit_all(path: Path, place: str, part: Any, sizes: Sizes) -> None:
     """Fit all arrays of one object; its free letters are its own, f, z and s are known to all after the invariants."""
     own = dict(sizes)
-    spatial_point = isinstance(part, InterfacePoint) and part.rotation.ndim == 3
-    for name, letters in (SPATIAL_POINT if spatial_point else SHAPES[type(part)]).items():
+    for name, letters in letters_of(part).items():
         _fit(path, f"{place}/{name}", getattr(part, name), letters, own)
         if name == "stiffness":
             own["z"] = 1 + own["f"]

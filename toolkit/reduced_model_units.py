@@ -5,7 +5,8 @@ With the factors f of mass, length, ... every array changes by the factor of its
     q_k' = s_k q_k,   s_k = f_length if the coordinate moves nodes, 1 if it turns them only
     Z' = f_length Z / [1, s],   T' = T / [1, s],   K' = f_energy K / (s s^T)
 
-So nodal coordinates stay nodal coordinates: displacements in the new length, rotations in rad.
+So nodal coordinates stay nodal coordinates: displacements in the new length, rotations in rad. Of shapes that do both it does not matter
+what they count as, because any s_k is the same body.
 """
 
 from __future__ import annotations
@@ -20,19 +21,22 @@ from toolkit.dependence import Derivatives, Polynomial
 from toolkit.dimensions import LABELLED, NONE, Dimension, dimension_of_label, factor
 from toolkit.errors import InputError
 from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_check import SHAPES
+from toolkit.reduced_model_check import letters_of
 from toolkit.units import unit
 
 LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
 ITEMS: dict[str, Dimension] = {
     "mass": MASS, "first_moment": MASS.times(LENGTH), "inertia": MASS.times(LENGTH.power(2)),
     "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
-    "stress_operator": LABELLED["stress"],
+    "stress_operator": LABELLED["stress"], "second_moment": MASS.times(LENGTH.power(2)),
     "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
     "nodes": LENGTH, "connectivity": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
-    "element": NONE, "end": NONE, "fibre": NONE,
+    "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "triangles": NONE, "lines": NONE,
+    "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
 """Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
+CANCELLED = 1e-9
+"""Sum of motions in parts of their magnitudes that round-off leaves of a sum that is zero."""
 POLYNOMIALS = ("position", "rotation")
 """Arrays of an interface point whose first axis counts powers of the arc length."""
 
@@ -43,7 +47,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
     Raises
     ------
     InputError
-        The unit system or the unit of a parameter is unknown, or the model lacks the mesh that tells what its coordinates are.
+        The unit system or the unit of a parameter is unknown, or the model lacks the mesh or surface that tells what its coordinates are.
     """
     if model.units == units:
         return model
@@ -58,12 +62,13 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
         derivatives=_each(model.derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)),
         affine=_each(model.affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
         interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
+        surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
         **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
     )
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh")}
+    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "surface")}
 
 
 def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
@@ -87,7 +92,7 @@ class _Scales:
 
     def part(self, part: Any, point: bool = False) -> Any:
         """All arrays of one object."""
-        shapes = SHAPES[type(part)]
+        shapes = letters_of(part)
         changed = {}
         for item in fields(part):
             array = getattr(part, item.name)
@@ -112,19 +117,30 @@ class _Scales:
         group, *rest = item.split(".")
         array = self.model.item(item)
         owner: Any = self.model.invariants if not rest else getattr(self.model, group)
-        owner = owner[rest[0]] if group == "interfaces" else owner
+        owner = owner[rest[0]] if len(rest) == 2 else owner
         name = rest[-1] if rest else group
-        return self.entries(name, SHAPES[type(owner)][name], array.shape, point=group == "interfaces").ravel()
+        return self.entries(name, letters_of(owner)[name], array.shape, point=group == "interfaces").ravel()
 
 
 def _moving(model: ReducedModel) -> np.ndarray:
-    """Which elastic coordinates move nodes and do not only turn them, (n_f,)."""
-    if model.mesh is None:
-        raise InputError(
-            f"reduced model {model.label} was loaded without its mesh, which tells displacements from rotations. Load all its parts."
-        )
-    by_node = model.mesh.recovery[:, 1:].reshape(-1, 3, model.n_f)
-    return np.any(by_node[:, :2] != 0, axis=(0, 1))
+    """Which elastic coordinates move nodes and do not only turn them, (n_f,); the material of solids has no rotations."""
+    if model.mesh is not None:
+        by_node = model.mesh.recovery[:, 1:].reshape(-1, 3, model.n_f)
+        return np.any(by_node[:, :2] != 0, axis=(0, 1))
+    if model.outline is not None or (model.surface is not None and len(model.surface.triangles)):
+        return np.ones(model.n_f, bool)
+    if model.surface is not None:
+        return _shifting(model.surface.position[:, :, 1:])
+    raise InputError(
+        f"reduced model {model.label} was loaded without its mesh or surface, which tells displacements from rotations. Load all its "
+        "parts; if its file has none of them, build it again with ffrf-preprocess."
+    )
+
+
+def _shifting(moved: np.ndarray) -> np.ndarray:
+    """Of spatial beams: the fibres around a node that only turns move against each other, (n_points, 3, n_f) -> (n_f,)."""
+    whole = np.abs(moved).sum(axis=(0, 1))
+    return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED * whole
 
 
 def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -> Derivatives:

@@ -27,6 +27,7 @@ from toolkit.reduced_model import ReducedModel, place_parameter
 from toolkit.reduced_model_file import load
 from toolkit.run_options import RunOptions
 from toolkit.scene_names import check_dimension, check_names, known
+from toolkit.vector_paths import numbered
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -83,7 +84,7 @@ class Scene(Description):
 
     def all_bodies(self) -> dict[str, Body]:
         """The bodies and the ground."""
-        return {"ground": Ground() if self.dimension == 2 else SpatialGround(frame="grounded"), **self.bodies}
+        return {"ground": Ground() if self.dimension == 2 else SpatialGround(), **self.bodies}
 
     def body(self, name: str) -> Body:
         """One body.
@@ -200,6 +201,7 @@ class Scene(Description):
         InputError
             There is no number at the path; lists all paths.
         """
+        path = self.path_of(path)
         written = self._numbers_near(path)
         if path in written:
             return written[path]
@@ -210,6 +212,11 @@ class Scene(Description):
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]
+
+    def path_of(self, path: str) -> str:
+        """The path as `available_paths` has it: in space x, y and z name the numbers of every vector."""
+        groups = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
+        return numbered(path, groups) if self.dimension == 3 else path
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
@@ -250,6 +257,7 @@ class Scene(Description):
         InputError
             There is no number at the path.
         """
+        path = self.path_of(path)
         if path not in self._numbers_near(path):
             self.number(path)
             group, name, key = path.split(".")
@@ -269,7 +277,7 @@ class Scene(Description):
         variables: list[DesignVariable] = []
         available = dict.fromkeys(self.available_paths())
         for name in self.design if names is None else names:
-            path = self.design.get(name, name)
+            path = self.path_of(self.design.get(name, name))
             if path.split(".")[0] in NOT_DESIGN:
                 raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
             if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in available:

@@ -6,15 +6,28 @@ from collections.abc import Iterator
 from typing import Any
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.rigid import Rigid, RigidBody, Rod
+from toolkit.bodies.spatial.body import SpatialBody
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description import Description
 from toolkit.dimensions import LABELLED, NONE, Dimension, dimension_of_label
 from toolkit.errors import InputError
 from toolkit.joints.distance import Distance
 from toolkit.joints.driver import AngleDriver, PositionDriver
 from toolkit.joints.slider import AlongAxis
+from toolkit.joints.spatial.distance import SpatialDistance
+from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.spatial.joint import AxisJoint
+from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.torque import Torque
 from toolkit.point import BodyPoint, Point
@@ -29,20 +42,36 @@ GROUPS = ("points", "bodies", "joints", "loads", "responses")
 _LENGTH, _TIME, _RATE, _ENERGY = (LABELLED[name] for name in ("length", "time", "rate", "energy"))
 _VELOCITY = (_LENGTH.times(_RATE), _LENGTH.times(_RATE), _RATE)
 _STIFFNESS = LABELLED["force"].times(_LENGTH.power(-1))
+_ACCELERATION = _LENGTH.times(_RATE.power(2))
+_INERTIA = LABELLED["mass"].times(LABELLED["area"])
+_SPRING = {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH}
+_ROD = {"area": LABELLED["area"], "density": LABELLED["density"]}
 
 FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
-    Point: {"x": _LENGTH, "y": _LENGTH},
+    Point: {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH},
     BodyPoint: {"arc_length": _LENGTH},
     RigidBody: {"velocity": _VELOCITY},
-    Rigid: {"mass": LABELLED["mass"], "inertia": LABELLED["mass"].times(LABELLED["area"])},
-    Rod: {"area": LABELLED["area"], "density": LABELLED["density"]},
+    Rigid: {"mass": LABELLED["mass"], "inertia": _INERTIA},
+    Rod: _ROD,
     Flexible: {"position": _LENGTH, "angle": NONE, "velocity": _VELOCITY},
+    SpatialBody: {"axis": NONE, "velocity": _LENGTH.times(_RATE), "angular_velocity": _RATE},
+    SpatialRigid: {"mass": LABELLED["mass"], "inertia": _INERTIA},
+    SpatialRod: _ROD,
+    SpatialFlexible: {"position": _LENGTH, "orientation": NONE},
     Distance: {"length": _LENGTH},
+    SpatialDistance: {"length": _LENGTH},
     AlongAxis: {"axis": NONE},
+    AxisJoint: {"axis": NONE},
+    Universal: {"axes_of_cross": NONE},
     Torque: {"torque": LABELLED["torque"]},
+    SpatialTorque: {"torque": LABELLED["torque"]},
     PointForce: {"force": LABELLED["force"]},
-    Gravity: {"acceleration": _LENGTH.times(_RATE.power(2))},
-    SpringDamper: {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH},
+    SpatialPointForce: {"force": LABELLED["force"]},
+    Pressure: {"pressure": LABELLED["stress"]},
+    Gravity: {"acceleration": _ACCELERATION},
+    SpatialGravity: {"acceleration": _ACCELERATION},
+    SpringDamper: _SPRING,
+    SpatialSpringDamper: _SPRING,
     RotationalSpringDamper: {"stiffness": _ENERGY, "damping": _ENERGY.times(_TIME), "rest_angle": NONE},
     Instant: {"time": _TIME},
     KSStress: {"reference_stress": LABELLED["stress"]},
@@ -54,7 +83,10 @@ FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
 }  # fmt: skip
 """Class -> field -> dimension of its numbers, or of each of them; a new kind of component with numbers needs a line here."""
 
-CURVE_VALUES: dict[type, Dimension] = {Torque: NONE, PointForce: NONE, AngleDriver: NONE, PositionDriver: _LENGTH}
+CURVE_VALUES: dict[type, Dimension] = {
+    Torque: NONE, PointForce: NONE, AngleDriver: NONE, PositionDriver: _LENGTH,
+    Pressure: NONE, SpatialTorque: NONE, SpatialPointForce: NONE, SpatialAngleDriver: NONE, SpatialPositionDriver: _LENGTH,
+}  # fmt: skip
 """Owner of a time curve -> dimension of the curve's value."""
 CURVE_FIELDS: dict[str, Dimension | None] = {
     "value": None, "height": None, "amplitude": None, "values": None, "start": _TIME, "duration": _TIME, "times": _TIME,
@@ -86,6 +118,7 @@ def number_dimension(scene: Scene, path: str) -> Dimension:
     InputError
         As `dimensions`.
     """
+    path = scene.path_of(path)
     group, name, *rest = path.split(".")
     item = getattr(scene, group)[name]
     written = dict(_below(f"{group}.{name}", item, scene))
@@ -107,7 +140,7 @@ def _below(where: str, item: Description, scene: Scene) -> Iterator[tuple[str, D
 def _field(item: Any, keys: list[str], scene: Scene) -> Dimension:
     """Dimension of the number that keys lead to from an item."""
     field, *rest = keys
-    if isinstance(item, Flexible) and field not in type(item).model_fields:
+    if isinstance(item, ModelBody) and field not in type(item).model_fields:
         return _parameter(item, field, scene)
     known = next((FIELDS[kind][field] for kind in type(item).__mro__ if field in FIELDS.get(kind, {})), None)
     below = getattr(item, field, None)
@@ -127,7 +160,7 @@ def _field(item: Any, keys: list[str], scene: Scene) -> Dimension:
     )
 
 
-def _parameter(body: Flexible, name: str, scene: Scene) -> Dimension:
+def _parameter(body: ModelBody, name: str, scene: Scene) -> Dimension:
     model = scene.model(body.model)
     if name not in model.nominal_units:
         raise InputError(f"reduced model {body.model!r} has no parameter {name!r}; available: {', '.join(model.nominal)}.")

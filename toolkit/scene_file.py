@@ -8,29 +8,15 @@ from typing import Any
 
 from pydantic import ValidationError
 
-import toolkit.bodies.flexible
-import toolkit.bodies.ground
-import toolkit.bodies.rigid
-import toolkit.joints.distance
-import toolkit.joints.driver
-import toolkit.joints.revolute
-import toolkit.joints.rigid_joint
-import toolkit.joints.slider
-import toolkit.loads.point_force
-import toolkit.loads.spring_damper
-import toolkit.loads.torque  # noqa: F401  (importing a kind is what makes it known)
-from toolkit.bodies.body import Body
 from toolkit.description import Description
 from toolkit.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load
 from toolkit.point import BodyPoint, Point
 from toolkit.profile import CURVES
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.scene_kinds import DIMENSIONS, kinds_of
 from toolkit.toml_file import parse_toml, read_toml
 from toolkit.validation_messages import SHORT, messages
 
@@ -61,19 +47,16 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
         A key or value is wrong; all wrong ones are reported at once.
     """
     problems: list[str] = []
+    dimension = _dimension(table, path)
     groups = {name: _group(table.get(name, {}), name, problems) for name in ("points", "bodies", "joints", "loads", "responses")}
     parsed: dict[str, Any] = {name: {} for name in groups}
     for name, text in groups["points"].items():
-        parsed["points"][name] = _point(text, f"points.{name}", problems)
-    kinds: dict[str, Mapping[str, type]] = {
-        "bodies": Body.kinds,
-        "joints": Joint.kinds,
-        "loads": {**Load.kinds, Gravity.kind: Gravity},
-        "responses": Response.kinds,
-    }
+        parsed["points"][name] = _point(text, dimension, f"points.{name}", problems)
+    kinds: dict[str, Mapping[str, type]] = {**kinds_of(dimension), "responses": Response.kinds}
+    others: dict[str, Mapping[str, type]] = kinds_of(5 - dimension)
     for group, known in kinds.items():
         for name, item in groups[group].items():
-            parsed[group][name] = _item(item, known, f"{group}.{name}", problems)
+            parsed[group][name] = _item(item, known, others.get(group, {}), f"{group}.{name}", problems)
     if "solver" in table:
         parsed["solver"] = _validated(RunOptions, table["solver"], "solver", problems)
     rest = {key: value for key, value in table.items() if key not in (*groups, "solver")}
@@ -89,6 +72,23 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     return scene
 
 
+def _dimension(table: Mapping[str, Any], path: Path) -> int:
+    """What decides what all the rest may be.
+
+    Raises
+    ------
+    InputError
+        It is neither 2 nor 3.
+    """
+    given = table.get("dimension", 2)
+    if type(given) is not int or given not in DIMENSIONS:
+        raise InputError(
+            f"{path.name}: dimension = {SHORT.repr(given)} cannot be meant. Write dimension = 3 for a scene in space, and 2, or nothing, "
+            "for one in the plane."
+        )
+    return given
+
+
 def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
     if isinstance(value, dict):
         return value
@@ -96,23 +96,33 @@ def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
     return {}
 
 
-def _point(value: Any, where: str, problems: list[str]) -> Any:
+SPACES = {2: "a planar point has two, [x, y]", 3: "a point in space has three, [x, y, z]"}
+
+
+def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
     if isinstance(value, list):
-        if len(value) == 2:
-            return _validated(Point, {"x": value[0], "y": value[1]}, where, problems)
-        problems.append(f"{where} has {len(value)} coordinates; a planar point has two, [x, y].")
+        if len(value) == dimension:
+            return _validated(Point, dict(zip("xyz", value, strict=False)), where, problems)
+        other = 5 - dimension
+        hint = f" A scene of dimension {other} begins with dimension = {other}." if len(value) == other else ""
+        problems.append(f"{where} has {len(value)} coordinates; {SPACES[dimension]}.{hint}")
         return None
     return _validated(BodyPoint, value, where, problems)
 
 
-def _item(value: Any, kinds: Mapping[str, type], where: str, problems: list[str]) -> Any:
+def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], where: str, problems: list[str]) -> Any:
+    """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
         return None
     wanted = value["type"]
     kind = kinds.get(wanted) if isinstance(wanted, str) else None
     if kind is None:
-        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.")
+        hint = ""
+        if isinstance(wanted, str) and wanted in others:
+            other = others[wanted].dimension  # type: ignore[attr-defined]
+            hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
+        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.{hint}")
         return None
     return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
 
@@ -126,36 +136,39 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
 
 
 def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
-    """Set one value by its path; x and y name the entries of a pair."""
+    """Set one value by its path; x and y, in space z too, name the entries of a vector."""
     try:
         value = parse_toml(f"value = {text}")["value"]
     except ValueError:
         value = text
     *owners, last = key.split(".")
     owner: Any = table
+    axes = "xyz"[: table["dimension"] if table.get("dimension") in DIMENSIONS else 2]
     for depth, name in enumerate(owners):
-        index = _index(owner, name)
+        index = _index(owner, name, axes)
         if index is None and (owners[0] != "solver" or isinstance(owner, list)):
-            raise InputError(_leads_nowhere(key, name, owner, path))
+            raise InputError(_leads_nowhere(key, name, owner, axes, path))
         if index is None:
             owner[name] = {}
             index = name
         owner = owner[index]
         if not isinstance(owner, (dict, list)):
             raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
-    index = _index(owner, last)
+    index = _index(owner, last, axes)
     if index is None and (isinstance(owner, list) or not owners):
-        raise InputError(_leads_nowhere(key, last, owner, path))
+        raise InputError(_leads_nowhere(key, last, owner, axes, path))
     owner[last if index is None else index] = value
 
 
-def _index(owner: Any, name: str) -> Any:
+def _index(owner: Any, name: str, axes: str) -> Any:
     if isinstance(owner, list):
-        index = {"x": 0, "y": 1}.get(name, int(name) if name.isdecimal() and len(name) < 10 else len(owner))
+        axis = axes.find(name) if len(name) == 1 else -1
+        index = axis if axis >= 0 else int(name) if name.isdecimal() and len(name) < 10 else len(owner)
         return index if index < len(owner) else None
     return name if name in owner else None
 
 
-def _leads_nowhere(key: str, name: str, owner: Any, path: Path) -> str:
-    possible = ", ".join(owner) if isinstance(owner, dict) else "x, y" if len(owner) == 2 else f"0 to {len(owner) - 1}"
+def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path) -> str:
+    letters = ", ".join(axes)
+    possible = ", ".join(owner) if isinstance(owner, dict) else letters if len(owner) == len(axes) else f"0 to {len(owner) - 1}"
     return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}; possible here: {possible}."

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from toolkit.bodies.body import Body
 from toolkit.description import Description
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load
 from toolkit.point import BodyPoint
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.run_options import RunOptions
 from toolkit.scene_file import Scene
+from toolkit.scene_kinds import kinds_of
 from toolkit.units import UNIT_SYSTEMS
 
 DRAFT = "http://json-schema.org/draft-07/schema#"
@@ -24,24 +21,21 @@ _REFERENCE = "#/$defs/{model}"
 
 
 def scene_schema() -> dict[str, Any]:
-    """JSON schema of scene.toml, with all kinds that the toolkit brings; see `tidy` for its dialect."""
-    kinds: dict[str, Mapping[str, type]] = {
-        "body": Body.kinds,
-        "joint": Joint.kinds,
-        "load": {**Load.kinds, Gravity.kind: Gravity},
-        "response": Response.kinds,
-    }
+    """JSON schema of scene.toml, with all kinds that the toolkit brings; see `tidy` for its dialect.
+
+    A scene is checked against the kinds of its dimension; the tables themselves name those of both, because editors complete from there.
+    """
     definitions: dict[str, Any] = {}
-    for group, known in kinds.items():
-        own = sorted(kind for kind, described in known.items() if described.__module__.startswith("toolkit."))
-        definitions |= {f"{group}-{kind}": _with_type(_schema(known[kind], definitions), kind) for kind in own}
-        definitions[group] = _one_of(f"{group}-{kind}" for kind in own)
+    for dimension, prefix in PREFIXES.items():
+        for group, known in kinds_of(dimension).items():
+            _define(f"{prefix}{_GROUPS[group]}", known, definitions)
+    _define("response", Response.kinds, definitions)
     instants = sorted(f"response-{kind}" for kind in Instant.kinds)
     definitions["instant"] = _one_of(name for name in instants if name in definitions)
     definitions["response-time-integral"]["properties"]["of"] = {"$ref": "#/$defs/instant"}
     definitions["body-point"] = _schema(BodyPoint, definitions)
-    coordinates = {"type": "array", "items": {"type": "number"}, "minItems": 2, "maxItems": 2, "description": "[x, y]"}
     solver = _schema(RunOptions, definitions)
+    either = {name: _table({"anyOf": [_item(name, dimension) for dimension in PREFIXES]}) for name in ("points", *_GROUPS)}
     root = {
         "$schema": DRAFT,
         "title": "A scene of ffrf-toolkit",
@@ -49,19 +43,47 @@ def scene_schema() -> dict[str, Any]:
         "type": "object",
         "properties": {
             "units": {"enum": list(UNIT_SYSTEMS)},
-            "points": _table({"anyOf": [coordinates, {"$ref": "#/$defs/body-point"}]}),
-            **{group: _table({"$ref": f"#/$defs/{kind}"}) for group, kind in _GROUPS.items()},
+            "dimension": {"enum": list(PREFIXES), "default": 2, "description": "of space; it stands at the top of the file"},
+            **either,
+            "responses": _table({"$ref": "#/$defs/response"}),
             "design": _table({"type": "string", "description": "path of a number, for example points.A.x"}),
             "solver": solver,
         },
         "required": ["units", "bodies"],
         "additionalProperties": False,
+        "if": {"properties": {"dimension": {"const": 3}}, "required": ["dimension"]},
+        "then": _tables(3),
+        "else": _tables(2),
         "$defs": dict(sorted(definitions.items())),
     }
     return tidy(root)
 
 
-_GROUPS = {"bodies": "body", "joints": "joint", "loads": "load", "responses": "response"}
+PREFIXES = {2: "", 3: "spatial-"}
+"""Dimension of a scene -> beginning of the names of its definitions."""
+_GROUPS = {"bodies": "body", "joints": "joint", "loads": "load"}
+
+
+def _define(group: str, known: Mapping[str, type], definitions: dict[str, Any]) -> None:
+    """Add definitions of all kinds of a group that the toolkit brings, and one that is any of them."""
+    own = sorted(kind for kind, described in known.items() if described.__module__.startswith("toolkit."))
+    for kind in own:
+        definitions[f"{group}-{kind}"] = _with_type(_schema(known[kind], definitions), kind)
+    definitions[group] = _one_of(f"{group}-{kind}" for kind in own)
+
+
+def _tables(dimension: int) -> dict[str, Any]:
+    """What the tables of a scene of one dimension hold."""
+    return {"properties": {name: _table(_item(name, dimension)) for name in ("points", *_GROUPS)}}
+
+
+def _item(group: str, dimension: int) -> dict[str, Any]:
+    """What stands under a name of a group."""
+    if group != "points":
+        return {"$ref": f"#/$defs/{PREFIXES[dimension]}{_GROUPS[group]}"}
+    words = "[" + ", ".join("xyz"[:dimension]) + "]"
+    place = {"type": "array", "items": {"type": "number"}, "minItems": dimension, "maxItems": dimension, "description": words}
+    return {"anyOf": [place, {"$ref": "#/$defs/body-point"}]}
 
 
 def _schema(kind: type, definitions: dict[str, Any]) -> dict[str, Any]:

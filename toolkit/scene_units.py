@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.dimensions import factor
 from toolkit.reduced_model_file import load, save
 from toolkit.reduced_model_units import converted_model
@@ -39,9 +39,9 @@ def converted(scene: Scene, units: str, directory: Path) -> Scene:
 
 
 def _with_model(scene: Scene, body, units: str, directory: Path):
-    if not isinstance(body, Flexible):
+    if not isinstance(body, ModelBody):
         return body
-    models = sorted({each.model for each in scene.bodies.values() if isinstance(each, Flexible)})
+    models = sorted({each.model for each in scene.bodies.values() if isinstance(each, ModelBody)})
     name = f"{Path(body.model).stem}_{models.index(body.model)}_{units}.h5"
     save(converted_model(load(scene.directory / body.model), units), directory / name)
     return body.model_copy(update={"model": name})

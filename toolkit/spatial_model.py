@@ -45,7 +45,9 @@ class Surface:
 class SurfaceLoad:
     """A unit pressure on a named surface, normal to it in the undeformed body, theory chapter 12.
 
-    f_a = - int n_a dA         L[a, b] = - int n_a (S Z)_b dA         n: outer normal, a and b: axes of the body
+        f_a = - int n_a dA         L[a, b] = - int n_a (S Z)_b dA
+
+    with the outer normal n and axes a and b of the body.
     """
 
     force: np.ndarray  # f (3,)

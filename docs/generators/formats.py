@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterable, Mapping
 
 from pydantic import BaseModel
 
-import toolkit.scene_file  # noqa: F401  (importing all kinds is what makes them known)
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
@@ -37,15 +36,12 @@ from preprocessing.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
-from toolkit.bodies.body import Body
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load
 from toolkit.point import BodyPoint
 from toolkit.profile import CURVES
-from toolkit.responses.response import Response
+from toolkit.responses.catalogue import Response
 from toolkit.run_options import Baumgarte, RunOptions
 from toolkit.scene import Scene
+from toolkit.scene_kinds import kinds_of
 
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
 """Where a page wants a table."""
@@ -57,11 +53,10 @@ def fill(markdown: str) -> str:
 
 
 def kinds() -> dict[str, dict[str, type[BaseModel]]]:
-    """All kinds that the toolkit knows by a `type` in a scene file, by group and in the order of their names."""
+    """All kinds that the toolkit knows by a `type` in a scene file, by group and in the order of their names; those in space apart."""
     groups: dict[str, Mapping[str, type]] = {
-        "bodies": Body.kinds,
-        "joints": Joint.kinds,
-        "loads": {**Load.kinds, Gravity.kind: Gravity},
+        **kinds_of(2),
+        **{f"spatial-{group}": found for group, found in kinds_of(3).items()},
         "responses": Response.kinds,
         "curves": CURVES,
     }
@@ -97,7 +92,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "points": table(BodyPoint),
     "solver": table(RunOptions),
     "baumgarte": table(Baumgarte),
-    **{group: _sections(group) for group in ("bodies", "joints", "loads", "responses", "curves")},
+    **{group: _sections(group) for group in kinds()},
     "skin-file": table(SkinFile),
     "airfoil": table(Airfoil),
     "skin": table(SkinCut),

@@ -26,9 +26,9 @@ def watched_speed(scene: Scene, quiet: bool) -> Iterator[None]:
     """Warn before the run of bodies that start faster than their critical speed, and when it fails, of the speeds that may be why."""
     from toolkit.responses.critical_speed import critical_speed, spinning_bodies, too_fast_at_start
 
-    fast = dict(too_fast_at_start(scene))
-    for body, speed in {} if quiet else fast.items():
-        typer.echo(too_fast(body, speed, critical_speed(scene, body)), err=True)
+    fast = {body: speeds for body, *speeds in too_fast_at_start(scene)}
+    for body, speeds in {} if quiet else fast.items():
+        typer.echo(too_fast(body, *speeds), err=True)
     try:
         yield
     except ConvergenceError:
@@ -53,7 +53,7 @@ def too_fast(body: str, speed: float, critical: float) -> str:
 
 def warn_of_deformations(solution: Solution, found: Deformations) -> None:
     """Say on standard error which bodies are out of the range of small deformations, or have come to spin too fast."""
-    from toolkit.responses.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
+    from toolkit.responses.critical_speed import too_fast_at_start, too_fast_in_motion
     from toolkit.responses.deformation import LIMIT
 
     scene = solution.system.scene
@@ -66,10 +66,10 @@ def warn_of_deformations(solution: Solution, found: Deformations) -> None:
                 "stiffer body, or several bodies in a row instead of one, make it smaller.",
                 err=True,
             )
-    told = dict(too_fast_at_start(scene))
-    for body, speed in too_fast_in_motion(solution):
+    told = {body for body, *_ in too_fast_at_start(scene)}
+    for body, *speeds in too_fast_in_motion(solution):
         if body not in told:
-            typer.echo(too_fast(body, speed, critical_speed(scene, body)), err=True)
+            typer.echo(too_fast(body, *speeds), err=True)
 
 
 def record_of_deformations(solution: Solution, found: Deformations) -> dict[str, Any]:

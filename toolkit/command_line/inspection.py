@@ -107,6 +107,11 @@ def sizes(model: ReducedModel) -> dict[str, int]:
         found["points with a target"] = len(model.shape.target)
     if model.mesh is not None:
         found |= {"nodes": len(model.mesh.nodes), "elements": len(model.mesh.connectivity)}
+    if model.surface is not None:
+        parts = {"triangles": len(model.surface.triangles), "lines": len(model.surface.lines)}
+        found |= {f"{what} of the surface": count for what, count in parts.items() if count}
+    if model.surface_loads:
+        found["surfaces for pressure"] = len(model.surface_loads)
     return found
 
 
@@ -124,6 +129,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
+        "dimension": scene.dimension,
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},

@@ -18,6 +18,7 @@ from toolkit.errors import InputError
 from toolkit.joints.spatial.forms import Form, Row
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.joint_kernel import ROWS, SpatialJoints
+from toolkit.joints.spatial.row_checks import check_rows
 from toolkit.loads.spatial.pressure_kernel import Pressures
 from toolkit.scene import Scene
 from toolkit.spatial import Frames
@@ -147,6 +148,8 @@ def spatial_joint_arrays(
 ) -> SpatialJoints:
     """Joints of the scene as forms, with the places of their local entries in the pattern."""
     joints: list[Any] = list(scene.joints.values())
+    for joint in joints:
+        check_rows(joint, scene)
     rows = [joint.constraint(scene) for joint in joints]
     gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
     positions = []

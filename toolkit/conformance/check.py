@@ -9,12 +9,16 @@ import numpy as np
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
 from toolkit.joints.joint import Joint
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.spatial.row_checks import check_rows
 from toolkit.loads.load import Load
 from toolkit.scene import Scene
 
 
 def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
     """Check every derivative of a joint at random poses and rates: those of its formula, then what the equations make of them.
+
+    A joint in space has rows instead of a formula, and these no derivatives of their own.
 
     Parameters
     ----------
@@ -27,10 +31,13 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
     ConformanceError
         A derivative differs from a complex step by more than 1e-10 of the largest; names the derivative, the entry and both values.
     ValueError
-        The joint names a body or a point that the scene does not have.
+        The joint names a body or a point that the scene does not have; or a row of it in space cannot be meant.
     """
     alone = _alone(scene, joints={"joint": joint})
-    check_joint_formula(joint, alone, np.random.default_rng(seed))
+    if isinstance(joint, SpatialJoint):
+        check_rows(joint, alone)
+    else:
+        check_joint_formula(joint, alone, np.random.default_rng(seed))
     check_scene(alone, seed)
 
 

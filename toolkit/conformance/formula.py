@@ -8,17 +8,30 @@ import numpy as np
 
 from toolkit.conformance.comparison import STEP, compare
 from toolkit.conformance.residual import design_paths
+from toolkit.errors import ConformanceError
 from toolkit.joints.joint import Joint
 from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.joint_kernel import ROWS
 from toolkit.kernel import plain
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
-from toolkit.loads.load_kernel import CURVE
+from toolkit.loads.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.scene import Scene
 
-POSES = [f"{what} of {body}" for body in ("a", "b") for what in ("x", "y", "angle")]
-FORCES = [f"{what} on {body}" for body in ("a", "b") for what in ("force in x", "force in y", "torque")]
+VECTORS = ("position", "axis 1", "axis 2", "axis 3")
+"""Of a marker in space."""
+POSES = {
+    2: [f"{what} of {body}" for body in ("a", "b") for what in ("x", "y", "angle")],
+    3: [f"{axis} of {vector} of {body}" for body in ("a", "b") for vector in VECTORS for axis in "xyz"],
+}
+"""Dimension -> numbers of the poses of both markers."""
+FORCES = {
+    2: [f"{what} on {body}" for body in ("a", "b") for what in ("force in x", "force in y", "torque")],
+    3: [f"force in {axis} on {vector} of {body}" for body in ("a", "b") for vector in VECTORS for axis in "xyz"],
+}
+"""Dimension -> what a load fills, conjugate to the poses."""
+ARGUMENTS = {2: LOAD_ARGUMENTS, 3: SPATIAL_ARGUMENTS}
+"""Dimension -> arguments of a load; the last one is the value of its curve."""
 
 
 def check_joint_formula(joint: Joint, scene: Scene, rng: np.random.Generator) -> None:
@@ -33,7 +46,7 @@ def check_joint_formula(joint: Joint, scene: Scene, rng: np.random.Generator) ->
         return [array[:rows] for array in filled]
 
     _, phi_z, phi_zz, phi_zww = fill(z)
-    owner, names = f"{joint.kind!r}: ", argument_names(used)
+    owner, names = f"{joint.kind!r}: ", argument_names(used, len(z), 2)
     compare(f"{owner}phi_z", phi_z[:, used], stepped(lambda at: fill(at)[0], z, used), [joint.row_names, names])
     exact = stepped(lambda at: fill(at)[1][:, used], z, used)
     if not joint.curved:
@@ -47,21 +60,35 @@ def check_joint_formula(joint: Joint, scene: Scene, rng: np.random.Generator) ->
 
 
 def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> None:
-    """force_z and force_w of force, at random poses and rates."""
-    z, w, used = arguments(load, scene, LOAD_ARGUMENTS, rng)
-    z[CURVE], w, used = rng.normal(), w[:6], np.append(used, CURVE)
+    """force_z and force_w of force, at random poses and rates; in space of vectors that are no rotations' axes."""
+    poses, size = POSES[load.dimension], ARGUMENTS[load.dimension]
+    n, curve = len(poses), size - 1
+    z, w, used = arguments(load, scene, size, rng)
+    z[curve], w, used = rng.normal(), w[:n], np.append(used, curve)
 
     def fill(at: np.ndarray, rates: np.ndarray) -> list[np.ndarray]:
         dtype = np.result_type(at, rates)
-        filled = [np.zeros(shape, dtype) for shape in ((6,), (6, LOAD_ARGUMENTS), (6, 6))]
+        filled = [np.zeros(shape, dtype) for shape in ((n,), (n, size), (n, n))]
         plain(load.law())(at.astype(dtype), rates.astype(dtype), *filled)
         return filled
 
-    _, force_z, force_w = fill(z, w)
-    owner, names = f"{load.kind!r}: ", argument_names(used)
-    compare(f"{owner}force_z", force_z[:, used], stepped(lambda at: fill(at, w)[0], z, used), [FORCES, names])
-    rates = [f"rate of {name}" for name in POSES]
-    compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(6)), [FORCES, rates])
+    force, force_z, force_w = fill(z, w)
+    if not load.feels_axes:
+        _check_blindness(load, force, force_z, force_w)
+    owner, names, forces = f"{load.kind!r}: ", argument_names(used, size, load.dimension), FORCES[load.dimension]
+    compare(f"{owner}force_z", force_z[:, used], stepped(lambda at: fill(at, w)[0], z, used), [forces, names])
+    rates = [f"rate of {name}" for name in poses]
+    compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(n)), [forces, rates])
+
+
+def _check_blindness(load: Load, force: np.ndarray, force_z: np.ndarray, force_w: np.ndarray) -> None:
+    """A load that says that it does not feel axes has neither forces on them nor derivatives by them."""
+    axes = [k for k, name in enumerate(POSES[load.dimension]) if "axis" in name]
+    if np.any(force[axes]) or np.any(force_z[:, axes]) or np.any(force_z[axes]) or np.any(force_w[:, axes]) or np.any(force_w[axes]):
+        raise ConformanceError(
+            f"{load.kind!r}: its formula uses axes of the markers, but `feels_axes` is False, so that nobody computes them. Leave "
+            "`feels_axes` out."
+        )
 
 
 def arguments(
@@ -71,22 +98,24 @@ def arguments(
 
     A parameter that no number of the scene moves, a switch, has no derivative that anyone could use.
     """
+    n = len(POSES[component.dimension])
     parameters = np.array(component.parameters(scene), float)
     z, w = np.zeros((2, size))
-    z[:6], w[:6] = rng.normal(size=(2, 6))
-    z[6 : 6 + len(parameters)] = parameters
+    z[:n], w[:n] = rng.normal(size=(2, n))
+    z[n : n + len(parameters)] = parameters
     moved = np.zeros(len(parameters), bool)
     group = "joints" if isinstance(component, Joint) else "loads"
     alone = scene.model_copy(update={"joints": {}, "loads": {}} | {group: {"component": component}})
     for path in design_paths(alone):
         other = alone.with_number(path, alone.number(path) + 1j * STEP)
         moved |= np.imag(getattr(other, group)["component"].parameters(other)) != 0
-    return z, w, np.append(np.arange(6), 6 + np.flatnonzero(moved))
+    return z, w, np.append(np.arange(n), n + np.flatnonzero(moved))
 
 
-def argument_names(used: np.ndarray) -> list[str]:
-    """What the arguments are."""
-    return [POSES[k] if k < 6 else "curve" if k == CURVE else f"parameter z[{k}]" for k in used]
+def argument_names(used: np.ndarray, size: int, dimension: int) -> list[str]:
+    """What the arguments are; the last of `size` is the curve of a load."""
+    poses = POSES[dimension]
+    return [poses[k] if k < len(poses) else "curve" if k == size - 1 else f"parameter z[{k}]" for k in used]
 
 
 def stepped(function: Callable[[np.ndarray], np.ndarray], z: np.ndarray, used: np.ndarray) -> np.ndarray:

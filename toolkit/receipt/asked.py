@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import rigid_bodies
 from toolkit.responses.shape_error import ShapeResponse
@@ -32,7 +32,7 @@ def fields(system: System) -> list[Line]:
     """Points of every flexible body where stress and distance to a target are computed."""
     found = []
     for name, body in system.scene.bodies.items():
-        if isinstance(body, Flexible):
+        if isinstance(body, ModelBody):
             points = len(system.scene.model(body.model).invariants.stress_operator)
             stress, shape = asking(system.scene, StressResponse, name), asking(system.scene, ShapeResponse, name)
             found.append(_field(f"stress of {name}", points, stress))
@@ -48,12 +48,12 @@ def markers(system: System) -> list[Line]:
     """Points that a joint, a load or a response looks at, and interface points that none does."""
     found, rigid = [], rigid_bodies(system)
     for name, body in system.scene.all_bodies().items():
-        used = {point for owner, point in system.numbering.markers if owner == name}
-        known = (system.scene.model(body.model).interfaces or {}) if isinstance(body, Flexible) else {}
+        used = {point for owner, point, *_ in system.numbering.markers if owner == name}
+        known = (system.scene.model(body.model).interfaces or {}) if isinstance(body, ModelBody) else {}
         idle = set(known) - {getattr(system.scene.interface(point), "interface", "") for point in used}
         if name not in rigid:
             found.append(Line(name, len(used), len(idle), f"nothing looks at {', '.join(sorted(idle))}" if idle else ""))
-    count = len([1 for owner, _ in system.numbering.markers if owner in rigid])
+    count = len([1 for owner, *_ in system.numbering.markers if owner in rigid])
     return [*found, Line(f"{len(rigid)} rigid", count)] if rigid else found
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.model_body import FRAME
+from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.point import BodyPoint
 from toolkit.reduced_model_file import PARTS
 from toolkit.scene import Scene
@@ -12,18 +12,22 @@ from toolkit.sensitivity.analysis import prepare
 from toolkit.system import System
 
 
-def grounded_bodies(scene: Scene) -> dict[str, Flexible]:
+def grounded_bodies(scene: Scene) -> dict[str, ModelBody]:
     """Flexible bodies whose frame has no coordinates."""
-    bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible)}
+    bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody)}
     return {name: body for name, body in bodies.items() if not body.has_frame}
 
 
 def with_frames(scene: Scene) -> Scene:
-    """The scene with the frames of its grounded bodies: they may move, and a rigid joint to the ground holds each where it was."""
+    """The scene with the frames of its grounded bodies: they may move, and a rigid joint to the ground holds each where it was.
+
+    Frames in space that only turn, or only move, stay what they are.
+    """
     grounded = {f"frame of {name}": name for name in grounded_bodies(scene)}
     moving = {name: scene.bodies[name].model_copy(update={"frame": "moving"}) for name in grounded.values()}
     points = {point: BodyPoint(body=name, interface=FRAME) for point, name in grounded.items()}
-    joints = {point: RigidJoint(bodies=(name, "ground"), point=point) for point, name in grounded.items()}
+    rigid = RigidJoint if scene.dimension == 2 else SpatialRigidJoint
+    joints = {point: rigid(bodies=(name, "ground"), point=point) for point, name in grounded.items()}
     return scene.model_copy(
         update={
             "points": {**scene.points, **points},
@@ -36,6 +40,6 @@ def with_frames(scene: Scene) -> Scene:
 def prepare_everything(scene: Scene) -> System:
     """Compile a scene with all frames, all groups of its files, and the derivative blocks of all its numbers."""
     for body in scene.bodies.values():
-        if isinstance(body, Flexible):
+        if isinstance(body, ModelBody):
             scene.model(body.model, *PARTS)
     return prepare(with_frames(scene), scene.available_paths())

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.model_body import DEPENDENCE
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.compilation.quantities import pressures_of
 from toolkit.receipt.asked import asking
 from toolkit.receipt.line import Line
 from toolkit.reduced_model_file import stored_bytes
@@ -20,6 +20,8 @@ UNREAD = {
     "shape": "no response asks for the distance to a target",
     "stress": "places of the stress points, for results files and pictures",
     "outline": "for pictures",
+    "surface": "for pictures",
+    "surface_loads": "no load presses on a surface of the body",
     "mesh": "for pictures, and after a run for the small-deformation meter",
 }
 
@@ -31,7 +33,7 @@ def files(system: System) -> dict[str, list[Line]]:
 
 def model_paths(system: System) -> list[str]:
     """Files of the scene's flexible bodies."""
-    return list(dict.fromkeys(body.model for body in system.scene.bodies.values() if isinstance(body, Flexible)))
+    return list(dict.fromkeys(body.model for body in system.scene.bodies.values() if isinstance(body, ModelBody)))
 
 
 def groups(system: System, path: str) -> list[Line]:
@@ -52,13 +54,15 @@ def bytes_read(system: System) -> int:
 
 def _reason(system: System, path: str, group: str) -> str:
     scene = system.scene
-    bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.model == path}
+    bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.model == path}
     if group in DEPENDENCE:
         nominal = scene.model(path).nominal
         asked = [each.name for name in bodies for each in system.design if model_parameter(scene, name, each.path) in nominal]
         return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
     if group == "shape":
         return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"
+    if group == "surface_loads":
+        return f"for {', '.join(name for name, load in pressures_of(scene).items() if load.body in bodies)}"
     return "equations of motion"
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.bodies.body import Body
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.spatial.body import SpatialFloatingNumbers
 from toolkit.receipt.line import Line
 from toolkit.system import System
 
@@ -13,13 +16,11 @@ from toolkit.system import System
 def terms(system: System) -> list[Line]:
     """Mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
     numbers = {name: number for number, name in enumerate(system.scene.all_bodies()) if name in system.scene.bodies}
-    flexible = {name: number for name, number in numbers.items() if isinstance(system.scene.body(name), Flexible)}
+    flexible = {name: number for name, number in numbers.items() if isinstance(system.scene.body(name), ModelBody)}
     rigid = [number for name, number in numbers.items() if name not in flexible]
     lines = [line for name, number in flexible.items() for line in _flexible(system, number, name)]
     if rigid:
-        masses = sum(_filled(system.values.constant[number].mass) for number in rigid)
-        lines.append(Line("mass of rigid bodies", masses))
-        lines.append(Line("quadratic velocity of rigid bodies", 0, 2 * len(rigid), "frame at the centre of mass"))
+        lines += _rigid(system, rigid)
     falls = bool(np.any(system.scene.gravity != 0))
     lines.append(Line("weight", system.n_q) if falls else Line("weight", 0, 0, "no gravity: zeros, one product each"))
     return [*lines, *(Line(f"load {name}", 1) for name, load in system.scene.loads.items() if load.kind != "gravity")]
@@ -27,7 +28,16 @@ def terms(system: System) -> list[Line]:
 
 def rigid_bodies(system: System) -> list[str]:
     """Names of the bodies that do not deform."""
-    return [name for name, body in system.scene.bodies.items() if not isinstance(body, Flexible)]
+    return [name for name, body in system.scene.bodies.items() if not isinstance(body, ModelBody)]
+
+
+def _rigid(system: System, numbers: list[int]) -> list[Line]:
+    """Of all rigid bodies; in the plane their mass is constant, in space only that of those that do not turn."""
+    lines = [Line("mass of rigid bodies", sum(_filled(system.values.constant[number].mass) for number in numbers))]
+    if system.scene.dimension == 2:
+        return [*lines, Line("quadratic velocity of rigid bodies", 0, 2 * len(numbers), "frame at the centre of mass")]
+    turning = [system.values.floating[number] for number in numbers if number in system.values.floating]
+    return [*lines, Line("mass and quadratic velocity of rigid bodies, turning", sum(map(invariant_entries, turning)))]
 
 
 def _flexible(system: System, number: int, name: str) -> list[Line]:
@@ -43,14 +53,26 @@ def _flexible(system: System, number: int, name: str) -> list[Line]:
     return [
         mass,
         *elastic,
-        Line(turning, 0, dropped, "grounded frame, no rotation: the mass matrix is constant, no velocity enters"),
+        Line(turning, 0, dropped, f"{frame_of(body)} frame, no rotation: the mass matrix is constant, no velocity enters"),
     ]
 
 
+def frame_of(body: Body) -> str:
+    """What the frame of a flexible body does, in a word."""
+    return str(getattr(body, "frame", ""))
+
+
 def frame_entries(system: System, body: Body) -> int:
-    """Entries of G and H of a body with a moving frame, and of the three rows and columns of its frame."""
+    """Entries of the invariants of a body with a moving frame."""
     part = body.floating(system.scene)
-    return 0 if part is None else len(part.row) + 3 * (2 * len(part.moment) + 1)
+    return 0 if part is None else invariant_entries(part)
+
+
+def invariant_entries(part: Any) -> int:
+    """Entries of G and H and of the three rows and columns of the frame; in space of all Q[a, b] and N, and the mass."""
+    if isinstance(part, SpatialFloatingNumbers):
+        return part.second.size + part.moment.size + 1
+    return len(part.row) + 3 * (2 * len(part.moment) + 1)
 
 
 def _filled(values: np.ndarray) -> int:

@@ -4,26 +4,38 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.bodies.body import Body
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.receipt.everything import grounded_bodies
 from toolkit.receipt.line import Line
-from toolkit.receipt.terms import rigid_bodies
+from toolkit.receipt.terms import frame_of, rigid_bodies
 from toolkit.system import System
+
+WHOLE_FRAME = {2: 3, 3: 7}
+"""Dimension -> coordinates of a frame that moves and turns; rows that hold it where it is, a quaternion's length among them."""
+IDLE = {
+    "grounded": "it neither moves nor turns",
+    "translating": "it does not turn",
+    "turning": "it turns about one axis and does not move",
+}
+"""What frames of fewer coordinates do not do."""
 
 
 def coordinates(system: System) -> list[Line]:
     """Coordinates of each flexible body, and of all rigid ones."""
-    scene, grounded, rigid = system.scene, grounded_bodies(system.scene), rigid_bodies(system)
-    lines = [
-        Line(
-            name,
-            len(body.coordinate_names(scene)),
-            *((3, "grounded frame: it neither moves nor turns") if name in grounded else ()),
-        )
-        for name, body in scene.bodies.items()
-        if name not in rigid
-    ]
-    return [*lines, Line(f"{len(rigid)} rigid", 3 * len(rigid))] if rigid else lines
+    scene, rigid = system.scene, rigid_bodies(system)
+    bodies = {name: body for name, body in scene.bodies.items() if name not in rigid}
+    lines = [Line(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
+    own = [scene.bodies[name] for name in rigid]
+    kept, most = sum(body.frame_size for body in own), sum(WHOLE_FRAME[scene.dimension] for _ in own)
+    why = "frames that do not move, or do not turn about every axis" if kept < most else ""
+    return [*lines, Line(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else lines
+
+
+def _missing(body: Body) -> tuple[int, str]:
+    """Coordinates that a flexible body's frame does not have, and why."""
+    missing = WHOLE_FRAME[body.dimension] - body.frame_size
+    return (missing, f"{frame_of(body)} frame: {IDLE[frame_of(body)]}") if missing else (0, "")
 
 
 def rows(system: System) -> list[Line]:
@@ -32,8 +44,13 @@ def rows(system: System) -> list[Line]:
     kinds = {
         kind: [len(joint.row_names) for joint in joints if joint.kind == kind] for kind in dict.fromkeys(j.kind for j in joints)
     }
-    held = [Line(f"frame of {name}", 0, 3, "grounded frame: nothing has to hold it") for name in grounded_bodies(system.scene)]
-    return [*(Line(f"{len(sizes)} {kind}", sum(sizes)) for kind, sizes in kinds.items()), *held]
+    whole = WHOLE_FRAME[system.scene.dimension]
+    held = [
+        Line(f"frame of {name}", 0, whole, "grounded frame: nothing has to hold it") for name in grounded_bodies(system.scene)
+    ]
+    lengths = len(system.numbering.length)
+    quaternions = [Line(f"{lengths} lengths of quaternions", lengths)] if lengths else []
+    return [*(Line(f"{len(sizes)} {kind}", sum(sizes)) for kind, sizes in kinds.items()), *quaternions, *held]
 
 
 def matrix(system: System) -> list[Line]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.scene import Scene
 from toolkit.units import unit
 
@@ -18,7 +18,7 @@ def variable_unit(scene: Scene, path: str) -> str:
     """Label of the unit of the number at a path; empty where the path does not tell."""
     group, name, *rest = path.split(".")
     body = scene.bodies.get(name) if group == "bodies" else None
-    if isinstance(body, Flexible) and rest[-1] in (units := scene.model(body.model).nominal_units):
+    if isinstance(body, ModelBody) and rest[-1] in (units := scene.model(body.model).nominal_units):
         return units[rest[-1]]
     quantity = _BY_GROUP.get(group) or _BY_KEY.get(rest[-1]) or _BY_OWNER.get(rest[0]) or "none"
     return unit(scene.units, quantity)

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.errors import InputError
 from toolkit.preprocessing_process import run
 from toolkit.responses.deformation import Deformation, chain, deformation_of, flexible_bodies
-from toolkit.responses.stress import elastic_coordinates
+from toolkit.responses.stress import elastic_coordinates, flexible_body
 from toolkit.solution import Solution
 
 PROGRAM = "preprocessing.corotational_command"
@@ -41,7 +41,13 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
         The preprocessing is not installed; the reduced model does not hold its finite elements; or the corotational body has no
         equilibrium under the forces.
     """
-    behind = chain(solution.system.scene, body)
+    scene = solution.system.scene
+    behind = chain(scene, body)
+    if behind is None and (scene.dimension == 3 or scene.model(flexible_body(scene, body).model, "outline").outline is not None):
+        raise InputError(
+            f"body {body!r} does not consist of beams in the plane, the only elements that turn here. Compare it with several bodies in a "
+            "row instead of one, which turn themselves."
+        )
     if behind is None:
         raise InputError(
             f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "

@@ -3,6 +3,8 @@
 A body is linear in its frame: an element that turns by an angle theta there grows by theta^2 / 2, and its forces keep their directions and
 lever arms. The meter estimates by how much the nodes would be elsewhere if the same forces acted on the same elements, turning with them
 (corotational): the displacement of second order of `second_order`.
+
+It knows the beam elements of the plane only: of solids and of bodies in space it says nothing.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.reduced_model import MEAN_AXES
 from toolkit.responses.element_sections import Elements, Sections, sections
 from toolkit.responses.second_order import clamped_rows, mean_rows, second_order_displacement
@@ -68,11 +70,14 @@ class Chain:
 
 def flexible_bodies(scene: Scene) -> list[str]:
     """Names of the bodies that deform."""
-    return [name for name, body in scene.bodies.items() if isinstance(body, Flexible)]
+    return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody)]
 
 
 def chain(scene: Scene, body: str) -> Chain | None:
-    """The finite elements behind a flexible body at the scene's parameter values; None if its reduced model does not hold them."""
+    """The finite elements behind a flexible body at the scene's parameter values; None if its reduced model does not hold them.
+
+    Those of bodies in space and of solids do not.
+    """
     design = design_point(scene, body, "mesh", "stress")
     mesh, places = design.model.mesh, design.model.stress
     if mesh is None or places is None:

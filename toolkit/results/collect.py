@@ -9,7 +9,7 @@ from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.responses.stress import flexible_body, stress_field
@@ -58,7 +58,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
         responses=found.values,
         response_units=found.units,
         gradients=found.gradients,
-        bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, Flexible)},
+        bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)},
         variables={each.name: {"path": each.path, "value": each.value} for each in variables},
         run={
             "drift": solution.drift,
@@ -87,8 +87,11 @@ def _body(solution: Solution, body: str) -> BodyResults:
     model = scene.model(flexible_body(scene, body).model, "stress", "shape")
     stress, dstress = stress_field(solution, body)
     error, derror = shape_error_history(solution, body)
-    unknown = np.full(stress.shape[1], -1)
-    places = (unknown,) * 3 if model.stress is None else (model.stress.element, model.stress.end, model.stress.fibre)
+    unknown, components = np.full(stress.shape[1], -1), stress.shape[1] // max(len(model.invariants.stress_operator), 1)
+    if model.stress is not None:
+        places = (model.stress.element, model.stress.end, model.stress.fibre)
+    else:
+        places = (unknown, np.arange(stress.shape[1]) % components, 0 * unknown) if components > 1 else (unknown,) * 3
     arc_length = np.zeros(0) if model.shape is None else model.shape.arc_length
     return BodyResults(stress, dstress, *places, error, derror, arc_length)
 
@@ -97,7 +100,7 @@ def _record(scene: Scene, text: str, changes: Mapping[str, str]) -> SceneRecord:
     models = {
         body.model: hashlib.sha256((scene.directory / body.model).read_bytes()).hexdigest()
         for body in scene.bodies.values()
-        if isinstance(body, Flexible)
+        if isinstance(body, ModelBody)
     }
     sha256 = hashlib.sha256(text.encode()).hexdigest() if text else ""
     return SceneRecord(table_of(scene), text, sha256, dict(changes), str(scene.directory), models)

@@ -26,7 +26,7 @@ def table_of(scene: Scene) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, Point):
-        return [_plain(value.x), _plain(value.y)]
+        return [_plain(number) for number in (value.x, value.y, value.z) if number is not None]
     if isinstance(value, Description):
         kind = getattr(value, "kind", None)
         return ({"type": kind} if kind else {}) | {name: _plain(item) for name, item in value if item is not None}

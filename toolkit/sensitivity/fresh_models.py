@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.design import DesignVariable
 from toolkit.responses.stress import model_parameter
 from toolkit.scene import Scene
@@ -108,7 +108,7 @@ def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Calla
 def _parameter(scene: Scene, variable: DesignVariable) -> tuple[str, str]:
     """The flexible body whose reduced model has the variable among its parameters, and the parameter's name for the preprocessing."""
     for name, body in scene.bodies.items():
-        if isinstance(body, Flexible) and (parameter := model_parameter(scene, name, variable.path)):
+        if isinstance(body, ModelBody) and (parameter := model_parameter(scene, name, variable.path)):
             if parameter in _model(scene, name).nominal and variable.path.startswith("bodies."):
                 return name, parameter
             if variable.path.startswith("points."):

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
 from toolkit.point import BodyPoint
 from toolkit.preprocessing_process import run
@@ -23,7 +23,7 @@ def source(scene: Scene, body: str) -> Path:
 
 def rebuildable(scene: Scene) -> dict[str, Path]:
     """Flexible body -> its skin file, where there is one."""
-    found = {name: source(scene, name) for name, body in scene.bodies.items() if isinstance(body, Flexible)}
+    found = {name: source(scene, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)}
     return {name: path for name, path in found.items() if path.is_file()}
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers, Placed
@@ -12,6 +14,8 @@ class SpatialGround(SpatialBody):
     """The inertial frame; it is always there, under the name `ground`."""
 
     kind = "ground"
+
+    frame: Literal["grounded"] = "grounded"
 
     def coordinate_names(self, _scene: Placed) -> list[str]:
         """None."""

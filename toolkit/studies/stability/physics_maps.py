@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.body import Body
-from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.dimensions import LABELLED
 from toolkit.errors import InputError
 from toolkit.scene import Scene
@@ -24,7 +25,7 @@ STIFFNESSES = tuple(10.0**k for k in (-11, -9, -7, -5, -4, -3, -2, -1, 0, 1, 2))
 MASSES = tuple(10.0**k for k in (-8, -6, -4, -2, -1, 0, 1, 2, 4, 6, 8))
 LOADS = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 SPEEDS = (1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3)
-LOAD_FIELDS = ("torque", "force", "acceleration")
+LOAD_FIELDS = ("torque", "force", "acceleration", "pressure")
 
 
 def thickness_map(scene: Scene) -> Map:
@@ -65,21 +66,22 @@ def mass_map(scene: Scene) -> Map:
     InputError
         The scene has no rigid body.
     """
-    rigid = [name for name, body in scene.bodies.items() if isinstance(body, (Rigid, Rod))]
-    flexible = any(isinstance(body, Flexible) for body in scene.bodies.values())
+    rigid = [name for name, body in scene.bodies.items() if isinstance(body, (Rigid, Rod, SpatialRigid, SpatialRod))]
+    flexible = any(isinstance(body, ModelBody) for body in scene.bodies.values())
     chosen = rigid if flexible else rigid[:1]
     title = "mass of the rigid bodies" if flexible else f"mass of body {chosen[0]!r}" if chosen else ""
-    paths = [f"bodies.{name}.{field}" for name in chosen for field in _inertial(scene.bodies[name])]
+    paths = [f"bodies.{name}.{path}" for name in chosen for path in _inertial(scene.bodies[name])]
     return _by_factor(scene, "mass", title, paths, MASSES, "the scene has no rigid body")
 
 
-def _inertial(body: Body) -> tuple[str, ...]:
-    """Numbers that a rigid body's mass and moment of inertia are proportional to."""
-    return ("density",) if isinstance(body, Rod) else ("mass", "inertia")
+def _inertial(body: Body) -> list[str]:
+    """Numbers that a rigid body's mass and moments of inertia are proportional to; products of inertia that are zero stay so."""
+    fields = ("density",) if isinstance(body, (Rod, SpatialRod)) else ("mass", "inertia")
+    return [path for path, value in body.numbers() if path.split(".")[0] in fields and value != 0]
 
 
 def load_map(scene: Scene) -> Map:
-    """All torques, forces and accelerations of gravity at once.
+    """All torques, forces, pressures and accelerations of gravity at once.
 
     Raises
     ------
@@ -89,7 +91,7 @@ def load_map(scene: Scene) -> Map:
     written = [path.split(".") for path in dimensions(scene) if path.startswith("loads.")]
     paths = [".".join(keys) for keys in written if keys[2] in LOAD_FIELDS]
     paths = [path for path in paths if scene.number(path) != 0]
-    return _by_factor(scene, "load", "all loads", paths, LOADS, "the scene has no torque, force or gravity")
+    return _by_factor(scene, "load", "all loads", paths, LOADS, "the scene has no torque, force, pressure or gravity")
 
 
 def speed_map(scene: Scene) -> Map:
@@ -103,7 +105,7 @@ def speed_map(scene: Scene) -> Map:
     powers: dict[str, int] = {}
     for path, dimension in dimensions(scene).items():
         keys = path.split(".")
-        timed = keys[0] in ("solver", "responses") or keys[2] in ("velocity", "curve")
+        timed = keys[0] in ("solver", "responses") or keys[2] in ("velocity", "angular_velocity", "curve")
         if timed and dimension.mass == 0 and dimension.time:
             powers[path] = -dimension.time
     own = [path for path in powers if path.split(".")[0] not in ("solver", "responses") and scene.number(path) != 0]

@@ -1,0 +1,213 @@
+"""Every component in space against the complex step of its own residual, in states that are neither small nor consistent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.spatial_cases import AXIS, CASES, SpatialCase, write_models
+from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.component import Skeleton
+from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.comparison import STEP, TOLERANCE
+from toolkit.conformance.formula import check_load_formula
+from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.errors import ConformanceError, InputError
+from toolkit.joints.spatial.forms import Form, Row, on_axis
+from toolkit.joints.spatial.joint import AxisJoint, SpatialPointJoint
+from toolkit.kernel import kernel
+from toolkit.loads.load import Load
+from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.point import Point
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.solvers.transient import simulate
+from toolkit.system import compile_scene
+
+
+@pytest.fixture(scope="session")
+def directory(tmp_path_factory):
+    path = tmp_path_factory.mktemp("models")
+    write_models(path)
+    return path
+
+
+@pytest.fixture(params=CASES, ids=lambda case: case.name)
+def scene(request, directory) -> Scene:
+    return request.param.scene(directory)
+
+
+def close(ours: np.ndarray, reference: np.ndarray, tolerance: float = TOLERANCE) -> None:
+    np.testing.assert_allclose(ours, reference, rtol=0, atol=tolerance * np.abs(reference).max(initial=1e-300))
+
+
+def test_state_derivatives_are_the_complex_step_of_the_residual(scene):
+    check_state_derivatives(scene)
+
+
+def test_design_derivatives_are_the_complex_step_of_the_residual(scene):
+    check_design_derivatives(scene)
+
+
+@pytest.mark.parametrize("case", [c for c in CASES if c.kind and issubclass(c.kind, Load)], ids=lambda case: case.name)
+def test_derivatives_of_every_formula_are_the_complex_step_of_the_formula(case, directory):
+    scene = case.scene(directory)
+    check_load_formula(scene.loads["component"], scene, np.random.default_rng(1))
+
+
+def test_compiled_formulas_equal_the_plain_ones(scene):
+    system = compile_scene(scene)
+    state = random_state(system)
+    compiled, reference = system.evaluate(inputs(system), *state), plain_terms(system, inputs(system), *state, linearize=True)
+    for name in ("inertial", "applied", "I_acc", "I_q", "A_q", "A_v"):
+        # the compiler may contract a product and a sum into one operation: a few units in the last place of sums of some ten terms
+        close(getattr(compiled, name), getattr(reference, name), tolerance=1e-14)
+
+
+def test_constraint_levels_are_time_derivatives_of_one_another(scene):
+    """Velocity level = d/dt position level, acceleration level = d/dt velocity level, along any motion; lengths of quaternions too."""
+    system = compile_scene(scene)
+    q, v, acc = random_state(system)
+    n_q, a = system.n_q, np.where(np.arange(system.n) < system.n_q, acc, 0)
+
+    def rows(level: int, later: complex = 0) -> np.ndarray:
+        given = inputs(system, np.eye(3)[2 - level])
+        f, f_1, f_2 = given.curves.T
+        curves = np.stack([f + later * f_1, f_1 + later * f_2, f_2 + 0 * later], axis=1)
+        terms = plain_terms(system, given._replace(curves=curves), q + later * v, v + later * a, acc)
+        return (terms.inertial + terms.applied)[n_q:]
+
+    for level in (0, 1):
+        close(rows(level + 1), rows(level, 1j * STEP).imag / STEP)
+
+
+def test_constraint_forces_do_no_work_in_allowed_motions(scene):
+    """The forces are phi_q^T lam with the phi_q of the position level."""
+    system = compile_scene(scene)
+    (q, v, acc), n_q = random_state(system), system.n_q
+    phi_q = system.matrix(system.evaluate(inputs(system, np.array([0, 0, 1.0])), q, v, acc).A_q).toarray()[n_q:, :n_q]
+    free = np.where(np.arange(system.n) < n_q, acc, 0)
+    force = (system.evaluate(inputs(system), q, v, acc).inertial - system.evaluate(inputs(system), q, v, free).inertial)[:n_q]
+    close(force, phi_q.T @ acc[n_q:], tolerance=1e-12)  # round-off of the subtraction
+
+
+def case_of(kind: type, directory) -> Scene:
+    return next(case for case in CASES if case.kind is kind).scene(directory)
+
+
+class Screw(AxisJoint):
+    """A user's own joint: the point of body a stays on the axis and its normal plane keeps an offset that grows with the point's x."""
+
+    kind = "test-screw"
+
+    pitch: float
+
+    def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
+        """Offset along the axis - pitch * x of the point in space."""
+        plain = on_axis(3, "axis")
+        return (Row("axis", Form(0.0, ((0, -self.pitch), (12, self.pitch)), plain.form.pairs)),)
+
+
+def test_a_users_own_joint_in_space_plugs_in(directory):
+    case = SpatialCase("screw", Screw, {"axis": AXIS, "pitch": 0.3}, ("block", "wheel"), ("C", "B"), "B")
+    check_joint(case.scene(directory).joints["component"], case.scene(directory))
+
+
+def test_a_bead_on_a_users_slope_keeps_its_energy():
+    """z = pitch x."""
+    scene = Scene(
+        units="m-kg-s",
+        dimension=3,
+        points={"P": Point(x=0.0, y=0.0, z=0.0)},
+        bodies={"bead": SpatialRigid(mass=2.0, inertia=(1.0, 1.0, 1.0), center="P", velocity=(1.0, 0.0, 0.3))},
+        joints={"slope": Screw(bodies=("bead", "ground"), point="P", axis=(0.0, 0.0, 1.0), pitch=0.3)},
+    )
+    run = simulate(compile_scene(scene), RunOptions(end_time=1.0, step=1e-2, rho_inf=1.0))
+    np.testing.assert_allclose(run.q[:, 2], 0.3 * run.q[:, 0], atol=1e-12)  # a plane: linear, so that only round-off is left
+    np.testing.assert_allclose(run.v[:, 0], 1.0, atol=1e-12)
+
+
+def screw(constraint: Any, directory) -> tuple[Any, Scene]:
+    """A joint with other rows, and a scene for it."""
+    kind = type("Wrong", (Screw,), {"kind": "test-wrong-screw", "constraint": constraint, "__module__": __name__})
+    case = SpatialCase("screw", Screw, {"axis": AXIS, "pitch": 0.3}, ("block", "wheel"), ("C", "B"), "B")
+    return kind(bodies=("block", "wheel"), point="B", axis=AXIS, pitch=0.3), case.scene(directory)
+
+
+def test_rows_that_name_what_no_pose_has_are_refused_by_name(directory):
+    joint, scene = screw(lambda _self, _scene: (Row("wild", Form(pairs=((0, 9, 1.0),))),), directory)
+    with pytest.raises(InputError, match="row 'wild' of a 'test-wrong-screw' joint names vector 9; .* 0 to 7"):
+        check_joint(joint, scene)
+
+
+def test_rows_that_change_with_the_scene_are_refused_by_name(directory):
+    def constraint(_self, scene):
+        return (Row("axis", Form(linear=((0, 1.0),))),) if scene is None else (Row("axis", Form(linear=((1, 1.0),))),)
+
+    with pytest.raises(InputError, match="'test-wrong-screw' joint has other rows with a scene than without"):
+        check_joint(*screw(constraint, directory))
+
+
+@kernel
+def forgetful_wind(z, w, force, force_z, force_w):
+    """f_a = -p (v . v) e_1 would need 2 v; this one states half of it, and forgets the axis."""
+    for i in range(3):
+        square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2]
+        force[i] = -z[24] * square * z[3 + i]
+        force_z[i, 24] = -square * z[3 + i]
+        force_z[i, 3 + i] = -z[24] * square
+        for j in range(3):
+            force_w[i, j] = -z[24] * w[j] * z[3 + i]
+
+
+class ForgetfulWind(SpatialSpringDamper):
+    """A load with a wrong derivative by the rate."""
+
+    kind = "test-forgetful-wind"
+    formula = forgetful_wind
+
+    @property
+    def feels_axes(self) -> bool:
+        """An axis."""
+        return True
+
+
+class BlindWind(ForgetfulWind):
+    """One that hides its axes too."""
+
+    kind = "test-blind-wind"
+
+    @property
+    def feels_axes(self) -> bool:
+        """Wrong."""
+        return False
+
+
+@pytest.mark.parametrize(
+    ("kind", "message"),
+    [
+        (ForgetfulWind, r"force_w is wrong at \(force in . on position of a, rate of . of position of a\)"),
+        (BlindWind, "its formula uses axes of the markers, but `feels_axes` is False"),
+    ],
+)
+def test_a_wrong_load_in_space_is_caught_and_named(kind, message, directory):
+    scene = SpatialCase("wind", kind, {"stiffness": 0.6}, ("rod", "ground"), ("A", "O"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match=message):
+        check_load(scene.loads["component"], scene)
+
+
+def test_a_load_in_space_passes_the_public_check(directory):
+    scene = case_of(SpatialSpringDamper, directory)
+    check_load(scene.loads["component"], scene, seed=1)
+    check_scene(scene)
+
+
+@pytest.mark.parametrize(("base", "what"), [(SpatialLoad, "formula"), (SpatialPointJoint, "rows")])
+def test_a_component_without_its_law_cannot_be_created(base, what, directory):
+    with pytest.raises(TypeError, match=r"no `formula`|abstract"):
+        kind = type("Lawless", (base,), {"kind": "", "__module__": __name__})
+        named = type("Named", (kind,), {"kind": f"test-lawless-{what}", "__module__": __name__})
+        named(bodies=("rod", "ground"), point="A")
