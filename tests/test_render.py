@@ -17,10 +17,11 @@ from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
 from toolkit.reduced_model_file import load, save
-from toolkit.render.configuration import Configuration, names_by_place
+from toolkit.render.configuration import Configuration
 from toolkit.render.curves import merged, shape_errors, stress_range
 from toolkit.render.labels import label_places
 from toolkit.render.look import choose_look
+from toolkit.render.moment import names_by_place
 from toolkit.render.panel import Panel, Window, multiples, tick_step
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.probe import RenderError, drawing, drawing_environment
@@ -238,7 +239,7 @@ def test_a_flexible_body_without_a_mesh_is_a_line_through_its_interface_points(o
 
 def test_the_legend_tells_where_the_skin_is_thicker_than_it_is(wing):
     moment, look = Configuration(wing, 4), choose_look(wing, [4])
-    wide, near = (Panel(None, 1, (0, 0, 800, 400), Window(np.zeros(2), np.array(size)), 20) for size in ((200, 100), (40, 20)))
+    wide, near = (Panel(None, 1, (0, 0, 800, 400), 20, Window(np.zeros(2), np.array(size))) for size in ((200, 100), (40, 20)))
 
     def words(*panels):
         return [text for text, _ in meanings(panels, look, moment) if "thickness" in text]

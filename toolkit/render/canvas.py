@@ -20,6 +20,7 @@ def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
         plotter.renderers[0].viewport = (0, 0, 1, 1)
         plotter.enable_anti_aliasing("msaa", multi_samples=8)
         yield plotter
+        plotter.render()  # what was drawn after somebody has looked at the sheet
         plotter.screenshot(str(path), return_img=False)
     finally:
         plotter.close()

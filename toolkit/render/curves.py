@@ -32,12 +32,20 @@ def shape_errors(solution: Solution, body: str) -> np.ndarray | None:
     return np.linalg.norm(position - shape.target, axis=2)
 
 
+Panels = list[tuple[str, dict[str, np.ndarray]]]
+"""Of each panel its label with the unit, and name -> values over time."""
+
+
 def draw_curves(solution: Solution, path: Path, width: int) -> None:
     """Write the curves as one picture with a panel per quantity."""
+    draw_panels(solution, _stress_panels(solution) + _shape_panels(solution) + _rotation_panels(solution), path, width)
+
+
+def draw_panels(solution: Solution, panels: Panels, path: Path, width: int) -> None:
+    """Write panels of curves over the times of a solution below each other."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    panels = _stress_panels(solution) + _shape_panels(solution) + _rotation_panels(solution)
     figure = Figure(figsize=(10, 0.8 + 2.6 * len(panels)), dpi=width / 10, layout="constrained")
     FigureCanvasAgg(figure)
     axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
@@ -57,7 +65,7 @@ def _flexible(solution: Solution) -> list[str]:
     return [name for name, body in solution.system.scene.bodies.items() if isinstance(body, Flexible)]
 
 
-def _stress_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
+def _stress_panels(solution: Solution) -> Panels:
     curves: dict[str, Any] = {}
     for body in _flexible(solution):
         low, high = stress_range(solution, body).T
@@ -65,7 +73,7 @@ def _stress_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
     return [(f"stress in {unit(solution.system.scene.units, 'stress')}", curves)] if curves else []
 
 
-def _shape_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
+def _shape_panels(solution: Solution) -> Panels:
     curves: dict[str, Any] = {}
     for body in _flexible(solution):
         errors = shape_errors(solution, body)
@@ -74,7 +82,7 @@ def _shape_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
     return [(f"distance to target in {unit(solution.system.scene.units, 'length')}", curves)] if curves else []
 
 
-def _rotation_panels(solution: Solution) -> list[tuple[str, dict[str, Any]]]:
+def _rotation_panels(solution: Solution) -> Panels:
     scene = solution.system.scene
     framed = [name for name, body in scene.bodies.items() if body.has_frame]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}

@@ -4,24 +4,47 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.render.panel import Panel
+from toolkit.render.panel import Pane, Panel
 
 _DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
 _ENOUGH = 0.25  # of a letter's height: more clearance than this is not better
 _NEARNESS = 0.1  # clearance that a label gives up to be one pixel nearer to its point
+_SPACING = 6.0  # pixels between points that stand for a line
+Reaches = tuple[float, ...]
+_NEAR: Reaches = (0.4, 0.7, 1.1, 1.6)
+_NOWHERE = np.zeros((0, 2))
 
 
 def write_names(panel: Panel, named: list[tuple[np.ndarray, str]], lines: list[np.ndarray]) -> None:
     """Write the names of the points that the panel shows beside them, off the polylines (n, 2)."""
-    shown = [(point, name) for point, name in named if panel.window.contains(point)]
+    write_beside(panel, [(panel.pixel(point), name) for point, name in named], [panel.pixel(points) for points in lines])
+
+
+def write_beside(
+    pane: Pane,
+    named: list[tuple[np.ndarray, str]],
+    lines: list[np.ndarray],
+    spots: np.ndarray = _NOWHERE,
+    reaches: Reaches = _NEAR,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Write names beside points that lie in the panel, off polylines (n, 2) and other spots (m, 2), all in pixels of the panel.
+
+    Returns every point with the place of its name.
+    """
+    size = np.array(pane.place[2:])
+
+    def inside(points: np.ndarray) -> np.ndarray:
+        return np.all((points >= 0) & (points <= size), axis=-1)
+
+    shown = [(point, name) for point, name in named if inside(point)]
     if not shown:
-        return
-    every = np.vstack([_dense(points, 6 / panel.scale) for points in [*lines, *(point[None] for point, _ in named)]])
-    obstacles = panel.pixel(every[panel.window.contains(every)])
-    texts = [name for _, name in shown]
-    points = panel.pixel(np.array([point for point, _ in shown]))
-    for text, place in zip(texts, label_places(points, texts, obstacles, panel.letter, np.array(panel.place[2:])), strict=True):
-        panel.write(text, place)
+        return []
+    every = np.vstack([spots, *(_dense(points, _SPACING) for points in [*lines, *(point[None] for point, _ in named)])])
+    texts, points = [name for _, name in shown], np.array([point for point, _ in shown])
+    places = label_places(points, texts, every[inside(every)], pane.letter, size, reaches)
+    for text, place in zip(texts, places, strict=True):
+        pane.write(text, place)
+    return list(zip(points, places, strict=True))
 
 
 def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
@@ -33,7 +56,9 @@ def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
     return np.vstack([*(np.linspace(start, end, n, endpoint=False) for start, end, n in pairs), points[-1:]])
 
 
-def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, letter: float, size: np.ndarray) -> np.ndarray:
+def label_places(
+    points: np.ndarray, texts: list[str], obstacles: np.ndarray, letter: float, size: np.ndarray, reaches: Reaches = _NEAR
+) -> np.ndarray:
     """Centres of labels for points (n, 2), all in pixels, shape (n, 2).
 
     Parameters
@@ -44,12 +69,14 @@ def label_places(points: np.ndarray, texts: list[str], obstacles: np.ndarray, le
         Height of a letter; a text is taken to be 0.6 times as wide per letter.
     size : (2,)
         Of the panel; labels stay inside.
+    reaches : tuple of float
+        Gaps between a point and its label that are tried, in letters.
     """
     places: list[np.ndarray] = []
     boxes: list[np.ndarray] = []
     for point, text in zip(points, texts, strict=True):
         half = np.array([0.3 * len(text) + 0.1, 0.5]) * letter
-        candidates = [candidate for reach in (0.4, 0.7, 1.1, 1.6) for candidate in _around(point, half, reach * letter)]
+        candidates = [candidate for reach in reaches for candidate in _around(point, half, reach * letter)]
         free = [
             min(_clearance(candidate, half, obstacles), _box_clearance(candidate, half, places, boxes), _ENOUGH * letter)
             - 100 * _outside(candidate, half, size)

@@ -56,13 +56,13 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     stress = np.concatenate([np.zeros(1), *(shape.stress.ravel() for each in shapes.values() for shape in each)])
     return Look(
         {name: _thickness(scene, name) for name in skins},
-        _round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
+        round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
         points,
         _detail(moments, skins),
     )
 
 
-def _round_up(value: float) -> float:
+def round_up(value: float) -> float:
     """The next number with a short decimal form that can be halved; zero stays zero."""
     if value == 0:
         return 0.0

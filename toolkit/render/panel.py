@@ -1,4 +1,4 @@
-"""One panel of a picture: a window on the plane with its frame, axes and lettering."""
+"""One panel of a picture: its frame and lettering; and a window on the plane with its axes."""
 
 from __future__ import annotations
 
@@ -7,8 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import pyvista
+from vtkmodules.vtkRenderingCore import vtkActor2D, vtkPolyDataMapper2D
 
 from toolkit.render import parts
+
+Place = tuple[int, int, int, int]
+"""Left, bottom, width, height in pixels of the canvas."""
 
 INK, FRAME = "#202020", "#808080"
 _MOST_TICKS, _FEWEST_TICKS = 10, 5  # about, along the longer and along the shorter side
@@ -41,39 +46,24 @@ class Window:
 
 
 @dataclass(frozen=True)
-class Panel:
-    """A window of the plane shown in a rectangle of pixels of the canvas, drawn by renderer `number` of the plotter."""
+class Pane:
+    """A rectangle of pixels of the canvas, drawn by renderer `number` of the plotter; what panels in the plane and in space share."""
 
     plotter: Any
     number: int
-    place: tuple[int, int, int, int]  # left, bottom, width, height in pixels of the canvas
-    window: Window
+    place: Place
     letter: int  # size of letters in pixels
 
-    def open(self) -> None:
-        """Put the renderer in its place, look at the window from above, draw the frame."""
+    def clear(self) -> Any:
+        """Put the renderer in its place, white and framed; returns it."""
         width, height = self.plotter.window_size
         left, bottom, wide, high = self.place
         self.plotter.subplot(0, self.number)
         renderer = self.plotter.renderers[self.number]
         renderer.viewport = (left / width, bottom / height, (left + wide) / width, (bottom + high) / height)
         self.plotter.set_background("white", all_renderers=False)
-        x, y = self.window.corner + self.window.size / 2
-        self.plotter.enable_parallel_projection()
-        distance = 10 * self.window.size.max()
-        self.plotter.camera_position = [(x, y, distance), (x, y, 0.0), (0.0, 1.0, 0.0)]
-        self.plotter.camera.parallel_scale = self.window.size[1] / 2
-        self.plotter.camera.clipping_range = (distance / 2, 2 * distance)
         renderer.add_border(FRAME, 2)
-
-    @property
-    def scale(self) -> float:
-        """Pixels per unit of length."""
-        return self.place[3] / self.window.size[1]
-
-    def pixel(self, point: np.ndarray) -> np.ndarray:
-        """Place of points (..., 2) in the panel, in pixels from its lower left corner."""
-        return (point - self.window.corner) * self.scale
+        return renderer
 
     def draw(self, mesh: Any, **style: Any) -> Any:
         """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide."""
@@ -85,6 +75,32 @@ class Panel:
         """Centre a text at a pixel of the panel."""
         self.plotter.subplot(0, self.number)
         letter(self.plotter, text, pixel, self.letter, color)
+
+
+@dataclass(frozen=True)
+class Panel(Pane):
+    """A window of the plane shown in a rectangle of the canvas."""
+
+    window: Window
+
+    def open(self) -> None:
+        """Put the renderer in its place, look at the window from above, draw the frame."""
+        self.clear()
+        x, y = self.window.corner + self.window.size / 2
+        self.plotter.enable_parallel_projection()
+        distance = 10 * self.window.size.max()
+        self.plotter.camera_position = [(x, y, distance), (x, y, 0.0), (0.0, 1.0, 0.0)]
+        self.plotter.camera.parallel_scale = self.window.size[1] / 2
+        self.plotter.camera.clipping_range = (distance / 2, 2 * distance)
+
+    @property
+    def scale(self) -> float:
+        """Pixels per unit of length."""
+        return self.place[3] / self.window.size[1]
+
+    def pixel(self, point: np.ndarray) -> np.ndarray:
+        """Place of points (..., 2) in the panel, in pixels from its lower left corner."""
+        return (point - self.window.corner) * self.scale
 
     def ticks(self, canvas: int, label: str, axes: Sequence[int] = (0, 1)) -> None:
         """Ticks along the lower (axis 0) and the left edge (1), their numbers outside; `canvas` is the whole picture's renderer."""
@@ -114,13 +130,25 @@ class Panel:
 
 def letter(
     plotter: Any, text: str, pixel: np.ndarray, size: int, color: str = INK, anchor: tuple[str, str] = ("center", "center")
-) -> None:
-    """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical."""
+) -> Any:
+    """Write a text at a pixel of the plotter's active renderer; anchor: horizontal and vertical. Returns its actor."""
     # VTK's text takes a bar for the border of columns and a dollar for the start of a formula.
     plain = text.replace("|", "/").replace("$", "")
     actor = plotter.add_text(plain, position=(float(pixel[0]), float(pixel[1])), color=color, render=False)
     actor.prop.font_size = size
     actor.prop.justification_horizontal, actor.prop.justification_vertical = anchor
+    return actor
+
+
+def strokes(plotter: Any, lines: Sequence[np.ndarray], color: str, width: float) -> None:
+    """Draw polylines (n, 2), in pixels, flat on the plotter's active renderer."""
+    mapper = vtkPolyDataMapper2D()
+    mapper.SetInputData(parts.lines(list(lines), 0.0))
+    actor = vtkActor2D()
+    actor.SetMapper(mapper)
+    actor.GetProperty().SetColor(*pyvista.Color(color).float_rgb)
+    actor.GetProperty().SetLineWidth(max(width, 1.0))
+    plotter.renderer.AddViewProp(actor)
 
 
 def tick_step(least: float) -> float:

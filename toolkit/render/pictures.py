@@ -4,21 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.errors import InputError
+from toolkit.render.gif import MOST_FRAMES, write_animation
 from toolkit.render.probe import drawing
+from toolkit.render.view import View
 from toolkit.replaced_file import replaced
 from toolkit.solution import Solution
 
 _INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
+_SMALL = 800
+"""Width of a moving picture at most, in pixels."""
+_PLAIN = View()
 
 
 def render_solution(
-    solution: Solution, directory: str | Path, instants: Sequence[float] | None = None, width: int = 1600
+    solution: Solution,
+    directory: str | Path,
+    instants: Sequence[float] | None = None,
+    width: int = 1600,
+    view: View = _PLAIN,
+    animate: bool = False,
 ) -> list[Path]:
     """Draw a solution into PNG files of a directory, which is made if it does not exist.
 
@@ -27,40 +37,85 @@ def render_solution(
     instants : sequence of float
         Times, in the scene's unit; each is drawn at the nearest step. By default four, evenly spread up to the end.
     width : int
-        Width of every picture in pixels.
+        Width of every picture in pixels; an animation has at most 800.
+    view : View
+        How a scene in space is looked at.
+    animate : bool
+        Whether a motion is drawn as a moving picture too.
 
     Returns
     -------
     files : list of Path
-        `step-<number>.png` per instant; `overview.png` with up to four of them; `curves.png` if there is more than one step.
+        `step-<number>.png` per instant; `overview.png` with up to four of them; `curves.png` and, on request, `animation.gif` if there is
+        more than one step.
 
     Raises
     ------
     RenderError
         There is no OpenGL here, or a package is missing; names what to install.
     InputError
-        An instant lies outside the solution.
+        An instant lies outside the solution, or a planar scene cannot be looked at like this.
     """
+    view.check(solution.system.scene)
     steps = chosen_steps(solution, instants)
     directory = Path(directory)
     with drawing():
-        from toolkit.render.configuration import Configuration
-        from toolkit.render.curves import draw_curves
-        from toolkit.render.look import choose_look
-        from toolkit.render.scene_picture import draw_instant, draw_overview
-
+        artist = _artist(solution, view)
         directory.mkdir(parents=True, exist_ok=True)
-        look, moments = choose_look(solution, steps), [Configuration(solution, step) for step in steps]
+        shown = np.unique(np.linspace(0, len(solution.times) - 1, MOST_FRAMES).round().astype(int)) if animate else []
+        look, moments = artist.look([*steps, *(int(step) for step in shown)]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
         files = [
-            _write(directory / f"step-{moment.step:0{digits}}.png", draw_instant, moment, look, width=width) for moment in moments
+            _write(directory / f"step-{moment.step:0{digits}}.png", artist.instant, moment, look, width=width)
+            for moment in moments
         ]
         if len(moments) > 1:
             few = [moments[k] for k in np.unique(np.linspace(0, len(moments) - 1, _INSTANTS).round().astype(int))]
-            files.append(_write(directory / "overview.png", draw_overview, few, look, width=width))
+            files.append(_write(directory / "overview.png", artist.overview, few, look, width=width))
         if solution.steps:
-            files.append(_write(directory / "curves.png", draw_curves, solution, width=width))
+            files.append(_write(directory / "curves.png", artist.curves, solution, width=width))
+        if len(shown) > 1:
+            frames = [artist.moment(int(step)) for step in shown]
+            files.append(
+                _write(directory / "animation.gif", write_animation, frames, artist.instant, look, width=min(width, _SMALL))
+            )
     return files
+
+
+class _Artist(NamedTuple):
+    """What draws a scene, in the plane or in space."""
+
+    moment: Callable[[int], Any]
+    look: Callable[[Sequence[int]], Any]
+    instant: Callable[..., None]
+    overview: Callable[..., None]
+    curves: Callable[..., None]
+
+
+def _artist(solution: Solution, view: View) -> _Artist:
+    if solution.system.scene.dimension == 3:
+        from toolkit.render.spatial.configuration import SpatialConfiguration
+        from toolkit.render.spatial.curves import draw_spatial_curves
+        from toolkit.render.spatial.look import choose_spatial_look
+        from toolkit.render.spatial.scene_picture import draw_spatial_instant, draw_spatial_overview
+
+        return _Artist(
+            lambda step: SpatialConfiguration(solution, step),
+            lambda steps: choose_spatial_look(solution, steps, view),
+            draw_spatial_instant, draw_spatial_overview, draw_spatial_curves,
+        )  # fmt: skip
+    from toolkit.render.configuration import Configuration
+    from toolkit.render.curves import draw_curves
+    from toolkit.render.look import choose_look
+    from toolkit.render.scene_picture import draw_instant, draw_overview
+
+    return _Artist(
+        lambda step: Configuration(solution, step),
+        lambda steps: choose_look(solution, steps),
+        draw_instant,
+        draw_overview,
+        draw_curves,
+    )
 
 
 def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[int]:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 
 from toolkit.render import parts
-from toolkit.render.configuration import Configuration, names_by_place
+from toolkit.render.configuration import Configuration
 from toolkit.render.labels import write_names
 from toolkit.render.look import Look
+from toolkit.render.moment import names_by_place
 from toolkit.render.panel import FRAME, Panel
 from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.render.symbols import clamps, symbols

@@ -12,17 +12,15 @@ from toolkit.render import parts
 from toolkit.render.canvas import canvas
 from toolkit.render.configuration import Configuration
 from toolkit.render.curves import shape_errors, stress_range
+from toolkit.render.layout import COLUMNS, color_bar, explain, head_line, overview_places
 from toolkit.render.look import Look
-from toolkit.render.panel import FRAME, INK, Panel, Window, letter
+from toolkit.render.panel import FRAME, INK, Panel, Place, Window
 from toolkit.render.scene_drawing import TARGET, UNDEFORMED, draw_scene, drawn_thickness
 from toolkit.render.skin_shape import drawn_model
 from toolkit.units import unit
 
-Place = tuple[int, int, int, int]
-"""Left, bottom, width, height in pixels."""
 _MARGIN = 0.07
 """Round what is drawn, relative to its extent."""
-_LEFT = ("left", "center")
 
 
 def draw_instant(moment: Configuration, look: Look, path: Path, width: int) -> None:
@@ -36,7 +34,7 @@ def draw_instant(moment: Configuration, look: Look, path: Path, width: int) -> N
     windows = instant_windows(look, place[2] / tall, beside[2] / tall)
     titles = [",  ".join(caption(moment, look)), "detail (frame on the left)"]
     with canvas(path, width, height, len(windows)) as plotter:
-        panels = [Panel(plotter, k + 1, (place, beside)[k], window, letters) for k, window in enumerate(windows)]
+        panels = [Panel(plotter, k + 1, (place, beside)[k], letters, window) for k, window in enumerate(windows)]
         for panel, title in zip(panels, titles, strict=False):
             actor = _draw_panel(panel, title, moment, look)
             panel.ticks(0, f"x, y in {unit(moment.scene.units, 'length')}")
@@ -56,22 +54,17 @@ def instant_windows(look: Look, aspect: float, detail_aspect: float) -> list[Win
 
 def draw_overview(moments: Sequence[Configuration], look: Look, path: Path, width: int) -> None:
     """Several instants in one picture, two beside each other; numbers of ticks along its left and lower edge."""
-    letters, columns = width // 60, min(2, len(moments))
-    rows, left = -(-len(moments) // columns), 3 * letters
-    wide = (width - left) // columns - letters
-    tall, head, foot = round(0.55 * wide), 7 * letters // 2, 9 * letters if look.thickness else 4 * letters
-    window = Window.around(look.points, wide / tall, _MARGIN)
-    with canvas(path, width, foot + rows * (tall + head), len(moments)) as plotter:
-        panels = []
-        for k, moment in enumerate(moments):
-            row, column = divmod(k, columns)
-            place: Place = (left + column * (wide + letters), foot + (rows - 1 - row) * (tall + head), wide, tall)
-            panels.append(Panel(plotter, k + 1, place, window, letters))
+    letters = width // 60
+    places, height = overview_places(len(moments), width, 9 * letters if look.thickness else 4 * letters)
+    window = Window.around(look.points, places[0][2] / places[0][3], _MARGIN)
+    with canvas(path, width, height, len(moments)) as plotter:
+        panels = [Panel(plotter, k + 1, place, letters, window) for k, place in enumerate(places)]
+        for panel, moment in zip(panels, moments, strict=True):
             words = caption(moment, look)
             title = "\n".join(",  ".join(line) for line in (words[:2], words[2:]) if line)
-            actor = _draw_panel(panels[-1], title, moment, look)
-            axes = [axis for axis, outer in enumerate([k + columns >= len(moments), column == 0]) if outer]
-            panels[-1].ticks(0, f"x, y in {unit(moment.scene.units, 'length')}", axes)
+            actor = _draw_panel(panel, title, moment, look)
+            outer = [panel.number + COLUMNS > len(moments), panel.place[0] == places[0][0]]
+            panel.ticks(0, f"x, y in {unit(moment.scene.units, 'length')}", np.flatnonzero(outer).tolist())
         _legend(panels, look, moments[0], actor)
 
 
@@ -100,9 +93,7 @@ def _draw_panel(panel: Panel, title: str, moment: Configuration, look: Look) -> 
     """Open the panel, draw the scene and write a title above; returns the actor with the stress, or None."""
     panel.open()
     actor = draw_scene(panel, moment, look)
-    panel.plotter.subplot(0, 0)
-    above = np.array([panel.place[0], panel.place[1] + panel.place[3] + 0.7 * panel.letter])
-    letter(panel.plotter, title, above, panel.letter, INK, ("left", "bottom"))
+    head_line(panel, title)
     return actor
 
 
@@ -111,17 +102,9 @@ def _legend(panels: Sequence[Panel], look: Look, moment: Configuration, actor: A
     if actor is None:
         return
     plotter, letters = panels[0].plotter, panels[0].letter
-    plotter.subplot(0, 0)
-    width, height = plotter.window_size
     if look.stress_limit:
-        bar = plotter.add_scalar_bar(
-            " ", mapper=actor.mapper, vertical=False, n_labels=5, fmt="%.6g", position_x=0.06, position_y=0.7 * letters / height,
-            width=0.5, height=3 * letters / height, label_font_size=letters, color=INK, render=False,
-        )  # fmt: skip
-        bar.SetUnconstrainedFontSize(True)
-        letter(plotter, f"stress in {unit(moment.scene.units, 'stress')}", np.array([0.31 * width, 3.9 * letters]), letters)
-    for k, (text, color) in enumerate(reversed(meanings(panels, look, moment))):
-        letter(plotter, text, np.array([0.62 * width, (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)
+        color_bar(plotter, actor, f"stress in {unit(moment.scene.units, 'stress')}", letters)
+    explain(plotter, meanings(panels, look, moment), letters)
 
 
 def meanings(panels: Sequence[Panel], look: Look, moment: Configuration) -> list[tuple[str, str]]:

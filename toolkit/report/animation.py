@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from toolkit.render.gif import MOST_FRAMES, save_gif
 from toolkit.render.skin_shape import skin_shape
 from toolkit.replaced_file import replaced
 from toolkit.report.figures.stress_motion import BAND
@@ -16,8 +17,6 @@ from toolkit.report.shape_panel import draw_band, draw_mechanism, draw_outlines,
 from toolkit.report.sheet import sheet, symmetric
 from toolkit.units import unit
 
-MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
-"""Frames at most; ms that a motion takes, and that its last frame stands still."""
 RESOLUTION = 130
 """Pixels per inch."""
 
@@ -38,11 +37,8 @@ def animate(material: Material, path: Path, progress: Callable[[int, int], None]
     for number, moment in enumerate(moments):
         frames.append(_frame(material, moment, corners, colors))
         progress(number + 1, len(moments))
-    pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
-    palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
-    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     with replaced(path) as temporary:
-        reduced[0].save(temporary, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
+        save_gif(frames, temporary)
     return path
 
 

@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from toolkit.render.configuration import Configuration, names_by_place
+from toolkit.render.configuration import Configuration
+from toolkit.render.moment import names_by_place
 from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.report.sheet import COLORS, SIGNED, WIDTH
 from toolkit.units import unit

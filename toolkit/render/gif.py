@@ -1,0 +1,35 @@
+"""Moving pictures: drawn instants one after the other in a GIF file."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
+"""Frames at most; ms that a motion takes, and that its last frame stands still."""
+
+
+def save_gif(frames: Sequence[Any], path: Path) -> None:
+    """Write frames (images of Pillow) with the colours of the last one; the file is looped by whatever shows it."""
+    from PIL import Image
+
+    pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
+    palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    reduced[0].save(path, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
+
+
+def write_animation(moments: Sequence[Any], draw: Callable[..., None], look: Any, path: Path, width: int) -> None:
+    """Draw all moments by `draw(moment, look, path, width)` and write them as one moving picture."""
+    from PIL import Image
+
+    frames = []
+    with TemporaryDirectory() as folder:
+        for moment in moments:
+            drawn = Path(folder) / "frame.png"
+            draw(moment, look, drawn, width)
+            with Image.open(drawn) as image:
+                frames.append(image.convert("RGB"))
+    save_gif(frames, path)

@@ -1,0 +1,51 @@
+"""How a picture is laid out: panels beside each other, the line above a panel, colour bar and words at the foot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from toolkit.render.panel import INK, Pane, Place, letter
+
+COLUMNS = 2
+"""Panels beside each other in an overview."""
+_LEFT = ("left", "center")
+
+
+def overview_places(count: int, width: int, foot: int) -> tuple[list[Place], int]:
+    """Places of panels row by row from the top, above a foot of that height and with a margin on the left; and the picture's height."""
+    letters, columns = width // 60, min(COLUMNS, count)
+    rows, left = -(-count // columns), 3 * letters
+    wide = (width - left) // columns - letters
+    tall, head = round(0.55 * wide), 7 * letters // 2
+    cells = [divmod(k, columns) for k in range(count)]
+    places = [(left + column * (wide + letters), foot + (rows - 1 - row) * (tall + head), wide, tall) for row, column in cells]
+    return places, foot + rows * (tall + head)
+
+
+def head_line(pane: Pane, title: str) -> None:
+    """A title above the panel."""
+    pane.plotter.subplot(0, 0)
+    above = np.array([pane.place[0], pane.place[1] + pane.place[3] + 0.7 * pane.letter])
+    letter(pane.plotter, title, above, pane.letter, INK, ("left", "bottom"))
+
+
+def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
+    """The colours of an actor at the lower left of the picture."""
+    plotter.subplot(0, 0)
+    width, height = plotter.window_size
+    bar = plotter.add_scalar_bar(
+        " ", mapper=actor.mapper, vertical=False, n_labels=5, fmt="%.6g", position_x=0.06, position_y=0.7 * letters / height,
+        width=0.5, height=3 * letters / height, label_font_size=letters, color=INK, render=False,
+    )  # fmt: skip
+    bar.SetUnconstrainedFontSize(True)
+    letter(plotter, title, np.array([0.31 * width, 3.9 * letters]), letters)
+
+
+def explain(plotter: Any, meanings: Sequence[tuple[str, str]], letters: int) -> None:
+    """Words in their colours at the lower right of the picture."""
+    plotter.subplot(0, 0)
+    for k, (text, color) in enumerate(reversed(meanings)):
+        letter(plotter, text, np.array([0.62 * plotter.window_size[0], (0.8 + 1.3 * k) * letters]), letters, color, _LEFT)

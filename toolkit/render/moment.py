@@ -1,0 +1,84 @@
+"""A scene at one step of a solution: what configurations in the plane and in space share."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.bodies.model_body import ModelBody
+from toolkit.component import Component
+from toolkit.joints.joint import PointJoint
+from toolkit.joints.spatial.joint import SpatialPointJoint
+from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.scene import Scene
+from toolkit.solution import Solution
+
+AT_ONE_PLACE = (PointJoint, SpatialPointJoint, SpatialTorque)
+"""Components whose points on both bodies are at one place, or that nothing stretches between."""
+
+
+@dataclass(frozen=True)
+class Moment(ABC):
+    """One step of a solution, for drawing; every position is real and global, in the scene's unit of length."""
+
+    solution: Solution
+    step: int
+
+    @property
+    def scene(self) -> Scene:
+        """What was solved."""
+        return self.solution.system.scene
+
+    @property
+    def time(self) -> float:
+        """Time of the step."""
+        return float(self.solution.times[self.step])
+
+    def coordinates(self, body: str) -> np.ndarray:
+        """Coordinates of one body; the ground has none."""
+        return np.real(self.solution.q[self.step, self.solution.coordinates(body)])
+
+    def flexible(self) -> list[str]:
+        """Names of the flexible bodies."""
+        return [name for name, body in self.scene.bodies.items() if isinstance(body, ModelBody)]
+
+    @abstractmethod
+    def position(self, body: str, point: str) -> np.ndarray:
+        """Where the body carries the named point of the scene, (d,)."""
+
+    def ends(self, component: Component) -> np.ndarray:
+        """Points at which a joint or load grips its two bodies, (2, d)."""
+        return np.array([self.position(body, point) for body, point in component.grips])
+
+    def links(self) -> list[Component]:
+        """Springs and distance joints: components between two different points."""
+        return [each for each in self.components() if not isinstance(each, AT_ONE_PLACE) and each.grips[0][1] != each.grips[1][1]]
+
+    def named_points(self) -> dict[str, np.ndarray]:
+        """The points that bodies are built on or gripped at, each where a moving body carries it, else where the ground does."""
+        built_on = [(name, point) for name, body in self.scene.bodies.items() for point in body.named_points()]
+        moving_first = sorted([*self.grips(), *built_on], key=lambda grip: grip[0] == "ground")
+        return {point: self.position(body, point) for body, point in reversed(moving_first)}
+
+    def components(self) -> list[Component]:
+        """All joints and loads that grip bodies."""
+        every = [*self.scene.joints.values(), *self.scene.loads.values()]
+        return [each for each in every if isinstance(each, Component)]
+
+    def grips(self) -> list[tuple[str, str]]:
+        """(body, point) wherever a joint or load grips, each once."""
+        return list(dict.fromkeys(grip for each in self.components() for grip in each.grips))
+
+
+def names_by_place(moment: Moment, tolerance: float) -> list[tuple[np.ndarray, str]]:
+    """Positions of the named points; points closer together than the tolerance share one label."""
+    found: list[tuple[np.ndarray, list[str]]] = []
+    for name, here in sorted(moment.named_points().items()):
+        near = [names for place, names in found if np.linalg.norm(place - here) < tolerance]
+        if near:
+            near[0].append(name)
+        else:
+            found.append((here, [name]))
+    return [(place, ", ".join(names)) for place, names in found]
