@@ -26,6 +26,7 @@ from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.point import BodyPoint, Point
@@ -49,6 +50,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("following torque", SpatialTorque, {"torque": (1.7, -0.6, 0.9), "frame": "body", "curve": SUM}),
     ("point force", SpatialPointForce, {"force": (0.8, -1.1, 0.5), "curve": SUM}),
     ("following force", SpatialPointForce, {"force": (0.8, -1.1, 0.5), "frame": "body", "curve": LINEAR}),
+    (
+        "rotational spring-damper",
+        SpatialRotationalSpringDamper,
+        {"axis": AXIS, "stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3},
+    ),
     ("spring-damper relaxed at the start", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
 ]
@@ -117,7 +123,12 @@ def all_bodies() -> dict[str, Any]:
         ),
         "flag": SpatialFlexible(model="frame.h5", frame="translating", position=(0.3, -0.2, 0.1), orientation=turned),
         "arm": SpatialFlexible(
-            model="frame.h5", frame="turning", axis=(0.0, 0.6, 1.0), position=(0.1, 0.2, 0.0), orientation=turned, density_stuff=0.9
+            model="frame.h5",
+            frame="turning",
+            axis=(0.0, 0.6, 1.0),
+            position=(0.1, 0.2, 0.0),
+            orientation=turned,
+            density_stuff=0.9,
         ),
         "mast": SpatialFlexible(model="frame.h5", position=(0.5, 0.4, -0.3), orientation=turned, width_bar=0.5),
         "block of rubber": SpatialFlexible(
@@ -175,7 +186,9 @@ def _cases() -> list[SpatialCase]:
             cases.append(SpatialCase(f"{name}: {grip}", kind, numbers, bodies, places, common))
     surfaces = [("block of rubber", "moving"), ("fixed rubber", "grounded")]
     numbers = {"surface": "top", "pressure": 0.7, "curve": SUM}
-    return cases + [SpatialCase(f"pressure: {frame}", Pressure, numbers, (body, "rod"), ("A", "B"), "A") for body, frame in surfaces]
+    return cases + [
+        SpatialCase(f"pressure: {frame}", Pressure, numbers, (body, "rod"), ("A", "B"), "A") for body, frame in surfaces
+    ]
 
 
 CASES = _cases()

@@ -10,6 +10,7 @@ import pytest
 
 import toolkit.render.probe as probe
 from tests.cases import CASES, write_models
+from tests.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.scenes import hanging_skin
 from toolkit.bodies.rigid import Rod
 from toolkit.errors import InputError, ToolkitError
@@ -32,21 +33,9 @@ from toolkit.responses.shape_error import ShapeRMS
 from toolkit.responses.stress import MaxStress, stress_field
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.system import compile_scene
 
 SCENE = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 WIDTH = 700
-
-
-def rest(scene, steps):
-    """A solution that stays in the undeformed state."""
-    system = compile_scene(scene)
-    q = np.tile(system.start()[0][: system.n_q], (steps + 1, 1))
-    zero, none = np.zeros_like(q), np.zeros((*q.shape, 0))
-    multipliers = np.zeros((steps + 1, system.n - system.n_q))
-    times = np.linspace(0, 1, steps + 1)
-    return Solution(system, times, q, zero, zero, multipliers, none, none, none, np.zeros((*multipliers.shape, 0)))
 
 
 @pytest.fixture(scope="module")
@@ -75,23 +64,7 @@ def pendulum(steps=0):
 
 @pytest.fixture(scope="module")
 def opengl():
-    """Skip where no picture can be drawn, and say why."""
-    try:
-        drawing_environment()
-    except RenderError as error:
-        pytest.skip(f"OpenGL is missing: {error}")
-
-
-def image(path):
-    """Pixels of a picture, (height, width, channels)."""
-    from PIL import Image
-
-    with Image.open(path) as opened:
-        return np.asarray(opened)
-
-
-def distinct_colors(pixels):
-    return len(np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0))
+    skip_where_nothing_draws()
 
 
 def test_every_instant_the_overview_and_the_curves_are_written(opengl, wing, tmp_path):

@@ -195,6 +195,9 @@ def render(
         list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
+    animate: Annotated[bool, typer.Option("--animate", help="Draw the motion as a moving picture (GIF) too.")] = False,
+    perspective: Annotated[bool, typer.Option("--perspective", help="In space: what is nearer is larger.")] = False,
+    triads: Annotated[bool, typer.Option("--triads", help="In space: draw the axes of the bodies' frames.")] = False,
     changes: Changes = None,
     models: Models = None,
     as_json: AsJson = False,
@@ -203,11 +206,13 @@ def render(
     """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
     from toolkit.render.pictures import render_solution
     from toolkit.render.probe import drawing_environment
+    from toolkit.render.view import View
 
-    solve = motion_of(file, changes, models, quiet)
+    view = View(perspective, triads)
+    solve = motion_of(file, changes, models, quiet, view.check)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
-    files = render_solution(solve(), folder, times, width)
+    files = render_solution(solve(), folder, times, width, view, animate)
     if as_json:
         print_json({"files": [str(file) for file in files]})
     else:

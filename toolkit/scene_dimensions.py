@@ -26,6 +26,7 @@ from toolkit.loads.point_force import PointForce
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
@@ -33,6 +34,7 @@ from toolkit.loads.torque import Torque
 from toolkit.point import BodyPoint, Point
 from toolkit.profile import CURVES
 from toolkit.responses.instant import Instant, TimeIntegral
+from toolkit.responses.motion import Rotation
 from toolkit.responses.response import Response
 from toolkit.responses.stress import KSStress
 from toolkit.run_options import Baumgarte, RunOptions
@@ -44,10 +46,12 @@ _VELOCITY = (_LENGTH.times(_RATE), _LENGTH.times(_RATE), _RATE)
 _STIFFNESS = LABELLED["force"].times(_LENGTH.power(-1))
 _ACCELERATION = _LENGTH.times(_RATE.power(2))
 _INERTIA = LABELLED["mass"].times(LABELLED["area"])
-_SPRING = {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH}
-_ROD = {"area": LABELLED["area"], "density": LABELLED["density"]}
+_Fields = dict[str, Dimension | tuple[Dimension, ...]]
+_SPRING: _Fields = {"stiffness": _STIFFNESS, "damping": _STIFFNESS.times(_TIME), "length": _LENGTH}
+_COIL: _Fields = {"stiffness": _ENERGY, "damping": _ENERGY.times(_TIME), "rest_angle": NONE}
+_ROD: _Fields = {"area": LABELLED["area"], "density": LABELLED["density"]}
 
-FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
+FIELDS: dict[type, _Fields] = {
     Point: {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH},
     BodyPoint: {"arc_length": _LENGTH},
     RigidBody: {"velocity": _VELOCITY},
@@ -72,8 +76,10 @@ FIELDS: dict[type, dict[str, Dimension | tuple[Dimension, ...]]] = {
     SpatialGravity: {"acceleration": _ACCELERATION},
     SpringDamper: _SPRING,
     SpatialSpringDamper: _SPRING,
-    RotationalSpringDamper: {"stiffness": _ENERGY, "damping": _ENERGY.times(_TIME), "rest_angle": NONE},
+    RotationalSpringDamper: _COIL,
+    SpatialRotationalSpringDamper: {**_COIL, "axis": NONE},
     Instant: {"time": _TIME},
+    Rotation: {"axis": NONE},
     KSStress: {"reference_stress": LABELLED["stress"]},
     Baumgarte: {"damping": _RATE, "stiffness": _RATE},
     RunOptions: {

@@ -26,6 +26,7 @@ import toolkit.joints.spatial.spherical
 import toolkit.joints.spatial.universal
 import toolkit.loads.point_force
 import toolkit.loads.spatial.point_force
+import toolkit.loads.spatial.rotational_spring_damper
 import toolkit.loads.spatial.spring_damper
 import toolkit.loads.spatial.torque
 import toolkit.loads.spring_damper

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numba import typeof
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
@@ -80,10 +81,18 @@ class System:
 
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
-        if self.compiled and not getattr(evaluate_all, "nopython_signatures", True):
+        if not self.compiled:
+            return plain(evaluate_all)
+        if isinstance(evaluate_all, CPUDispatcher) and self._signature() is None:
             q, v, *_ = self.start()
             self.evaluate(self.inputs(0.0, np.zeros(3)), q, v, np.zeros(self.n))
-        return first_class(evaluate_all) if self.compiled else plain(evaluate_all)
+        return first_class(evaluate_all, self._signature())
+
+    def _signature(self) -> Any:
+        """The signature that `evaluate_all` is compiled for with this plan; one process may have planar and spatial scenes."""
+        own = typeof(self.plan)
+        found = getattr(evaluate_all, "nopython_signatures", ())
+        return next((signature for signature in reversed(found) if signature.args[0] == own), None)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""

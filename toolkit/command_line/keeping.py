@@ -73,16 +73,27 @@ def check_options(file: Path, changes: list[str] | None, models: Path | None) ->
         raise InputError("--models belongs to a results file; a scene says itself where its models are. Leave it out.")
 
 
-def motion_of(file: Path, changes: list[str] | None, models: Path | None, quiet: bool = False) -> Callable[[], Solution]:
-    """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked."""
+def motion_of(
+    file: Path,
+    changes: list[str] | None,
+    models: Path | None,
+    quiet: bool = False,
+    check: Callable[[Scene], None] = lambda _: None,
+) -> Callable[[], Solution]:
+    """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked.
+
+    `check` refuses a scene that cannot be used, before it is solved.
+    """
     check_options(file, changes, models)
     if is_results(file):
         from toolkit.results.restore import restore_solution
         from toolkit.results.results_file import load_results
 
         solution = restore_solution(load_results(file), models)
+        check(solution.system.scene)
         return lambda: solution
     scene = read(file, changes)
+    check(scene)
     return lambda: solved(scene, "transient", quiet)
 
 

@@ -11,6 +11,7 @@ from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, prepare_folder, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
 from toolkit.command_line.report import print_json
+from toolkit.errors import InputError
 
 if TYPE_CHECKING:
     from toolkit.report.material import Material
@@ -51,12 +52,28 @@ def report(
         typer.echo(str(path))
 
 
+def refuse_space(dimension: int, file: Path) -> None:
+    """Refuse scenes in space before anything is computed.
+
+    Raises
+    ------
+    InputError
+        The scene is not planar; says which commands show one in space.
+    """
+    if dimension != 2:
+        raise InputError(
+            f"{file.name!r} is a scene in space, and the figures of a report are planar. ffrf render {file.name} --animate draws it with "
+            "its curves, ffrf simulate --output FILE.h5 and ffrf export FILE.h5 --paraview DIR make a time series of it."
+        )
+
+
 def _from_results(file: Path, models: Path | None) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.restore import restore_solution
     from toolkit.results.results_file import load_results
 
     results = load_results(file)
+    refuse_space(int(results.scene.table.get("dimension", 2)), file)
     return Material(restore_solution(results, models), results)
 
 
@@ -66,6 +83,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.sensitivity.analysis import direct
 
     scene, text = read(file, changes), text_of(file)
+    refuse_space(scene.dimension, file)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
         found = direct(scene, names, "transient", progress)

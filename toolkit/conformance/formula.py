@@ -84,7 +84,13 @@ def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> No
 def _check_blindness(load: Load, force: np.ndarray, force_z: np.ndarray, force_w: np.ndarray) -> None:
     """A load that says that it does not feel axes has neither forces on them nor derivatives by them."""
     axes = [k for k, name in enumerate(POSES[load.dimension]) if "axis" in name]
-    if np.any(force[axes]) or np.any(force_z[:, axes]) or np.any(force_z[axes]) or np.any(force_w[:, axes]) or np.any(force_w[axes]):
+    if (
+        np.any(force[axes])
+        or np.any(force_z[:, axes])
+        or np.any(force_z[axes])
+        or np.any(force_w[:, axes])
+        or np.any(force_w[axes])
+    ):
         raise ConformanceError(
             f"{load.kind!r}: its formula uses axes of the markers, but `feels_axes` is False, so that nobody computes them. Leave "
             "`feels_axes` out."

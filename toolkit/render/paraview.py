@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -24,23 +25,25 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     """Write one PVD file, to be opened in ParaView, and the VTP files that it lists.
 
     Every flexible body with a mesh is a band as thick as it is (2 % of the scene if its thickness is unknown), with point data
-    "stress in <unit>" and "stress by <variable>". Rigid bodies are lines.
+    "stress in <unit>" and "stress by <variable>". Rigid bodies are lines. In space it is its surface, see `spatial.series`.
 
     Returns
     -------
     path of `results.pvd` in the folder, which is made if it does not exist
     """
+    return write_series(
+        solution, directory, _spatial_meshes(solution) if solution.system.scene.dimension == 3 else _meshes(solution)
+    )
+
+
+def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, Any]]) -> Path:
+    """Write the meshes of every step, name -> mesh or None, and the PVD file that lists them by time; returns its path."""
     directory = Path(directory)
     directory.mkdir(parents=True, exist_ok=True)
-    look = choose_look(solution, range(len(solution.times)))
-    fields = {body: stress_field(solution, body) for body in look.thickness}
     entries: list[tuple[float, str, str]] = []
     digits = len(str(solution.steps))
     for step, time in enumerate(solution.times):
-        moment = Configuration(solution, step)
-        meshes = {body: _band(moment, body, look.thickness[body] or look.extent / 50, *fields[body]) for body in look.thickness}
-        meshes["mechanism"] = _mechanism(moment)
-        for name, mesh in meshes.items():
+        for name, mesh in meshes_at(step).items():
             if mesh is not None:
                 file = f"{safe_name(name)}_{step:0{digits}}.vtp"
                 with replaced(directory / file) as temporary:
@@ -50,6 +53,24 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     with replaced(path) as temporary:
         _collection(entries).write(temporary, encoding="utf-8", xml_declaration=True)
     return path
+
+
+def _spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
+    from toolkit.render.spatial.series import spatial_meshes
+
+    return spatial_meshes(solution)
+
+
+def _meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
+    look = choose_look(solution, range(len(solution.times)))
+    fields = {body: stress_field(solution, body) for body in look.thickness}
+
+    def at(step: int) -> dict[str, Any]:
+        moment = Configuration(solution, step)
+        thick = {body: true or look.extent / 50 for body, true in look.thickness.items()}
+        return {body: _band(moment, body, thick[body], *fields[body]) for body in thick} | {"mechanism": mechanism(moment)}
+
+    return at
 
 
 def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray, dstress: np.ndarray) -> Any:
@@ -63,12 +84,14 @@ def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray
     return mesh
 
 
-def _mechanism(moment: Configuration) -> Any:
+def mechanism(moment: Any) -> Any:
+    """Rigid bodies and links of a configuration in the plane or in space as lines, or None."""
     lines = [
         *(ends for body in moment.scene.bodies for ends in moment.segments(body)),
         *(moment.ends(each) for each in moment.links()),
     ]
-    return pyvista.PolyData().append_polydata(*map(line, lines)) if lines else None
+    drawn = line if moment.scene.dimension == 2 else pyvista.lines_from_points
+    return pyvista.PolyData().append_polydata(*map(drawn, lines)) if lines else None
 
 
 def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.ElementTree:

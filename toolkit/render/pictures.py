@@ -62,8 +62,8 @@ def render_solution(
     with drawing():
         artist = _artist(solution, view)
         directory.mkdir(parents=True, exist_ok=True)
-        shown = np.unique(np.linspace(0, len(solution.times) - 1, MOST_FRAMES).round().astype(int)) if animate else []
-        look, moments = artist.look([*steps, *(int(step) for step in shown)]), [artist.moment(step) for step in steps]
+        shown = sorted({int(k) for k in np.linspace(0, len(solution.times) - 1, MOST_FRAMES).round()}) if animate else []
+        look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
         files = [
             _write(directory / f"step-{moment.step:0{digits}}.png", artist.instant, moment, look, width=width)
@@ -75,7 +75,7 @@ def render_solution(
         if solution.steps:
             files.append(_write(directory / "curves.png", artist.curves, solution, width=width))
         if len(shown) > 1:
-            frames = [artist.moment(int(step)) for step in shown]
+            frames = [artist.moment(step) for step in shown]
             files.append(
                 _write(directory / "animation.gif", write_animation, frames, artist.instant, look, width=min(width, _SMALL))
             )

@@ -1,6 +1,8 @@
 """One stress for every stress point: that of a fibre, or von Mises' equivalent stress of six components.
 
-sigma_vM^2 = s^T V s = ((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (yz^2 + xz^2 + xy^2),   s = (xx, yy, zz, yz, xz, xy)
+With the components s = (xx, yy, zz, yz, xz, xy)
+
+    sigma_vM^2 = s^T V s = ((xx - yy)^2 + (yy - zz)^2 + (zz - xx)^2) / 2 + 3 (yz^2 + xz^2 + xy^2)
 """
 
 from __future__ import annotations

@@ -87,11 +87,8 @@ def _body(solution: Solution, body: str) -> BodyResults:
     model = scene.model(flexible_body(scene, body).model, "stress", "shape")
     stress, dstress = stress_field(solution, body)
     error, derror = shape_error_history(solution, body)
-    unknown, components = np.full(stress.shape[1], -1), stress.shape[1] // max(len(model.invariants.stress_operator), 1)
-    if model.stress is not None:
-        places = (model.stress.element, model.stress.end, model.stress.fibre)
-    else:
-        places = (unknown, np.arange(stress.shape[1]) % components, 0 * unknown) if components > 1 else (unknown,) * 3
+    unknown = np.full(stress.shape[1], -1)
+    places = (unknown,) * 3 if model.stress is None else (model.stress.element, model.stress.end, model.stress.fibre)
     arc_length = np.zeros(0) if model.shape is None else model.shape.arc_length
     return BodyResults(stress, dstress, *places, error, derror, arc_length)
 

@@ -15,8 +15,8 @@ class BodyResults:
     """Fields of one flexible body; the last axis of a derivative is that of `Results.design`.
 
     Stress is in the fibre `fibre` (+1 outer, -1 inner) at the end `end` (0 or 1) of element `element`. The shape error is the distance
-    of every node to its target; without a target its arrays have no nodes. Bodies that do not consist of planar beams have -1 for the
-    element; if they have all components of the stress, the columns are those of every point in turn, `end` numbers them and `fibre` is 0.
+    of every node to its target; without a target its arrays have no nodes. Of solids, whose points belong to no beam, all three are -1;
+    in space their stress is that of von Mises.
     """
 
     stress: np.ndarray  # (n_t, n_s)
@@ -34,14 +34,10 @@ class BodyResults:
         return [_stress_point(k, *map(int, row)) for k, row in enumerate(zip(self.element, self.end, self.fibre, strict=True))]
 
 
-COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
-"""Of the stress at a point of a solid in space."""
-
-
 def _stress_point(column: int, element: int, end: int, fibre: int) -> str:
     if element >= 0:
         return f"element {element}, {'end' if end else 'start'}, {'outer' if fibre > 0 else 'inner'}"
-    return f"point {column // len(COMPONENTS)}, {COMPONENTS[end]}" if fibre == 0 else f"point {column}"
+    return f"point {column}"
 
 
 @dataclass(frozen=True)

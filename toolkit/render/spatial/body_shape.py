@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model import StressPoints
 from toolkit.render.spatial.configuration import SpatialConfiguration
+from toolkit.responses.stress import stress_components
 from toolkit.scene import Scene
 from toolkit.spatial_model import Surface
 
@@ -40,35 +41,33 @@ def body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:
     found, scene = moment.scene.body(body), moment.scene
     assert isinstance(found, SpatialFlexible)
     model, elastic = scene.model(found.model, "surface", "stress"), moment.elastic(body)
-    surface, stress = model.surface, np.real(found.design_point(scene).value("stress_operator"))
+    surface, stress = model.surface, np.real(stress_components(scene, body, elastic))
     assert surface is not None
     points = moment.place(body, surface.position @ np.append(1.0, elastic))
-    told = np.full((len(points), stress.shape[1]), np.nan)
-    if len(rows := _rows(surface)) == len(stress):
-        told[rows] = stress @ elastic
+    told = at_points(surface, stress)
     moved = np.abs(surface.position[:, :, 1:]).max(axis=(1, 2), initial=0)
     still = moved <= STILL * moved.max(initial=0)
     return BodyShape(points, surface.triangles, surface.lines, _sides(surface, model.stress), told, still)
 
 
-def von_mises(stress: np.ndarray) -> np.ndarray:
-    """sqrt(3/2 s : s), s the deviator of six components (..., 6) xx, yy, zz, yz, xz, xy; of one component its absolute value, (...)."""
-    if stress.shape[-1] == 1:
-        return np.abs(stress[..., 0])
-    x, y, z, yz, xz, xy = np.moveaxis(stress, -1, 0)
-    return np.sqrt(((x - y) ** 2 + (y - z) ** 2 + (z - x) ** 2) / 2 + 3 * (yz**2 + xz**2 + xy**2))
+def at_points(surface: Surface, values: np.ndarray) -> np.ndarray:
+    """Values at the stress points (n_s, ...), the surface's points in their order or the ends of its lines, at all its points (n, ...).
 
-
-def _rows(surface: Surface) -> np.ndarray:
-    """The point that every row of the stress operator belongs to: the surface's in their order, or the ends of its lines."""
-    return surface.lines.ravel() if len(surface.lines) else np.arange(len(surface.position))
+    They are nan where the model does not say where its stress points are.
+    """
+    rows = surface.lines.ravel() if len(surface.lines) else np.arange(len(surface.position))
+    told = np.full((len(surface.position), *values.shape[1:]), np.nan)
+    if len(rows) == len(values):
+        told[rows] = values
+    return told
 
 
 def _sides(surface: Surface, stress: StressPoints | None) -> tuple[np.ndarray, ...]:
     """Polygons round every element that has three fibres or more, in the order in which they stand round the undeformed section."""
     if stress is None or len(stress.element) != surface.lines.size or not len(surface.lines):
         return ()
-    element, found = stress.element.reshape(-1, 2)[:, 0], {}
+    element = stress.element.reshape(-1, 2)[:, 0]
+    found: dict[int, list[np.ndarray]] = {}
     starts = np.append(np.flatnonzero(np.diff(element, prepend=element[0] - 1)), len(element))
     for first, last in pairwise(starts):
         fibres = surface.lines[first:last]

@@ -12,6 +12,10 @@ ANGLE = np.deg2rad(25.0)
 """From the lower to the upper edge of a picture in perspective."""
 ISOMETRIC = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [1.0, -1.0, 1.0]]) / np.sqrt([[2.0], [6.0], [3.0]])
 """Directions to the right, up and towards the eye: x comes to the front on the right, y goes to the back on the right, z is up."""
+_LEAST = 0.25
+"""Half of what is seen at least, relative to the reach: of a rod along the line of sight."""
+_CLEAR = 2.2
+"""How far things are moved to be before or behind all others, which are at most twice the reach apart, relative to it."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +31,7 @@ class Camera:
     distance
         From the eye to the focus.
     reach
-        How far things are from the focus at most, along the line of sight.
+        How far things are from the focus at most.
     perspective
         Whether what is nearer is larger.
     """
@@ -42,14 +46,15 @@ class Camera:
     def framing(cls, points: np.ndarray, aspect: float, margin: float, perspective: bool) -> Camera:
         """The nearest view of an aspect (width over height) that shows all points (n, 3), with a margin relative to their extent."""
         seen = points @ ISOMETRIC.T
-        reach = max(0.6 * float(np.linalg.norm(np.ptp(seen, axis=0))), 1e-12)
+        reach = 0.6 * float(np.linalg.norm(np.ptp(seen, axis=0))) or 0.5
         middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
+        seen = np.vstack([seen, middle + _LEAST * reach * np.vstack([np.eye(3), -np.eye(3)])])
         window = Window.around(seen[:, :2], aspect, margin)
         if not perspective:
-            return cls(middle @ ISOMETRIC, window.size, 4 * reach, reach, False)
+            return cls(middle @ ISOMETRIC, window.size, 5 * reach, reach, False)
         beside, height = np.abs(seen - middle), np.tan(ANGLE / 2)
         need = np.maximum(beside[:, 0] / aspect, beside[:, 1]) * (1 + 2 * margin) / height
-        distance = max(float(np.max(seen[:, 2] - middle[2] + need)), 1.2 * reach)
+        distance = max(float(np.max(seen[:, 2] - middle[2] + need)), 1.5 * reach)
         return cls(middle @ ISOMETRIC, 2 * distance * height * np.array([aspect, 1.0]), distance, reach, True)
 
     @property
@@ -64,11 +69,32 @@ class Camera:
         return local[..., :2] * nearness + self.size / 2
 
     def nearer(self, points: np.ndarray, shift: float) -> np.ndarray:
-        """Points (n, 3) moved towards the eye by about a length, or away by a negative one, without a change of where they are seen."""
-        if self.perspective:
-            return points + (self.eye - points) * self.ratio(shift)
-        return points + shift * ISOMETRIC[2]
+        """Points (n, 3) moved towards the eye by about a length, without a change of where they are seen."""
+        return self._along_sight(points, shift, 1 - shift / self.distance)
 
-    def ratio(self, shift: float) -> float:
-        """Part of the way to the eye that a shift is in perspective."""
-        return float(np.clip(shift / self.distance, -0.9, 0.9))
+    def before_all(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) moved before everything else, without a change of where they are seen."""
+        return self._along_sight(points, _CLEAR * self.reach, self._nearest / self._farthest)
+
+    def behind_all(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) moved behind everything else, without a change of where they are seen."""
+        return self._along_sight(points, -_CLEAR * self.reach, self._farthest / self._nearest)
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Distances from the eye that hold everything, also what was moved before and behind all else."""
+        if self.perspective:
+            return 0.9 * self._nearest**2 / self._farthest, 1.1 * self._farthest**2 / self._nearest
+        return self._nearest - _CLEAR * self.reach, self._farthest + _CLEAR * self.reach
+
+    @property
+    def _nearest(self) -> float:
+        return self.distance - self.reach
+
+    @property
+    def _farthest(self) -> float:
+        return self.distance + self.reach
+
+    def _along_sight(self, points: np.ndarray, shift: float, factor: float) -> np.ndarray:
+        """Moved by a length in parallel projection, in perspective to a multiple of the distance from the eye."""
+        return self.eye + (points - self.eye) * factor if self.perspective else points + shift * ISOMETRIC[2]

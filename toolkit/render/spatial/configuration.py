@@ -91,9 +91,12 @@ class SpatialConfiguration(Moment):
     def segments(self, body: str) -> list[np.ndarray]:
         """Lines that stand for a rigid body, each (2, 3): along a rod, else from the centre of mass to every gripped point.
 
-        A body that is gripped nowhere else is shown by the edges of the uniform box that has its mass and inertia.
+        A body that is gripped nowhere else is shown by the edges of the uniform box that has its mass and inertia, a flexible body
+        without a surface by lines from the middle of its interface points to each.
         """
         found = self.spatial_body(body)
+        if isinstance(found, SpatialFlexible):
+            return self._interface_star(body, found)
         if not isinstance(found, SpatialRigidBody):
             return []
         if isinstance(found, SpatialRod):
@@ -104,6 +107,13 @@ class SpatialConfiguration(Moment):
             np.array([centre, end]) for end in ends if np.linalg.norm(end - centre) > FAR * found.radius_of_gyration(self.scene)
         ]
         return arms or self._box(body, found)
+
+    def _interface_star(self, body: str, found: SpatialFlexible) -> list[np.ndarray]:
+        model, q = self.scene.model(found.model, "surface"), np.append(1.0, self.elastic(body))
+        if model.surface is not None or not model.interfaces:
+            return []
+        points = self.place(body, np.array([point.here[0] @ q for point in model.interfaces.values()]))
+        return [np.array([points.mean(axis=0), point]) for point in points]
 
     def _box(self, body: str, found: SpatialRigidBody) -> list[np.ndarray]:
         """Edges of a box along the principal axes, whose half sides are sqrt(3 s / m) for the second moments s."""

@@ -7,16 +7,16 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.render.curves import Panels, draw_panels, merged
-from toolkit.render.spatial.body_shape import body_shape, has_shape, von_mises
+from toolkit.render.spatial.body_shape import body_shape, has_shape
 from toolkit.render.spatial.configuration import SpatialConfiguration
+from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 from toolkit.units import unit
 
 
 def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, float]:
     """Smallest and largest stress of fibres, or zero and the largest von Mises stress, of a body with a surface."""
-    stress = body_shape(moment, body).stress
-    values = stress[:, 0] if stress.shape[1] == 1 else von_mises(stress)
+    values = point_stress(body_shape(moment, body).stress)
     values = values[np.isfinite(values)]
     return float(values.min(initial=0)), float(values.max(initial=0))
 

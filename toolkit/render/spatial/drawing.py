@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.render.labels import write_beside
 from toolkit.render.moment import names_by_place
@@ -106,7 +106,8 @@ def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialL
         radius = 0.5 * look.radius if boxed else rod_radius(moment, body, look.radius)
         for ends in segments:
             panel.draw(parts.rod(ends, radius), color=ROD, smooth_shading=True)
-        if segments and not isinstance(moment.scene.body(body), SpatialRod):
+        found = moment.scene.body(body)
+        if segments and isinstance(found, SpatialRigidBody) and not isinstance(found, SpatialRod):
             panel.draw(parts.ball(moment.centre(body), 2 * look.radius), color=ROD, smooth_shading=True)
 
 

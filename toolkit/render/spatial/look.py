@@ -11,10 +11,11 @@ from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.render.look import round_up
 from toolkit.render.spatial.arrows import arrows
-from toolkit.render.spatial.body_shape import BodyShape, body_shape, has_shape, von_mises
+from toolkit.render.spatial.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.spatial.camera import ISOMETRIC
 from toolkit.render.spatial.configuration import SpatialConfiguration
 from toolkit.render.view import View
+from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 
 MOST_MOMENTS = 60
@@ -67,7 +68,8 @@ class SpatialLook:
 
     def colored(self, shape: BodyShape) -> np.ndarray:
         """The stress that is shown at the points of a shape, (n,)."""
-        return shape.stress[:, 0] if self.signed else von_mises(shape.stress)
+        stress = point_stress(shape.stress)
+        return stress if self.signed else np.abs(stress)
 
 
 def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) -> SpatialLook:
@@ -83,7 +85,7 @@ def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) ->
             shape = body_shape(moment, body)
             points.append(outermost(shape.points))
             signed = signed and shape.stress.shape[1] == 1
-            stress = von_mises(shape.stress)
+            stress = np.abs(point_stress(shape.stress))
             limits.append(float(stress[np.isfinite(stress)].max(initial=0)))
     every = np.vstack(points)
     every = every if len(every) else np.zeros((1, 3))

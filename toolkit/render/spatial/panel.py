@@ -13,8 +13,6 @@ from toolkit.render.spatial.camera import ANGLE, ISOMETRIC, Camera
 AXES = {"x": "#c0392b", "y": "#1e8449", "z": "#2456a4"}
 _PAPER, _GRID = 200, 4
 """Brightness from which a pixel is free for letters, so that faint shapes are; and the distance of the pixels that are looked at."""
-_FRONT = 1.5
-"""How far before everything else symbols stand, relative to the reach of the scene."""
 
 
 @dataclass(frozen=True)
@@ -34,15 +32,7 @@ class SpatialPanel(Pane):
         plotter.camera_position = [tuple(camera.eye), tuple(camera.focus), tuple(ISOMETRIC[1])]
         plotter.camera.parallel_scale = camera.size[1] / 2
         plotter.camera.view_angle = np.rad2deg(ANGLE)
-        nearest, farthest = (camera.distance - sign * camera.reach for sign in (1, -1))
-        if camera.perspective:
-            nearest, farthest = (
-                nearest * (1 - camera.ratio(_FRONT * camera.reach)),
-                farthest * (1 + camera.ratio(_FRONT * camera.reach)),
-            )
-        else:
-            nearest, farthest = nearest - _FRONT * camera.reach, farthest + _FRONT * camera.reach
-        plotter.camera.clipping_range = (nearest, farthest)
+        plotter.camera.clipping_range = camera.range
 
     @property
     def scale(self) -> float:
@@ -55,17 +45,15 @@ class SpatialPanel(Pane):
 
     def draw_nearer(self, mesh: Any, shift: float, **style: Any) -> Any:
         """Add a mesh that covers what is behind it and up to a length before it."""
-        moved = mesh.copy(deep=False)
-        moved.points = self.camera.nearer(np.asarray(mesh.points), shift)
-        return self.draw(moved, **style)
+        return self.draw(_moved(mesh, self.camera.nearer(mesh.points, shift)), **style)
 
     def draw_front(self, mesh: Any, **style: Any) -> Any:
         """Add a mesh that covers everything else, as drawing symbols do."""
-        return self.draw_nearer(mesh, _FRONT * self.camera.reach, **style)
+        return self.draw(_moved(mesh, self.camera.before_all(mesh.points)), **style)
 
     def draw_back(self, mesh: Any, **style: Any) -> Any:
         """Add a mesh that everything else covers."""
-        return self.draw_nearer(mesh, -_FRONT * self.camera.reach, **style)
+        return self.draw(_moved(mesh, self.camera.behind_all(mesh.points)), **style)
 
     def write(self, text: str, pixel: np.ndarray, color: str = INK) -> None:
         """Centre a text at a pixel of the panel, on a light ground that keeps it readable on dark bodies."""
@@ -93,7 +81,7 @@ class SpatialPanel(Pane):
         for name, direction in arrows.items():
             color, end = AXES.get(name, INK), 2.4 * self.letter * (ISOMETRIC[:2] @ direction)
             strokes(self.plotter, arrow_lines(origin, origin + end, 0.4 * self.letter), color, 3 * self.letter / 22)
-            beyond = end + 0.7 * self.letter * end / max(np.linalg.norm(end), 1e-12)
+            beyond = end * (1 + 0.7 * self.letter / max(float(np.linalg.norm(end)), 1e-12))
             letter(self.plotter, name, origin + beyond, self.letter, color)
 
     def scale_bar(self, unit: str) -> None:
@@ -111,6 +99,12 @@ class SpatialPanel(Pane):
         letter(
             self.plotter, f"{step:g} {unit}", np.array([end + 0.6 * self.letter, height]), self.letter, INK, ("left", "center")
         )
+
+
+def _moved(mesh: Any, points: np.ndarray) -> Any:
+    found = mesh.copy(deep=False)
+    found.points = points
+    return found
 
 
 def arrow_lines(start: np.ndarray, end: np.ndarray, head: float) -> list[np.ndarray]:

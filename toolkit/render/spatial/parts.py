@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,19 +13,26 @@ from toolkit.render.spatial.body_shape import BodyShape
 STRESS = "stress"
 
 
+def whole(shape: BodyShape) -> Any:
+    """Triangles, sides and lines as one mesh."""
+    faces = [np.column_stack([np.full(len(each), each.shape[1]), each]).ravel() for each in (shape.triangles, *shape.sides)]
+    lines = np.column_stack([np.full(len(shape.lines), 2), shape.lines]).ravel()
+    mesh: Any = pyvista.PolyData()
+    mesh.points, mesh.faces, mesh.lines = shape.points, np.concatenate(faces).astype(int), lines.astype(int)
+    return mesh
+
+
 def surface(shape: BodyShape, values: np.ndarray | None = None) -> Any:
     """The triangles of a solid and the sides of beams, with values at their points."""
-    faces = [np.column_stack([np.full(len(each), each.shape[1]), each]).ravel() for each in (shape.triangles, *shape.sides)]
-    mesh = pyvista.PolyData(shape.points, faces=np.concatenate(faces).astype(int))
-    if values is not None:
-        mesh.point_data[STRESS] = values
-    return mesh
+    return _valued(whole(replace(shape, lines=shape.lines[:0])), values)
 
 
 def fibres(shape: BodyShape, values: np.ndarray | None = None) -> Any:
     """The lines of beams, with values at their points."""
-    lines = np.column_stack([np.full(len(shape.lines), 2), shape.lines])
-    mesh = pyvista.PolyData(shape.points, lines=lines.ravel().astype(int))
+    return _valued(whole(replace(shape, triangles=shape.triangles[:0], sides=())), values)
+
+
+def _valued(mesh: Any, values: np.ndarray | None) -> Any:
     if values is not None:
         mesh.point_data[STRESS] = values
     return mesh
@@ -33,12 +41,12 @@ def fibres(shape: BodyShape, values: np.ndarray | None = None) -> Any:
 def clamped_faces(shape: BodyShape) -> Any:
     """The triangles that nothing moves."""
     fixed = shape.triangles[shape.still[shape.triangles].all(axis=1)]
-    return pyvista.PolyData(shape.points, faces=np.column_stack([np.full(len(fixed), 3), fixed]).ravel().astype(int))
+    return surface(replace(shape, triangles=fixed, sides=()))
 
 
 def edges(shape: BodyShape, angle: float = 40.0) -> Any:
     """Lines where the surface of a solid has an edge."""
-    mesh = pyvista.PolyData(shape.points, faces=np.column_stack([np.full(len(shape.triangles), 3), shape.triangles]).ravel())
+    mesh = surface(replace(shape, sides=()))
     return mesh.extract_feature_edges(feature_angle=angle, boundary_edges=True, non_manifold_edges=False, manifold_edges=False)
 
 

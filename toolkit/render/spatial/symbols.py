@@ -6,6 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pyvista
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
@@ -16,7 +18,7 @@ from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.universal import Universal
-from toolkit.render.spatial.body_shape import body_shape, has_shape
+from toolkit.render.spatial.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.spatial.configuration import SpatialConfiguration
 
 KINDS: dict[type, str] = {
@@ -56,20 +58,32 @@ def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
 
 
 def clamped_points(moment: SpatialConfiguration) -> list[np.ndarray]:
-    """Middles of the sections of grounded beams that nothing moves; the clamped faces of solids are told by their colour."""
+    """Middles of what nothing moves of grounded bodies: sections of beams, and connected parts of a solid's surface."""
     found: list[np.ndarray] = []
     for body in moment.flexible():
-        if moment.spatial_body(body).frame != "grounded" or not has_shape(moment.scene, body):
-            continue
-        shape = body_shape(moment, body)
-        places = shape.points[shape.lines]
-        fixed = places.reshape(-1, 3)[shape.still[shape.lines].ravel()]
-        reach = np.linalg.norm(np.ptp(shape.points, axis=0)) / 20
-        while len(fixed):
-            near = np.linalg.norm(fixed - fixed[0], axis=1) < reach
-            found.append(fixed[near].mean(axis=0))
-            fixed = fixed[~near]
+        if moment.spatial_body(body).frame == "grounded" and has_shape(moment.scene, body):
+            shape = body_shape(moment, body)
+            found += _clamped_sections(shape) + _clamped_parts(shape)
     return found
+
+
+def _clamped_sections(shape: BodyShape) -> list[np.ndarray]:
+    """Ends of fibres that are close to each other belong to one section."""
+    fixed, found = shape.points[shape.lines.ravel()[shape.still[shape.lines.ravel()]]], []
+    reach = np.linalg.norm(np.ptp(shape.points, axis=0)) / 20
+    while len(fixed):
+        near = np.linalg.norm(fixed - fixed[0], axis=1) < reach
+        found.append(fixed[near].mean(axis=0))
+        fixed = fixed[~near]
+    return found
+
+
+def _clamped_parts(shape: BodyShape) -> list[np.ndarray]:
+    """Triangles that share points belong to one part."""
+    fixed, n = shape.triangles[shape.still[shape.triangles].all(axis=1)], len(shape.points)
+    links = coo_array((np.ones(2 * len(fixed)), (np.tile(fixed[:, 0], 2), fixed[:, 1:].T.ravel())), (n, n))
+    part = connected_components(links, directed=False)[1][fixed[:, 0]]
+    return [shape.points[np.unique(fixed[part == each])].mean(axis=0) for each in np.unique(part)]
 
 
 def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSymbol]:
@@ -78,11 +92,13 @@ def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSy
         return []
     kind, grounded = KINDS.get(type(joint), "ball"), "ground" in joint.bodies
     point, base = moment.ends(joint)
-    axes = np.eye(3) if joint.axes(moment.scene) is None else moment.turned(*joint.grips[1], np.real(joint.axes(moment.scene)))
+    own = joint.axes(moment.scene)
+    before = np.eye(3) if own is None else np.real(own)
+    axes = moment.turned(*joint.grips[1], before)
     if kind == "weld":
         return [SpatialSymbol(kind, point, np.eye(3), True)] if grounded else []
     if kind == "cross":
-        first = moment.turned(*joint.grips[0], np.real(joint.axes(moment.scene)))[:, 0]
+        first = moment.turned(*joint.grips[0], before)[:, 0]
         axes = np.column_stack([first, axes[:, 1], np.cross(first, axes[:, 1])])
     if kind in ("slider", "sleeve"):
         return [SpatialSymbol(kind, point, axes), SpatialSymbol("rails" if kind == "slider" else "rail", point, axes, grounded)]
