@@ -178,7 +178,9 @@ def spatial_stroke(o: np.ndarray) -> complex:
 def test_spatial_bracket_moves_its_piston_as_the_rigid_slider_crank_does():
     found, h = run("spatial_bracket"), 1e-20
     o = np.array([-25.0, 0, 0], complex)
-    assert found.values["stroke"] == pytest.approx(spatial_stroke(o).real, abs=0.2)  # mm; the bracket of 8 mm bends by 4.7 um per N
+    assert found.values["stroke"] == pytest.approx(
+        spatial_stroke(o).real, abs=0.2
+    )  # mm; the bracket of 8 mm bends by 4.7 um per N
     for k, name in enumerate(("x_O", "y_O")):
         slope = spatial_stroke(o + 1j * h * np.eye(3)[k]).imag / h
         assert found.gradients["stroke"][name] == pytest.approx(slope, rel=2e-2), name  # its bending follows the crank too

@@ -58,9 +58,10 @@ print(f"{stress[time, point]:.2f} MPa at {model.surface.position[point, :, 0].ro
 
 # %%
 short = read_scene(scene, {"solver.end_time": "0.0005"})
-ours, *others = (gradients_by(method, short, list(design), "transient").gradients for method in ("direct", "adjoint", "complex-step"))
+methods = ("direct", "adjoint", "complex-step")
+ours, *others = (gradients_by(method, short, list(design), "transient").gradients for method in methods)
 check = 0.0
-for name, slopes in ours.items():
+for name in ours:
     scaled = np.array([[each[name][x] * size for x, size in design.items()] for each in (ours, *others)])
     off = np.abs(scaled[1:] - scaled[0]).max() / np.abs(scaled[0]).max()
     print(f"{name:14} direct, adjoint and complex step differ by {off:.0e}")
@@ -84,7 +85,8 @@ for size, around, count in ((15, 5, 0), (15, 5, 2), (15, 5, 12), (10, 10, 2), (6
     mesh(folder / "bracket.msh", size, around)
     result = run(count)
     slope = result.gradients["stress"]["m"] * design["m"]
-    print(f"elements of {size:2} mm, {around:2} round a bore, {count:2} modes: stress {result.values['stress']:.3f} MPa, slope {slope:.3f}")
+    words = f"elements of {size:2} mm, {around:2} round a bore, {count:2} modes"
+    print(f"{words}: stress {result.values['stress']:.3f} MPa, slope {slope:.3f}")
 
 # %% [markdown]
 # Pictures, of the last run: the bracket with its stress at four instants.
