@@ -49,6 +49,8 @@ def test_volume_is_that_of_the_middle_line_times_the_section(skin):
     length = build(skin).shape.arc_length[-1]
     assert volume == pytest.approx(length * 1.5 * 40, rel=2e-4)  # elements of second order for the spline's arc
     assert list(mesh.blocks) == ["hexahedron20"]
+    corners = mesh.nodes[mesh.blocks["hexahedron20"]]
+    assert np.all(np.linalg.det(corners[:, [1, 3, 4]] - corners[:, :1]) > 0)  # not mirrored, which other programs refuse
     assert set(mesh.groups) == {"skin", "F", "G", "C", "E"}
 
 
@@ -87,6 +89,9 @@ def test_what_cannot_be_extruded_is_refused(skin):
     text = skin.read_text()
     skin.write_text(text.replace("thickness = 1.5", "thickness = 10.0"))
     with pytest.raises(InputError, match="smallest radius"):
+        extrude(skin, skin.with_name("solid.msh"))
+    skin.write_text(text.replace("C = {", "F = {"))
+    with pytest.raises(InputError, match=r"interface_points\.F.*another name"):
         extrude(skin, skin.with_name("solid.msh"))
     skin.write_text(text.replace("poisson_ratio", "# "))
     with pytest.raises(InputError, match="needs poisson_ratio"):

@@ -36,8 +36,8 @@ def run(name: str, changes: dict[str, str] | None = None) -> Result:
 
 
 def test_the_models_are_those_that_are_checked_here():
-    checked = ["bracket", "four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank", "snap_through"]
-    assert sorted([*checked, "spatial_bracket"]) == NAMES
+    planar = ["bracket", "four_bar_chain", "morphing_wing", "pendulum", "rotating_beam", "slider_crank", "snap_through"]
+    assert [*planar, "spatial_bracket"] == NAMES
     assert [name for name in NAMES if not (MODELS / name / "README.md").exists()] == []
 
 

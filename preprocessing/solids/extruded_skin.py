@@ -70,7 +70,10 @@ def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
     found = {"F": 0.0, "G": float(np.real(geometry.skin.length))}
     for name, place in file.interface_points.items():
         with at_key(path, f"interface_points.{name}"):
-            found[name] = float(geometry.skin.locate(**place.where, stations=geometry.arc_lengths))
+            s = float(geometry.skin.locate(**place.where, stations=geometry.arc_lengths))
+            if name == "skin" or abs(s - found.get(name, s)) > ON_NODE * found["G"]:
+                raise InputError("the solid's groups F, G and skin are its ends and all of it. Give the point another name.")
+            found[name] = s
     return found
 
 
@@ -94,14 +97,14 @@ def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int)
 
 
 def _grid(geometry: Geometry, s: np.ndarray, thickness: float, z: np.ndarray) -> np.ndarray:
-    """Positions at arc lengths, on the inner side, the middle line and the outer side, and at widths, (n_s, 3, n_z, 3)."""
+    """Positions at arc lengths, on the outer side, the middle line and the inner side, and at widths, (n_s, 3, n_z, 3)."""
     skin = geometry.skin
     sharpest = float(np.abs(skin.curvature(np.linspace(0, s[-1], 100 * len(s)))).max())
     if thickness / 2 * sharpest >= 1:
         raise InputError(f"half of the thickness {thickness:g} is more than the smallest radius of the skin, {1 / sharpest:.3g}.")
     angle = skin.tangent_angle(s)
     inward = np.column_stack([-np.sin(angle), np.cos(angle)])  # the contour runs anticlockwise
-    across = thickness * np.array([0.5, 0.0, -0.5])
+    across = thickness * np.array([-0.5, 0.0, 0.5])
     plane = skin.position(s)[:, None] + across[:, None] * inward[:, None]
     return np.concatenate(
         [np.broadcast_to(plane[:, :, None], (len(s), 3, len(z), 2)), np.broadcast_to(z[:, None], (len(s), 3, len(z), 1))], axis=3
