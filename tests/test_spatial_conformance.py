@@ -212,5 +212,5 @@ def test_a_load_without_formula_cannot_be_created():
 
 def test_a_joint_without_rows_cannot_be_made():
     rowless = type("Rowless", (SpatialPointJoint,), {"kind": "test-rowless", "__module__": __name__})
-    with pytest.raises(TypeError, match="abstract method 'constraint'"):
+    with pytest.raises(TypeError, match=r"abstract method '?constraint"):
         rowless(bodies=("rod", "ground"), point="A")

@@ -22,7 +22,7 @@ from toolkit.bodies.spatial.marker_kernel import SpatialMarkers
 from toolkit.joints.all_joints import add_joint_designs, add_joints
 from toolkit.joints.joint_kernel import Joints
 from toolkit.joints.spatial.joint_kernel import SpatialJoints
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import chooser, kernel
 from toolkit.loads.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 from toolkit.loads.spatial.pressure_kernel import Pressures, add_pressure_designs, add_pressures
 
@@ -108,7 +108,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
     )
 
 
-@inner
+@chooser
 def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     """Both groups of the residual, and if `linearize` their derivatives by the state."""
     terms.inertial[:] = 0
@@ -159,7 +159,7 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
     drop_rows(plan, acc, linearize, terms)
 
 
-@inner
+@chooser
 def drop_rows(plan, acc, linearize, terms):
     """lam = 0 in the place of redundant constraints."""
     for row in plan.dropped:
@@ -169,7 +169,7 @@ def drop_rows(plan, acc, linearize, terms):
             terms.I_q[e], terms.A_q[e], terms.A_v[e] = 0, 0, 0
 
 
-@inner
+@chooser
 def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     """Partial derivatives of the residual by the design, at the state of the last evaluation."""
     for e in range(len(plan.touched_row)):

@@ -36,6 +36,11 @@ def inner(function: Callable) -> CPUDispatcher:
     return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 
 
+def chooser(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that only chooses between others: always inlined, because passing on its many arguments costs more."""
+    return _compiled(function, forceinline=True)
+
+
 def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
     dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off

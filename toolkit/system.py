@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,7 @@ class System:
         self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, design, terms, work)
         return terms
 
+    @cached_property
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:

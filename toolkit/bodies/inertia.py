@@ -7,10 +7,10 @@ from toolkit.bodies.floating_jacobian import floating_jacobian
 from toolkit.bodies.floating_kernel import floating_design, floating_residual
 from toolkit.bodies.spatial.floating_jacobian import spatial_jacobian
 from toolkit.bodies.spatial.floating_kernel import spatial_design, spatial_residual
-from toolkit.kernel import inner
+from toolkit.kernel import chooser
 
 
-@inner
+@chooser
 def moving_residual(plane, frames, part, state, q, v, acc, scale, work, inertial, applied):
     """Residual of all bodies whose frame moves."""
     if plane is not None:
@@ -19,7 +19,7 @@ def moving_residual(plane, frames, part, state, q, v, acc, scale, work, inertial
         spatial_residual(part, state.frames, q, v, acc, scale, work, inertial, applied)
 
 
-@inner
+@chooser
 def moving_jacobian(plane, frames, part, state, q, v, acc, scale, work, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v and a."""
     if plane is not None:
@@ -28,7 +28,7 @@ def moving_jacobian(plane, frames, part, state, q, v, acc, scale, work, I_acc, I
         spatial_jacobian(part, frames, state.frames, q, v, acc, scale, work, I_acc, I_q, A_q, A_v)
 
 
-@inner
+@chooser
 def moving_design(plane, frames, part, state, q, v, acc, scale, work, I_x, A_x):
     """Partial design derivatives of the residual."""
     if plane is not None:

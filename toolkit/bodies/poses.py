@@ -11,11 +11,11 @@ from toolkit.bodies.marker_kernel import update_markers
 from toolkit.bodies.spatial.marker_design import update_spatial_marker_designs
 from toolkit.bodies.spatial.marker_forces import add_spatial_force, add_spatial_force_design, add_spatial_stiffness
 from toolkit.bodies.spatial.marker_kernel import update_spatial_markers
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import chooser
 from toolkit.spatial import update_frames
 
 
-@kernel
+@chooser
 def update_poses(plane, frames, markers, state, q, v, acc, scratch):
     """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
     if plane is not None:
@@ -25,14 +25,14 @@ def update_poses(plane, frames, markers, state, q, v, acc, scratch):
         update_spatial_markers(markers, state, q, v, acc)
 
 
-@inner
+@chooser
 def set_frames(frames, state, q, v, acc):
     """Evaluate the frames alone; where bodies are to feel no rates, with rates that are zero."""
     if frames is not None:
         update_frames(frames, state.frames, q, v, acc)
 
 
-@kernel
+@chooser
 def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
     """Partial design derivatives of all markers, after `update_poses`."""
     if plane is not None:
@@ -41,7 +41,7 @@ def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
         update_spatial_marker_designs(markers, state, q, v, acc)
 
 
-@inner
+@chooser
 def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
     """residual += factor * B^T F for a force F, as long as a pose, on marker m."""
     if plane is not None:
@@ -50,7 +50,7 @@ def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
         add_spatial_force(markers, state, m, force, factor, residual)
 
 
-@inner
+@chooser
 def add_pose_stiffness(plane, frames, markers, state, m, force, factor, positions, stride, offset, values):
     """values += factor * d(B^T F)/dq at constant F, see `marker_forces`."""
     if plane is not None:
@@ -59,7 +59,7 @@ def add_pose_stiffness(plane, frames, markers, state, m, force, factor, position
         add_spatial_stiffness(markers, state, m, force, factor, positions, stride, offset, values)
 
 
-@inner
+@chooser
 def add_pose_force_design(plane, frames, markers, state, m, d, force, factor, q, residual_x):
     """residual_x += factor * d(B^T F)/dx at constant F."""
     if plane is not None:

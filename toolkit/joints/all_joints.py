@@ -9,11 +9,11 @@ from toolkit.joints.joint_kernel import evaluate_joint, joint_residual
 from toolkit.joints.spatial.joint_design import spatial_joint_design
 from toolkit.joints.spatial.joint_jacobian import spatial_joint_jacobian
 from toolkit.joints.spatial.joint_kernel import evaluate_spatial_joint, gap, spatial_joint_residual
-from toolkit.kernel import inner, kernel
+from toolkit.kernel import chooser
 from toolkit.spatial import lengths_jacobian, lengths_residual
 
 
-@kernel
+@chooser
 def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc, work):
     """Rows of one joint, their derivatives, and its force g_z^T lam."""
     if plane is not None:
@@ -22,7 +22,7 @@ def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc,
         evaluate_spatial_joint(joints, j, state, acc, work)
 
 
-@inner
+@chooser
 def gap_of(frames, joints, j, i, value, target):
     """value - target of row i, which may be an angle."""
     if frames is not None:
@@ -30,7 +30,7 @@ def gap_of(frames, joints, j, i, value, target):
     return value - target
 
 
-@inner
+@chooser
 def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, terms):
     """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
@@ -52,7 +52,7 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
                 )
 
 
-@inner
+@chooser
 def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms):
     """Partial derivatives of all rows and forces by the design."""
     for j in range(len(joints.row)):
@@ -62,7 +62,7 @@ def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, 
             )
 
 
-@inner
+@chooser
 def add_joint_design(
     plane, frames, functions, joints, j, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms
 ):

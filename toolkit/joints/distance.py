@@ -4,12 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-from pydantic import model_validator
-
 from toolkit.component import Skeleton
-from toolkit.description import Positive
 from toolkit.joints.joint import Joint
+from toolkit.joints.places import BetweenPoints
 from toolkit.kernel import kernel
 
 
@@ -34,35 +31,14 @@ def distance(z, w, phi, phi_z, phi_zz, phi_zww):
     phi_zww[0, 6] = -rate / (length * length)
 
 
-class Distance(Joint):
+class Distance(BetweenPoints, Joint):
     """phi = (d . d / L - L) / 2, d from point b to point a: the two points keep their distance L.
 
     Without `length` it is the distance in the undeformed configuration and follows when a point moves.
-
-    Attributes
-    ----------
-    points
-        Names of the point on body a and that on body b.
-    length
-        L, in units of length.
     """
 
     kind = "distance"
     formula = distance
-
-    points: tuple[str, str]
-    length: Positive | None = None
-
-    @model_validator(mode="after")
-    def _two_points(self) -> Distance:
-        if self.points[0] == self.points[1]:
-            raise ValueError("a distance joint needs two different points; use a revolute joint to unite them")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
-        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
     @property
     def row_names(self) -> list[str]:
@@ -71,5 +47,4 @@ class Distance(Joint):
 
     def parameters(self, scene: Skeleton) -> list[Any]:
         """The length."""
-        d = scene.position(self.points[0]) - scene.position(self.points[1])
-        return [np.sqrt(d @ d) if self.length is None else self.length]
+        return [self.own_length(scene)]

@@ -6,7 +6,8 @@ from typing import ClassVar
 
 from pydantic import model_validator
 
-from toolkit.component import Component, Place, on_both
+from toolkit.component import Component
+from toolkit.joints.places import AtPoint
 
 
 class Joint(Component):
@@ -37,19 +38,5 @@ class Joint(Component):
         return self
 
 
-class PointJoint(Joint):
-    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
-
-    Attributes
-    ----------
-    point
-        Name of the point, or of the point on body a and that on body b.
-    """
-
-    point: Place
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.bodies[0], first), (self.bodies[1], second)
+class PointJoint(AtPoint, Joint):
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""

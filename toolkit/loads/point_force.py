@@ -5,14 +5,13 @@ from __future__ import annotations
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import field_validator
 
 from toolkit.component import Skeleton
 from toolkit.description import Pair
 from toolkit.kernel import kernel
+from toolkit.loads.applied import AppliedForce
 from toolkit.loads.load import Load
 from toolkit.loads.load_kernel import CURVE
-from toolkit.profile import Constant, Curve
 
 
 @kernel
@@ -28,48 +27,22 @@ def point_force(z, w, force, force_z, force_w):
     force_z[0, 2], force_z[1, 2] = -follow * z[CURVE] * y, follow * z[CURVE] * x
 
 
-class PointForce(Load):
+class PointForce(AppliedForce, Load):
     """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
 
     Attributes
     ----------
-    body
-        Body that the force acts on.
-    point
-        Name of the point on it.
     force
         F_x, F_y.
     frame
         Axes of F: those of space, or those that turn with the body.
-    curve
-        s(t).
     """
 
     kind = "point-force"
     formula = point_force
 
-    body: str
-    point: str
     force: Pair
     frame: Literal["space", "body"] = "space"
-    curve: Curve = Constant()
-
-    @field_validator("body")
-    @classmethod
-    def _moves(cls, body: str) -> str:
-        if body == "ground":
-            raise ValueError("a force on the ground has no effect; name the body that it acts on")
-        return body
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The body; nothing reacts but the ground."""
-        return (self.body, self.point), ("ground", self.point)
-
-    @property
-    def time_curve(self) -> Curve:
-        """s(t)."""
-        return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The force, and whether it follows."""

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from pydantic import model_validator
 
-from toolkit.component import Place, Skeleton, on_both
-from toolkit.description import NotNegative, Number
 from toolkit.kernel import kernel
 from toolkit.loads.load import Load
+from toolkit.loads.springs import PointSpring, TurnSpring
 
 
 @kernel
@@ -58,89 +54,15 @@ def rotational_spring_damper(z, w, force, force_z, force_w):
             force_w[row, 3 * other + 2] = -sign * (1 - 2 * other) * z[7]
 
 
-class SpringDamper(Load):
-    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start.
-
-    Attributes
-    ----------
-    bodies
-        Names of bodies a and b.
-    points
-        Names of the point on body a and that on body b.
-    stiffness
-        k, in force/length.
-    damping
-        c, in force time/length.
-    length
-        Relaxed length; by default the distance of the points in the undeformed configuration.
-    """
+class SpringDamper(PointSpring, Load):
+    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
 
     kind = "spring-damper"
     formula = spring_damper
 
-    bodies: tuple[str, str]
-    points: tuple[str, str]
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    length: NotNegative | None = None
 
-    @model_validator(mode="after")
-    def _two_points(self) -> SpringDamper:
-        if self.points[0] == self.points[1]:
-            raise ValueError("a spring needs two different points, otherwise it has no direction")
-        if self.bodies == ("ground", "ground"):
-            raise ValueError("a spring between two points of the ground has no effect; name a body that moves")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
-        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
-
-    def parameters(self, scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed length."""
-        d = scene.position(self.points[0]) - scene.position(self.points[1])
-        return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]
-
-
-class RotationalSpringDamper(Load):
-    """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration.
-
-    Attributes
-    ----------
-    bodies
-        Names of bodies a and b.
-    point
-        Name of the point, or of the point on body a and that on body b.
-    stiffness
-        k, in torque/rad.
-    damping
-        c, in torque time/rad.
-    rest_angle
-        Relative rotation without torque, in rad.
-    """
+class RotationalSpringDamper(TurnSpring, Load):
+    """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration."""
 
     kind = "rotational-spring-damper"
     formula = rotational_spring_damper
-
-    bodies: tuple[str, str]
-    point: Place
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    rest_angle: Number = 0.0
-
-    @model_validator(mode="after")
-    def _two_bodies(self) -> RotationalSpringDamper:
-        if self.bodies[0] == self.bodies[1]:
-            raise ValueError(f"a rotational spring ties two different bodies, not {self.bodies[0]!r} to itself")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.bodies[0], first), (self.bodies[1], second)
-
-    def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed angle."""
-        return [self.stiffness, self.damping, self.rest_angle]

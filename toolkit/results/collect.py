@@ -84,11 +84,14 @@ def _result(solution: Solution) -> Result:
 
 def _body(solution: Solution, body: str) -> BodyResults:
     scene = solution.system.scene
-    model = scene.model(flexible_body(scene, body).model, "stress", "shape")
+    model = scene.model(flexible_body(scene, body).model, "stress", "shape", "surface")
     stress, dstress = stress_field(solution, body)
     error, derror = shape_error_history(solution, body)
     unknown = np.full(stress.shape[1], -1)
-    places = (unknown,) * 3 if model.stress is None else (model.stress.element, model.stress.end, model.stress.fibre)
+    solid = model.surface is not None and len(model.surface.triangles) > 0
+    places = (unknown,) * 3
+    if model.stress is not None and not solid:
+        places = (model.stress.element, model.stress.end, model.stress.fibre)
     arc_length = np.zeros(0) if model.shape is None else model.shape.arc_length
     return BodyResults(stress, dstress, *places, error, derror, arc_length)
 

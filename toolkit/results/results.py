@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +17,8 @@ class BodyResults:
     """Fields of one flexible body; the last axis of a derivative is that of `Results.design`.
 
     Stress is in the fibre `fibre` (+1 outer, -1 inner) at the end `end` (0 or 1) of element `element`. The shape error is the distance
-    of every node to its target; without a target its arrays have no nodes. Of solids, whose points belong to no beam, all three are -1;
-    in space their stress is that of von Mises.
+    of every node to its target; without a target its arrays have no nodes. Of solids in space, whose points belong to no beam, all three
+    are -1, and the stress is that of von Mises.
     """
 
     stress: np.ndarray  # (n_t, n_s)
@@ -31,7 +33,12 @@ class BodyResults:
     @property
     def stress_points(self) -> list[str]:
         """Names of the columns of `stress`."""
-        return [_stress_point(k, *map(int, row)) for k, row in enumerate(zip(self.element, self.end, self.fibre, strict=True))]
+        rows = zip(self.element, self.end, self.fibre, strict=True)
+        names = [_stress_point(k, *map(int, row)) for k, row in enumerate(rows)]
+        fibres = {
+            name: count(1) for name, times in Counter(names).items() if times > 1
+        }  # sections in space have several on one side
+        return [f"{name} {next(fibres[name])}" if name in fibres else name for name in names]
 
 
 def _stress_point(column: int, element: int, end: int, fibre: int) -> str:

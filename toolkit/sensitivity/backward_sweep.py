@@ -76,7 +76,7 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
     curves, curves_x = system.curves(window.times[piece])
     levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
     failed = system.run(
-        integrate_backwards, system.evaluator(), system.plan, system.functions, curves, curves_x, state.lengths[steps],
+        integrate_backwards, system.evaluator, system.plan, system.functions, curves, curves_x, state.lengths[steps],
         state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),
         by_q, by_v, by_acc, state.memory, state.gradient,
     )  # fmt: skip

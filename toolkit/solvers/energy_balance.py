@@ -80,7 +80,7 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)
     system.run(
-        powers, system.evaluator(), plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
+        powers, system.evaluator, plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
         out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
     )  # fmt: skip
     constant = plan.constant

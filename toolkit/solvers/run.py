@@ -57,7 +57,7 @@ def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray]
     """Steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`; the outcome tells how far they came."""
     system, levels = run.system, constraint_levels(run.options, run.lengths, run.relaxation)
     system.run(
-        integrate, system.evaluator(), system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
+        integrate, system.evaluator, system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
         run.control, begins, first, last, history, run.memory, run.ggl, run.outcome,
     )  # fmt: skip
 

@@ -8,9 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.component import Place, Skeleton, on_both
+from toolkit.component import Skeleton
 from toolkit.description import Triple
 from toolkit.joints.joint import Joint
+from toolkit.joints.places import AtPoint
 from toolkit.joints.spatial.forms import Row
 from toolkit.spatial import axes_along
 
@@ -49,22 +50,8 @@ class SpatialJoint(Joint):
         return []
 
 
-class SpatialPointJoint(SpatialJoint):
-    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
-
-    Attributes
-    ----------
-    point
-        Name of the point, or of the point on body a and that on body b.
-    """
-
-    point: Place
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.bodies[0], first), (self.bodies[1], second)
+class SpatialPointJoint(AtPoint, SpatialJoint):
+    """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
 
 
 class AxisJoint(SpatialPointJoint):

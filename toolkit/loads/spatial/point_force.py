@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import field_validator
-
 from toolkit.component import Skeleton
 from toolkit.description import Triple
 from toolkit.kernel import kernel
+from toolkit.loads.applied import AppliedForce
 from toolkit.loads.load_kernel import SPATIAL_CURVE
 from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.profile import Constant, Curve
 
 
 @kernel
@@ -29,48 +27,22 @@ def spatial_point_force(z, w, force, force_z, force_w):
         force_z[i, SPATIAL_CURVE] = total
 
 
-class SpatialPointForce(SpatialLoad):
+class SpatialPointForce(AppliedForce, SpatialLoad):
     """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
 
     Attributes
     ----------
-    body
-        Body that the force acts on.
-    point
-        Name of the point on it.
     force
         F_x, F_y, F_z.
     frame
         Axes of F: those of space, or those that turn with the body.
-    curve
-        s(t).
     """
 
     kind = "point-force"
     formula = spatial_point_force
 
-    body: str
-    point: str
     force: Triple
     frame: Literal["space", "body"] = "space"
-    curve: Curve = Constant()
-
-    @field_validator("body")
-    @classmethod
-    def _moves(cls, body: str) -> str:
-        if body == "ground":
-            raise ValueError("a force on the ground has no effect; name the body that it acts on")
-        return body
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """The body; nothing reacts but the ground."""
-        return (self.body, self.point), ("ground", self.point)
-
-    @property
-    def time_curve(self) -> Curve:
-        """s(t)."""
-        return self.curve
 
     @property
     def feels_axes(self) -> bool:

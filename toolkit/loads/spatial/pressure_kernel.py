@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import inner
+from toolkit.kernel import chooser, inner
 from toolkit.spatial import second_products
 
 
@@ -70,7 +70,7 @@ def add_block(part, frames, block, factor, L, q, residual):
         residual[turn + part.turns[k] + j] -= factor * (row[0] + row[4] + row[8])
 
 
-@inner
+@chooser
 def add_pressures(part, turning, state, q, curves, scale, linearize, L, applied, A_q):
     """Residual of all pressures, and if `linearize` its derivative by q; nothing in the plane, where `part` is None. L is (3, 3)."""
     if part is not None:
@@ -117,7 +117,7 @@ def add_elastic_rows(part, frames, k, factor, A_q):
             A_q[at[(n_r + i) * width + n_r + n_b + j]] -= factor * entry
 
 
-@inner
+@chooser
 def add_pressure_designs(part, state, q, curves, curves_x, curve_variable, curve_index, scale, L, A_x):
     """Partial derivatives by the design: pressures and what the surfaces depend on, time curves."""
     if part is not None:

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from pydantic import field_validator, model_validator
+from pydantic import field_validator
 
-from toolkit.component import Place, Skeleton, on_both
-from toolkit.description import NotNegative, Number, Triple
+from toolkit.component import Skeleton
+from toolkit.description import Triple
 from toolkit.joints.spatial.joint_kernel import angle_of
 from toolkit.kernel import kernel
 from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.loads.springs import TurnSpring
 from toolkit.spatial import axes_along
 
 
@@ -75,36 +74,21 @@ def unit(column, i, w):
     return 1 + 0 * w[i] if column == i else 0 * w[i]
 
 
-class SpatialRotationalSpringDamper(SpatialLoad):
+class SpatialRotationalSpringDamper(TurnSpring, SpatialLoad):
     """Torque -k (angle - rest_angle) - c angle' about an axis between two bodies, angle in (-pi, pi] since the undeformed configuration.
 
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
 
     Attributes
     ----------
-    bodies
-        Names of bodies a and b.
-    point
-        Name of the point, or of the point on body a and that on body b.
     axis
         Direction of the axis in the undeformed configuration, of any length.
-    stiffness
-        k, in torque/rad.
-    damping
-        c, in torque time/rad.
-    rest_angle
-        Relative rotation without torque, in rad.
     """
 
     kind = "rotational-spring-damper"
     formula = spatial_rotational_spring_damper
 
-    bodies: tuple[str, str]
-    point: Place
     axis: Triple
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    rest_angle: Number = 0.0
 
     @field_validator("axis")
     @classmethod
@@ -112,18 +96,6 @@ class SpatialRotationalSpringDamper(SpatialLoad):
         if not any(axis):
             raise ValueError("an axis needs a direction, for example [0, 0, 1]")
         return axis
-
-    @model_validator(mode="after")
-    def _two_bodies(self) -> SpatialRotationalSpringDamper:
-        if self.bodies[0] == self.bodies[1]:
-            raise ValueError(f"a rotational spring ties two different bodies, not {self.bodies[0]!r} to itself")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.bodies[0], first), (self.bodies[1], second)
 
     @property
     def oriented(self) -> bool:
@@ -133,7 +105,3 @@ class SpatialRotationalSpringDamper(SpatialLoad):
     def axes(self, _scene: Skeleton) -> np.ndarray:
         """The third one along the axis."""
         return axes_along(self.axis)
-
-    def parameters(self, _scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed angle."""
-        return [self.stiffness, self.damping, self.rest_angle]

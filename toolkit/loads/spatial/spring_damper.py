@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from pydantic import model_validator
 
-from toolkit.component import Skeleton
-from toolkit.description import NotNegative
 from toolkit.kernel import kernel
 from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.loads.springs import PointSpring
 
 
 @kernel
@@ -49,51 +45,13 @@ def spatial_spring_damper(z, w, force, force_z, force_w):
                     force_w[row, column] = -sign * (1 - 2 * other) * c * e_i * e_j
 
 
-class SpatialSpringDamper(SpatialLoad):
-    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start.
-
-    Attributes
-    ----------
-    bodies
-        Names of bodies a and b.
-    points
-        Names of the point on body a and that on body b.
-    stiffness
-        k, in force/length.
-    damping
-        c, in force time/length.
-    length
-        Relaxed length; by default the distance of the points in the undeformed configuration.
-    """
+class SpatialSpringDamper(PointSpring, SpatialLoad):
+    """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
 
     kind = "spring-damper"
     formula = spatial_spring_damper
-
-    bodies: tuple[str, str]
-    points: tuple[str, str]
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    length: NotNegative | None = None
-
-    @model_validator(mode="after")
-    def _two_points(self) -> SpatialSpringDamper:
-        if self.points[0] == self.points[1]:
-            raise ValueError("a spring needs two different points, otherwise it has no direction")
-        if self.bodies == ("ground", "ground"):
-            raise ValueError("a spring between two points of the ground has no effect; name a body that moves")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
-        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
     @property
     def feels_axes(self) -> bool:
         """Positions alone."""
         return False
-
-    def parameters(self, scene: Skeleton) -> list[Any]:
-        """Stiffness, damping, relaxed length."""
-        d = scene.position(self.points[0]) - scene.position(self.points[1])
-        return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]

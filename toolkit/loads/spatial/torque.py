@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from pydantic import model_validator
-
-from toolkit.component import Place, Skeleton, on_both
+from toolkit.component import Skeleton
 from toolkit.description import Triple
 from toolkit.kernel import inner, kernel
+from toolkit.loads.applied import AppliedTorque
 from toolkit.loads.load_kernel import SPATIAL_CURVE
 from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.profile import Constant, Curve
 
 
 @inner
@@ -45,55 +43,24 @@ def spatial_torque(z, w, force, force_z, force_w):
     add_torque(z, 1, -1.0, z[27], z[SPATIAL_CURVE], force, force_z)
 
 
-class SpatialTorque(SpatialLoad):
+class SpatialTorque(AppliedTorque, SpatialLoad):
     """Torque M s(t) on `body` at `point` (any point of a rigid body); the reaction acts on `reaction`.
 
     With two points the reaction acts at the second.
 
     Attributes
     ----------
-    body
-        Body that the torque acts on.
-    point
-        Name of the point, or of the point on `body` and that on `reaction`.
     torque
         M_x, M_y, M_z, in force length.
     frame
         Axes of M: those of space, or those that turn with `body` at the point.
-    curve
-        s(t).
-    reaction
-        Body that the opposite torque acts on.
     """
 
     kind = "torque"
     formula = spatial_torque
 
-    body: str
-    point: Place
     torque: Triple
     frame: Literal["space", "body"] = "space"
-    curve: Curve = Constant()
-    reaction: str = "ground"
-
-    @model_validator(mode="after")
-    def _two_bodies(self) -> SpatialTorque:
-        if self.body == self.reaction:
-            raise ValueError(
-                f"a torque on {self.body!r} with its reaction on the same body has no effect; name another `reaction`"
-            )
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.body, first), (self.reaction, second)
-
-    @property
-    def time_curve(self) -> Curve:
-        """s(t)."""
-        return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The torque, and whether it follows."""

@@ -1,0 +1,64 @@
+"""What joints in the plane and in space share: where they grip."""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from toolkit.component import Place, Skeleton, on_both
+from toolkit.description import Description, Positive
+
+
+class AtPoint(Description):
+    """Base of joints at one point, which belongs to both bodies in the undeformed configuration; or at one point of each.
+
+    Attributes
+    ----------
+    point
+        Name of the point, or of the point on body a and that on body b.
+    """
+
+    bodies: tuple[str, str]
+    point: Place
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)
+
+
+class BetweenPoints(Description):
+    """Base of joints that keep two points apart.
+
+    Attributes
+    ----------
+    points
+        Names of the point on body a and that on body b.
+    length
+        L, in units of length; without it the distance in the undeformed configuration, which follows when a point moves.
+    """
+
+    bodies: tuple[str, str]
+    points: tuple[str, str]
+    length: Positive | None = None
+
+    @model_validator(mode="after")
+    def _two_points(self) -> Self:
+        if self.points[0] == self.points[1]:
+            raise ValueError(
+                "a distance joint needs two different points; use a revolute (in space a spherical) joint to unite them"
+            )
+        return self
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at its own point."""
+        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
+
+    def own_length(self, scene: Skeleton) -> Any:
+        """The length that the joint keeps."""
+        d = scene.position(self.points[0]) - scene.position(self.points[1])
+        return np.sqrt(d @ d) if self.length is None else self.length
