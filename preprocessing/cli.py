@@ -26,8 +26,16 @@ def preprocess(
         list[str] | None, typer.Option("--parameter", metavar="NAME=VALUE", help="Another value of a parameter; repeatable.")
     ] = None,
     output: Annotated[Path | None, typer.Option(help="File to write; by default BODY.h5 next to BODY.toml.")] = None,
+    extrude: Annotated[
+        Path | None,
+        typer.Option(metavar="SOLID.msh", help="Write a skin as a mesh of solid elements and its SOLID.toml, and stop."),
+    ] = None,
+    layers: Annotated[int, typer.Option(min=1, help="Elements across the width of the extruded skin.")] = 8,
 ) -> None:
     """Build the reduced model of a flexible body from its TOML file."""
+    if extrude is not None:
+        _extrude(skin, extrude, layers)
+        return
     described, values = source(skin), _values(parameters or [])
     output = output or skin.with_suffix(".h5")
     _refuse_output(output, described.inputs, force)
@@ -47,6 +55,13 @@ def main() -> None:
     except ToolkitError as error:
         typer.echo(str(error), err=True)
         raise SystemExit(1) from None
+
+
+def _extrude(skin: Path, target: Path, layers: int) -> None:
+    from preprocessing.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
+
+    mesh, described = extrude(skin, target, layers, _remark)
+    typer.echo(f"{mesh} and {described} written. Next: ffrf-preprocess {described}")
 
 
 def _values(given: list[str]) -> dict[str, float]:

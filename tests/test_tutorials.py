@@ -34,6 +34,10 @@ ENDS = {
         1e-7,
     ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
     "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
+    "spatial_bracket": (
+        0.0,
+        1e-9,
+    ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
 }
 """The module's variable `check` at its end, and how far it may be off."""
