@@ -94,5 +94,8 @@ def test_what_cannot_be_extruded_is_refused(skin):
     with pytest.raises(InputError, match=r"interface_points\.F.*another name"):
         extrude(skin, skin.with_name("solid.msh"))
     skin.write_text(text.replace("poisson_ratio", "# "))
-    with pytest.raises(InputError, match="needs poisson_ratio"):
+    with pytest.raises(InputError, match="which a solid needs"):
+        extrude(skin, skin.with_name("solid.msh"))
+    skin.write_text(text.replace('clamp = "F"', 'clamp = "F"\nseparate = ["thickness"]'))
+    with pytest.raises(InputError, match=r"skin\.separate.*Leave it out"):
         extrude(skin, skin.with_name("solid.msh"))

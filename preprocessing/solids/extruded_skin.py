@@ -40,8 +40,8 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
     Raises
     ------
     InputError
-        The ending is not .msh, a file is in the way or cannot be used, Poisson's ratio is missing, or the skin is thicker than its nose
-        is round.
+        The ending is not .msh, a file is in the way or cannot be used, the skin has what a solid of one material has not, or it is
+        thicker than its nose is round.
     """
     described = target.with_suffix(".toml")
     if target.suffix != ".msh" or described.resolve() == path.resolve() or layers < 1:
@@ -52,9 +52,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
     if taken := [str(each) for each in (target, described) if each.exists()]:
         raise InputError(f"{' and '.join(taken)} would be overwritten. Move it away, or name another file.")
     file = read_skin_file(path)
-    if file.material.poisson_ratio is None:
-        with at_key(path, "material"):
-            raise InputError("a solid needs poisson_ratio. Add it.")
+    refuse_what_is_lost(path, file)
     geometry = read_geometry(path, file, remark)
     with at_key(path, "section.thickness"):
         mesh = _mesh(geometry, file, places(path, geometry, file), layers)
@@ -63,6 +61,35 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
     with replaced(described) as temporary:
         temporary.write_text(_description(file, target.name))
     return [target, described]
+
+
+def refuse_what_is_lost(path: Path, file: SkinFile) -> None:
+    """Refuse a skin that one solid of one material and thickness is not.
+
+    Raises
+    ------
+    InputError
+        Names the key.
+    """
+    lost = {
+        "groups": (
+            bool(file.groups),
+            "has groups of elements of their own, and a solid one material and thickness. Leave them out.",
+        ),
+        "skin.separate": (
+            bool(file.skin.separate),
+            "gives every element its own parameters, which a solid has not. Leave it out.",
+        ),
+        "material.state": (
+            file.material.state == "plane-strain",
+            "is plane strain, which the width of a solid decides. Leave it out.",
+        ),
+        "material": (file.material.poisson_ratio is None, "has no poisson_ratio, which a solid needs. Add it."),
+    }
+    for key, (found, why) in lost.items():
+        if found:
+            with at_key(path, key):
+                raise InputError(f"the skin {why}")
 
 
 def places(path: Path, geometry: Geometry, file: SkinFile) -> dict[str, float]:
