@@ -52,7 +52,7 @@ LAYERS = [
     ("loads", "joints"),
     ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),
-    ("system",),
+    ("system", "redundant_joints"),
     ("solution", "solvers", "conformance"),
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),

@@ -149,7 +149,7 @@ class Scene(Description):
         if model.dimension != self.dimension:
             raise InputError(
                 f"reduced model {path!r} has dimension {model.dimension}, the scene {self.dimension}. "
-                "Write `dimension` in the scene, or build the model for the scene's."
+                "Build the model for the scene's dimension, or give the scene (`dimension = 2 or 3`) that of its models."
             )
         return model
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -17,16 +17,15 @@ from toolkit.compilation.component_arrays import families
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.plan import build_plan
 from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
-from toolkit.compilation.redundant_rows import redundant_rows
 from toolkit.design import Design
 from toolkit.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
-from toolkit.errors import InputError
 from toolkit.joints.joint_kernel import SIGNATURE as JOINT_SIGNATURE
 from toolkit.joints.revolute import revolute
 from toolkit.kernel import call, first_class, plain, slots
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
+from toolkit.redundant_joints import without_redundant_rows
 from toolkit.scene import Scene
 
 
@@ -157,23 +156,4 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
         functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
-    return _without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system
-
-
-def _without_redundant_rows(system: System) -> System:
-    """The system with multipliers zero in the place of constraints that repeat others at the start."""
-    q, n_q = system.start()[0], system.n_q
-    rest = np.zeros_like(q)
-    terms = system.evaluate(system.inputs(0.0, np.array([1.0, 0, 0])), q, rest, rest)
-    jacobian = system.matrix(terms.I_acc).toarray()[n_q:, :n_q]
-    lengths = np.array(list(system.numbering.length.values()), int) - n_q
-    dropped = n_q + redundant_rows(jacobian, system.weights[:n_q], lengths)
-    driven = {
-        system.numbering.row[name] + len(joint.row_names) - 1 for name, joint in system.scene.joints.items() if joint.time_curve
-    }
-    if repeated := driven & set(dropped.tolist()):
-        raise InputError(
-            f"{system.numbering.names[min(repeated)]} drives what other joints already determine. Remove the driver, or the joint that "
-            "holds what it drives."
-        )
-    return replace(system, plan=system.plan._replace(dropped=dropped))
+    return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

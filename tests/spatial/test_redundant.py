@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.linalg import null_space
 
 from tests.spatial.scenes import at
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.compilation.redundant_rows import redundant_rows
+from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.errors import InputError, SingularSystemError
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
@@ -17,8 +18,10 @@ from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.profile import SmoothStep
-from toolkit.responses.joint_force import JointForce
+from toolkit.redundant_joints import joint_terms
+from toolkit.responses.joint_force import COMPONENTS, JointForce
 from toolkit.responses.motion import Rotation
+from toolkit.responses.spatial_joint_force import spatial_joint_force
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
@@ -107,6 +110,54 @@ def test_two_hinges_share_the_load_as_least_squares_says(opened):
     assert moment == pytest.approx(-MASS * GRAVITY * WIDTH / 2, rel=0.01)  # likewise
 
 
+def wrenches(solution: Solution, multipliers: np.ndarray | None = None) -> np.ndarray:
+    """Forces, times the scene's size, and torques of both hinges at the end."""
+    system, lam = solution.system, solution.multipliers[-1] if multipliers is None else multipliers
+    scale = np.repeat([system.scene.size, 1.0], 3)
+    return np.concatenate([scale * spatial_joint_force(system, j, solution.q[-1], lam)[0] for j in range(2)])
+
+
+def test_no_other_forces_that_balance_the_door_have_a_smaller_sum_of_squares(opened):
+    """Against the least squares of numpy over all multipliers that put the same forces on the door."""
+    system, scene = opened.system, opened.system.scene
+    acc = np.concatenate([np.zeros(system.n_q), opened.multipliers[-1]])
+    q = np.concatenate([opened.q[-1], 0 * opened.multipliers[-1]])
+    phi_q = system.matrix(joint_terms(system, q, acc).I_acc).toarray()[system.n_q :, : system.n_q]
+    free = null_space(phi_q.T, rcond=1e-9)
+    G = np.column_stack([wrenches(opened, column) for column in free.T])
+    least = wrenches(opened) - G @ np.linalg.lstsq(G, wrenches(opened), rcond=None)[0]
+    scale = np.repeat([scene.size, 1.0], 3)
+    ours = [JointForce(joint=j, component=c) for j in scene.joints for c in COMPONENTS[3]]
+    found = np.array([force.partials(opened).value for force in ours]) * np.tile(scale, 2)
+    np.testing.assert_allclose(found, least, atol=1e-7 * np.abs(least).max())  # the constraints hold to 1e-8
+
+
+@pytest.mark.parametrize("change", ["tilted", "swapped"])
+def test_joint_forces_do_not_depend_on_how_the_hinges_are_written(opened, change):
+    """A tilt by round-off turns the normals of the axis anywhere; a hinge written the other way round has the opposite force."""
+    scene = door("least-squares")
+    update = {"axis": (1e-14, 0.0, 1.0)} if change == "tilted" else {"bodies": ("ground", "door")}
+    lower = scene.joints["lower"].model_copy(update=update)
+    solution = simulate(compile_scene(scene.model_copy(update={"joints": {**scene.joints, "lower": lower}})))
+    sign = 1 if change == "tilted" else -1
+    for c in COMPONENTS[3]:
+        for joint, by in (("lower", sign), ("upper", 1)):
+            force = JointForce(joint=joint, component=c)
+            assert force.partials(solution).value == pytest.approx(by * force.partials(opened).value, abs=1e-6)  # of 150 N
+
+
+def test_a_variable_that_would_jam_the_door_is_refused():
+    with pytest.raises(InputError, match=r"joints\.lower\.axis\.0.*jam"):
+        compile_scene(door("least-squares"), ["points.C.x", "joints.lower.axis.0"])
+
+
+def test_hinges_that_nearly_fit_are_refused():
+    scene = door("least-squares")
+    lower = scene.joints["lower"].model_copy(update={"axis": (1e-6, 0.0, 1.0)})
+    with pytest.raises(InputError, match="not exactly"):
+        compile_scene(scene.model_copy(update={"joints": {**scene.joints, "lower": lower}}))
+
+
 def test_gradients_of_redundant_joints_agree_by_all_methods():
     """To 1e-8: round-off of the accelerations, amplified by Baumgarte's 1/step."""
     scene, variables = door("least-squares"), ["points.B.z", "points.C.x", "bodies.door.mass", "loads.push.torque.2"]
@@ -151,4 +202,4 @@ def test_only_what_repeats_is_dropped():
 
 def test_rows_that_come_first_are_never_dropped():
     rows = np.array([[1.0, 0, 0], [0, 2, 0], [3, 4, 0]])
-    assert redundant_rows(rows, np.ones(3), np.array([2])).tolist() in ([0], [1])
+    assert independent_rows(rows, np.ones(3), np.array([2])).repeating.tolist() in ([0], [1])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any, Literal
 
 import numpy as np
@@ -79,13 +80,22 @@ class JointForce(Instant):
     def force(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Its components and their derivatives by q, by the multipliers and by the design."""
         system, q = solution.system, solution.q[step]
-        of_joint = _planar_force if system.scene.dimension == 2 else spatial_joint_force
         j = list(system.scene.joints).index(self.joint)
+        of_joint = _planar_force if system.scene.dimension == 2 else spatial_joint_force
         if not len(system.plan.dropped):
             return of_joint(system, j, q, solution.multipliers[step])
-        forces = least_squares_forces(system, q, solution.multipliers[step])
+        forces = least_squares_forces(system, q, solution.multipliers[step], partial(_wrenches, system, q))
         value, by_q, by_lam, by_x = of_joint(system, j, q, forces.value)
         return value, by_q + by_lam @ forces.by_q, by_lam @ forces.by_lam, by_x + np.real(by_lam @ forces.by_x)
+
+
+def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Forces, times the scene's size, and torques of all joints, with their derivatives."""
+    of_joint, d = (_planar_force if system.scene.dimension == 2 else spatial_joint_force), system.scene.dimension
+    found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
+    scale = np.concatenate([np.where(np.arange(len(each[0])) < d, system.scene.size, 1.0) for each in found])
+    value, *partials = (np.concatenate([each[k] for each in found]) for k in range(4))
+    return scale * value, *(scale[:, None] * each for each in partials)
 
 
 def _planar_force(

@@ -1,24 +1,29 @@
 """Multipliers of redundant constraints: of all that give the same forces on the bodies those of least squares.
 
-The run has lam_K for a set K of independent rows, and zero for the others (see `compilation.redundant_rows`). With all rows
-J = C J_K, C = J J_K^T (J_K J_K^T)^-1, and weights S that make forces and torques comparable,
+The run has multipliers lam that are zero for rows that repeat others (see `redundant_joints`), whose null vectors are N, J^T N = 0. With
+w = G lam the forces and torques of all joints, forces times the scene's size, that of the least sum w . w is
 
-    C^T lam = lam_K,   lam^T S^2 lam minimal:      lam = S^-2 C (C^T S^-2 C)^-1 lam_K
+    mu = lam - N (N^T G^T G N)^-1 N^T G^T G lam
 
-Derivatives: with A = J^T S^-1, mu = S lam and P = A^+ A, from A mu = J_K^T lam_K,
+Derivatives: from J^T mu = J^T lam and N^T G^T G mu = 0, with dmu = p + N z, p zero for repeating rows, v = G^T w and
+a = J_K^T (J_K J_K^T)^-1 v_K,
 
-    dmu = A^+ (d(J^T lam_run) - dA mu) + (I - P) dA^T A^+^T mu
+    J^T p = dJ^T (lam - mu) + J^T dlam,   N^T G^T G N z = N^T dJ a - (dG N)^T w - (G N)^T (dG mu + G p)
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations import Inputs, Terms
+from toolkit.compilation.redundant_rows import null_vectors
+from toolkit.redundant_joints import joint_terms
 from toolkit.system import System
+
+Wrenches = Callable[[np.ndarray], tuple[np.ndarray, ...]]
+"""G lam and its derivatives by q, by lam and by the design, for multipliers."""
 
 
 class Forces(NamedTuple):
@@ -30,44 +35,58 @@ class Forces(NamedTuple):
     by_x: np.ndarray  # (n_lam, n_x)
 
 
-def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray) -> Forces:
+def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
     """Multipliers (n_lam,) of least squares for those of a run from which redundant rows were dropped."""
-    n_lam = system.n - system.n_q
-    whole = replace(system, plan=system.plan._replace(dropped=np.zeros(0, np.int64)))
-    scale = 1 / system.weights[system.n_q :]  # S
-    J = _blocks(whole, _terms(whole, q, np.zeros(system.n_q), 0 * lam))[2]
-    kept = np.setdiff1d(np.arange(n_lam), system.plan.dropped - system.n_q)
-    C = np.linalg.solve(J[kept] @ J[kept].T, J[kept] @ J.T).T
-    weighted = C / scale[:, None] ** 2
-    value = weighted @ np.linalg.solve(C.T @ weighted, lam[kept])
-    return Forces(value, *_derivatives(whole, q, np.real(lam), np.real(value), np.real(J), scale))
+    n_q = system.n_q
+    jacobian = system.matrix(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc).toarray()[n_q:, :n_q]
+    repeating = system.plan.dropped - n_q
+    kept = np.setdiff1d(np.arange(len(lam)), repeating)
+    N, G = null_vectors(jacobian, kept, repeating), wrenches(lam)[2]
+    GN = G @ N
+    value = lam - N @ np.linalg.solve(GN.T @ GN, GN.T @ (G @ lam))
+    real = (np.real(each) for each in (jacobian, N, G, lam, value))
+    return Forces(value, *_derivatives(system, np.real(q), kept, wrenches, *real))
 
 
 def _derivatives(
-    whole: System, q: np.ndarray, lam: np.ndarray, value: np.ndarray, J: np.ndarray, scale: np.ndarray
+    system: System,
+    q: np.ndarray,
+    kept: np.ndarray,
+    wrenches: Wrenches,
+    J: np.ndarray,
+    N: np.ndarray,
+    G: np.ndarray,
+    lam: np.ndarray,
+    mu: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    A, mu = J.T / scale, scale * value
-    inverse = np.linalg.pinv(A, rcond=1e-9)
-    through = inverse.T @ mu
-    free = np.eye(len(mu)) - inverse @ A
-    force = _blocks(whole, _terms(whole, q, 0 * through, lam - value))
-    rows = _blocks(whole, _terms(whole, q, through, 0 * value))
-    by_q = inverse @ force[0] + free @ (rows[1] / scale[:, None])
-    by_x = inverse @ force[3] + free @ (rows[4] / scale[:, None])
-    return by_q / scale[:, None], inverse @ J.T / scale[:, None], by_x / scale[:, None]
+    GN, w, own = G @ N, G @ mu, J[kept]
+
+    def solved(right: np.ndarray) -> np.ndarray:
+        return np.linalg.solve(own @ own.T, right)
+
+    def change(by: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        p = np.zeros((len(lam), by.shape[1]))
+        p[kept] = solved(own @ by)
+        return p + N @ np.linalg.solve(GN.T @ GN, rest - GN.T @ (G @ p))
+
+    a = own.T @ solved((G.T @ w)[kept])
+    force, rows = _blocks(system, _terms(system, q, 0 * a, lam - mu)), _blocks(system, _terms(system, q, a, 0 * lam))
+    of_mu, of_null = wrenches(mu), [wrenches(column) for column in N.T]
+    found = []
+    for k, place in ((0, 1), (1, 3)):  # by q, by the design
+        bent = np.array([w @ np.real(each[place]) for each in of_null])
+        found.append(change(force[k], N.T @ rows[2 + k] - bent - GN.T @ np.real(of_mu[place])))
+    return found[0], change(J.T, np.zeros((N.shape[1], len(lam)))), found[1]
 
 
-def _terms(whole: System, q: np.ndarray, a: np.ndarray, lam: np.ndarray) -> Terms:
-    """Joints alone: J^T lam, and J a in their rows."""
-    curves, curves_x = whole.curves(np.zeros(1))
-    inputs = Inputs(curves[0], curves_x[0], 1.0, np.array([1.0, 0, 0]), True, True)
-    dtype = np.result_type(q, a, lam, whole.dtype)
-    padded, acc = np.concatenate([q, 0 * lam]).astype(dtype), np.concatenate([a, lam]).astype(dtype)
-    return whole.evaluate(inputs, padded, 0 * padded, acc, design=True)
+def _terms(system: System, q: np.ndarray, a: np.ndarray, lam: np.ndarray):
+    """Joints alone at acc = [a; lam]."""
+    dtype = np.result_type(q, a, lam, system.dtype)
+    return joint_terms(system, np.concatenate([q, 0 * lam]).astype(dtype), np.concatenate([a, lam]).astype(dtype))
 
 
-def _blocks(whole: System, terms: Terms) -> tuple[np.ndarray, ...]:
-    """d(J^T lam)/dq, d(J a)/dq, J, d(J^T lam)/dx, d(J a)/dx."""
-    n_q = whole.n_q
-    by_q, by_acc = whole.matrix(terms.I_q).toarray(), whole.matrix(terms.I_acc).toarray()
-    return by_q[:n_q, :n_q], by_q[n_q:, :n_q], by_acc[n_q:, :n_q], terms.I_x[:n_q], terms.I_x[n_q:]
+def _blocks(system: System, terms) -> tuple[np.ndarray, ...]:
+    """d(J^T lam)/dq, d(J^T lam)/dx, d(J a)/dq, d(J a)/dx."""
+    n_q, by_q = system.n_q, np.real(system.matrix(terms.I_q).toarray())
+    by_x = np.real(terms.I_x)
+    return by_q[:n_q, :n_q], by_x[:n_q], by_q[n_q:, :n_q], by_x[n_q:]

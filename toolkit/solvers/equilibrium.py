@@ -19,6 +19,9 @@ halving its correction: few solves, and gradients feel the last digits of the st
 FAR = 1e3
 """Corrections of this many roundings of the coordinates are still round-off: far from the origin they are larger than any tolerance."""
 
+PART = 2.0**-10
+"""Part of the load over which its direction is taken in space, where an angle counts only up to half a turn."""
+
 
 class Equilibrium(NamedTuple):
     """State at one load factor: coordinates padded to n, [0; lam], and the direction in which the load moves both."""
@@ -86,8 +89,9 @@ def find_equilibrium(
 
 def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> Equilibrium:
     """Add the direction of the path, d [q; lam] / d factor; the residual is linear in the factor apart from a driver's turning axis."""
-    rest, low, high = np.zeros_like(q), inputs_at(system, options, factor), inputs_at(system, options, factor + 1)
+    step = 1.0 if system.scene.dimension == 2 else PART
+    rest, low, high = np.zeros_like(q), inputs_at(system, options, factor), inputs_at(system, options, factor + step)
     terms, further = system.evaluate(low, q, rest, acc), system.evaluate(high, q, rest, acc)
-    change = further.inertial + further.applied - terms.inertial - terms.applied
+    change = (further.inertial + further.applied - terms.inertial - terms.applied) / step
     tangent = solve_linear(system, static_matrix(system, terms), -change, f"statics at load factor {factor:g}")
     return Equilibrium(q, acc, tangent)

@@ -13,6 +13,7 @@ from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adaptive import advance_adaptively
 from toolkit.solvers.drift import largest_drift
+from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.newton import CONVERGED
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
@@ -48,7 +49,7 @@ def simulate(
     InputError, SingularSystemError
         As `consistent_start`; or the step does not fit into the time.
     ConvergenceError
-        Newton failed, or the joints drifted apart: names time, equation and remedy.
+        Newton failed, the joints drifted apart, or a spring in space turned too far: names time, equation and remedy.
     """
     begun = clock.perf_counter()
     run = prepare_run(system, options)
@@ -61,6 +62,7 @@ def simulate(
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
+    refuse_half_turns(system, run.times, history.q)
     return Solution.from_padded(
         system,
         run.times,
@@ -103,7 +105,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
     Raises
     ------
     ConvergenceError
-        The joints came apart; names joint, time and remedy.
+        The joints came apart, also those left out as redundant; names joint, time and remedy.
     """
     system, options, times = run.system, run.options, run.times[first : first + len(q)]
     found, curves = np.zeros(3), system.curves(times)[0]
@@ -111,6 +113,12 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),
     )  # fmt: skip
+    if not found[0] <= options.drift_tolerance and found[2] in system.plan.dropped:
+        raise ConvergenceError(
+            f"{system.numbering.names[int(found[2])]} was left out because other joints imply it at the start; it is off by {found[0]:.1e} "
+            f"of the scene's size at t = {times[int(found[1])]:g}: they do so in the start position alone (a folded or stretched one), or "
+            "points and axes do not fit exactly. Start elsewhere, mend them, or remove the joint that is too much."
+        )
     if not found[0] <= options.drift_tolerance:
         stabilised = options.baumgarte.stiffness != 0
         cause = (

@@ -1,0 +1,47 @@
+"""Refusal of motions that turn a spring in space by more than half a turn, where its angle would count from the other side."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.bodies.poses import update_poses
+from toolkit.equations import allocate_work
+from toolkit.errors import ConvergenceError
+from toolkit.joints.spatial.joint_kernel import angle_of
+from toolkit.kernel import kernel
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.system import System
+
+
+@kernel
+def turned_angles(plan, first, second, q, rest, work, out):
+    """atan2(e_1a . e_2b, e_1a . e_1b) of two markers at all times, (n_t,)."""
+    for n in range(len(q)):
+        update_poses(plan.markers.plane, plan.markers.frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
+        a, b, cosine, sine = work.markers.y[first], work.markers.y[second], 0 * q[n, 0], 0 * q[n, 0]
+        for i in range(3, 6):
+            cosine += a[i] * b[i]
+            sine += a[i] * b[i + 3]
+        out[n] = angle_of(sine, cosine)
+
+
+def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
+    """Check all rotational springs of a scene in space at states q (n_t, n).
+
+    Raises
+    ------
+    ConvergenceError
+        The angle of one jumps from one side of half a turn to the other; names it and the time.
+    """
+    for name, load in system.scene.loads.items():
+        if isinstance(load, SpatialRotationalSpringDamper):
+            first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
+            angles: np.ndarray = np.zeros(len(q), system.dtype)
+            work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])
+            system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
+            jumps = np.flatnonzero(np.abs(np.diff(np.real(angles))) > np.pi)
+            if len(jumps):
+                raise ConvergenceError(
+                    f"the rotational spring {name!r} turns beyond half a turn at t = {times[jumps[0] + 1]:g}: in space its angle is one of "
+                    "(-pi, pi], and its torque would change sign. Use it for smaller angles, or model the scene in the plane."
+                )
