@@ -41,7 +41,7 @@ section = "round"
 [sections.round]
 kind = "rectangle"
 width = 0.02
-height = 0.013
+thickness = 0.013
 material = "steel"
 
 [materials.steel]
