@@ -33,7 +33,7 @@ class BorderedSystem:
     factors: tuple[np.ndarray, np.ndarray]
 
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray]:
-        """Solutions (n, k) and multipliers (m, k) of [A B^T; B 0] [u; p] = [above; below].
+        """Solutions u (n, k) and multipliers p (m, k) of A u + B^T p = above, B u = below.
 
         Parameters
         ----------

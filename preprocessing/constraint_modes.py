@@ -29,7 +29,7 @@ class ConstraintModes:
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
         """Derivatives dPsi (n, n_r, n_x) by the design variables whose dK and dR are given; the factors are used again.
 
-        [K R^T; R 0] [dPsi; dLambda] = [-dK Psi - dR^T Lambda; -dR Psi]
+        They solve K dPsi + R^T dLambda = -dK Psi - dR^T Lambda and R dPsi = -dR Psi.
         """
         if not d_pencils:
             return np.zeros((*self.shapes.shape, 0))
