@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
 from preprocessing.frame_tables import NAMED, BeamTable, FrameMaterial, FramePoint, FrameSection, Triple
-from preprocessing.skin_file import explain
+from preprocessing.skin_file import validated
 from preprocessing.skin_tables import BasisTable, Damping, InterfaceName, Table
-from toolkit.errors import InputError
 from toolkit.toml_file import read_toml
 
 ALONG = 1e-6
@@ -110,8 +109,4 @@ def read_frame_file(path: str | Path) -> FrameFile:
 
 def frame_from(content: Mapping[str, Any], path: Path) -> FrameFile:
     """The same from the content of the file at `path`; raises as `read_frame_file`."""
-    try:
-        return FrameFile.model_validate(content)
-    except ValidationError as error:
-        problems = "\n".join(f"  {explain(item, FrameFile)}" for item in error.errors())
-        raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error
+    return validated(FrameFile, content, path)

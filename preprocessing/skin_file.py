@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from types import NoneType
-from typing import Any, Literal, get_args
+from typing import Any, Literal, TypeVar, get_args
 
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
@@ -25,6 +26,8 @@ from preprocessing.skin_tables import (
 )
 from toolkit.errors import InputError
 from toolkit.toml_file import read_toml
+
+File = TypeVar("File", bound=BaseModel)
 
 
 class SkinFile(Table):
@@ -59,10 +62,21 @@ def read_skin_file(path: str | Path) -> SkinFile:
     """
     path = Path(path)
     content = read_toml(path, "a skin.toml")
+    return validated(SkinFile, content, path)
+
+
+def validated(schema: type[File], content: Mapping[str, Any], path: str | Path) -> File:
+    """The content of the file at `path`, checked against its schema.
+
+    Raises
+    ------
+    InputError
+        Names every key that is unknown, missing or has a value that cannot be meant.
+    """
     try:
-        return SkinFile.model_validate(content)
+        return schema.model_validate(content)
     except ValidationError as error:
-        problems = "\n".join(f"  {explain(item)}" for item in error.errors())
+        problems = "\n".join(f"  {explain(item, schema)}" for item in error.errors())
         raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error
 
 

@@ -48,7 +48,7 @@ LAYERS = [
     ("description", "validation_messages", "run_options", "option_checks", "time_grid", "profile"),
     ("dependence", "spatial_model"),
     ("reduced_model", "reduced_model_check", "reduced_model_file", "reduced_model_units", "design_point", "linear"),
-    ("point", "component", "bodies"),
+    ("point", "component", "about_axis", "bodies"),
     ("loads", "joints"),
     ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),

@@ -53,7 +53,8 @@ class Component(Registered):
     def parameters(self, scene: Skeleton) -> list[Any]:
         """Numbers behind the two poses in the formula's arguments, real or complex."""
 
-    def axes(self, _scene: Skeleton) -> np.ndarray | None:
+    @property
+    def axes(self) -> np.ndarray | None:
         """Axes (3, 3) of its markers in the undeformed configuration, as columns; None for those of space."""
         return None
 
@@ -61,11 +62,6 @@ class Component(Registered):
     def feels_axes(self) -> bool:
         """Whether it asks for more than the positions of its markers, in space; a plain truth costs time alone."""
         return True
-
-    @property
-    def oriented(self) -> bool:
-        """Whether it has `axes` of its own."""
-        return False
 
     @property
     def time_curve(self) -> Curve | None:

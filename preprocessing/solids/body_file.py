@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import Field, model_validator
 
-from preprocessing.skin_file import explain
+from preprocessing.skin_file import validated
 from preprocessing.skin_tables import BasisTable, Damping, InterfaceName, Table
 from preprocessing.solids.body_tables import (
     MatricesTable,
@@ -20,7 +20,6 @@ from preprocessing.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
-from toolkit.errors import InputError
 from toolkit.toml_file import read_toml
 
 
@@ -102,8 +101,4 @@ def read_body_file(path: str | Path) -> BodyFile:
 
 def body_from(content: Mapping[str, Any], path: Path) -> BodyFile:
     """The same from the content of the file at `path`; raises as `read_body_file`."""
-    try:
-        return BodyFile.model_validate(content)
-    except ValidationError as error:
-        problems = "\n".join(f"  {explain(item, BodyFile)}" for item in error.errors())
-        raise InputError(f"{str(path)!r} cannot be used:\n{problems}") from error
+    return validated(BodyFile, content, path)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, model_validator
+from pydantic import model_validator
 
 from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
@@ -22,8 +22,6 @@ class Flexible(ModelBody):
 
     Attributes
     ----------
-    model
-        Path of the reduced model, relative to the scene's folder.
     frame
         Whether the reference condition is fixed to the ground or moves.
     position
@@ -32,20 +30,13 @@ class Flexible(ModelBody):
         Rotation of the reduced model's axes at the start, in rad.
     velocity
         v_x, v_y of the moving frame's origin and omega at the start, in length/time and rad/time.
-    extrapolation
-        What to do where a parameter leaves its nominal value and the file holds only a derivative there: refuse, or follow the tangent.
     """
 
     kind = "flexible"
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Number]
-
-    model: str
     frame: Literal["grounded", "moving"] = "grounded"
     position: Pair = (0.0, 0.0)
     angle: Number = 0.0
     velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
-    extrapolation: Literal["none", "first-order"] = "none"
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:

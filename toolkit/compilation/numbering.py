@@ -57,7 +57,7 @@ class Numbering:
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     """The markers of a component: (body, point), and its path if they have axes of its own."""
-    return [(*grip, path) if component.oriented else grip for grip in component.grips]
+    return [(*grip, path) if component.axes is not None else grip for grip in component.grips]
 
 
 def number(scene: Scene, extra_markers: tuple[tuple[str, ...], ...] = ()) -> Numbering:

@@ -45,7 +45,8 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
 
 def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
     """Bodies with a moving frame, markers and joints in the plane."""
-    frames = [numbering.first[name] for name, body in scene.bodies.items() if body.floating(scene) is not None]
+    first = list(numbering.first.values())
+    frames = [first[b] for b in values.floating]
     return (
         floating_part(frames, values, derivatives, pattern, dtype),
         marker_arrays(scene, numbering, values, derivatives, columns, dtype),

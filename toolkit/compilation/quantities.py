@@ -83,7 +83,7 @@ def _marker(scene: Scene, everybody: Mapping[str, Any], grip: tuple[str, ...]) -
     if len(grip) == 2:
         return everybody[body].marker(scene, point, body)
     group, name = _owner(grip)
-    return everybody[body].marker(scene, point, body, getattr(scene, group)[name].axes(scene))
+    return everybody[body].marker(scene, point, body, getattr(scene, group)[name].axes)
 
 
 def _owner(grip: tuple[str, ...]) -> Item:

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import field_validator
 
 from toolkit.component import Skeleton
+from toolkit.description import Description
 from toolkit.joints.joint import PointJoint
 from toolkit.joints.slider import AlongAxis, offset_along
 from toolkit.kernel import kernel
@@ -29,7 +30,25 @@ def smooth(curve: Curve) -> Curve:
     return curve
 
 
-class AngleDriver(PointJoint):
+class Driven(Description):
+    """Base of drivers: a joint coordinate follows a curve.
+
+    Attributes
+    ----------
+    curve
+        The joint coordinate over time.
+    """
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+
+class AngleDriver(Driven, PointJoint):
     """phi = angle_a - angle_b - f(t): the relative rotation since the undeformed configuration follows the curve.
 
     Attributes
@@ -42,25 +61,17 @@ class AngleDriver(PointJoint):
     formula = relative_angle
     curved = False
 
-    curve: Curve
-    _smooth = field_validator("curve")(smooth)
-
     @property
     def row_names(self) -> list[str]:
         """The rotation."""
         return ["rotation"]
-
-    @property
-    def time_curve(self) -> Curve:
-        """The curve that is followed."""
-        return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None."""
         return []
 
 
-class PositionDriver(AlongAxis):
+class PositionDriver(Driven, AlongAxis):
     """phi = e . (r_a - r_b) - f(t): the offset along the axis e fixed in body b follows the curve.
 
     Attributes
@@ -72,18 +83,10 @@ class PositionDriver(AlongAxis):
     kind = "position-driver"
     formula = offset_along
 
-    curve: Curve
-    _smooth = field_validator("curve")(smooth)
-
     @property
     def row_names(self) -> list[str]:
         """The axis."""
         return ["axis"]
-
-    @property
-    def time_curve(self) -> Curve:
-        """The curve that is followed."""
-        return self.curve
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The axis."""

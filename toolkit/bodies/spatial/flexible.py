@@ -10,7 +10,7 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
-from toolkit.description import Number, Triple
+from toolkit.description import Triple
 from toolkit.spatial import matrix_of, quaternion_of
 from toolkit.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
 
@@ -22,25 +22,18 @@ class SpatialFlexible(ModelBody, SpatialBody):
 
     Attributes
     ----------
-    model
-        Path of the reduced model, relative to the scene's folder.
     position
         Where the origin of the reduced model lies at the start, in units of length.
     orientation
         Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
-    extrapolation
-        What to do where a parameter leaves its nominal value and the file holds only a derivative there: refuse, or follow the tangent.
     """
 
     kind = "flexible"
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, Number]
+    model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
-    model: str
     frame: Literal["moving", "translating", "turning", "grounded"] = "grounded"
     position: Triple = (0.0, 0.0, 0.0)
     orientation: Triple = (0.0, 0.0, 0.0)
-    extrapolation: Literal["none", "first-order"] = "none"
 
     @property
     def placement(self) -> np.ndarray:

@@ -49,7 +49,7 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
     f, frames = markers.frame[m], state.frames
     n_b, first = markers.turns[m], markers.start[m] + markers.moves[m]
     turn = offset + markers.moves[m]
-    square, curved = state.turned.by_by[0], state.square
+    square, curved = frames.scratch, state.square
     if n_b > 0:
         outer(markers.size[m], force, state.local[m], square)
         second_products(markers.frames, frames, f, square, curved)
@@ -69,7 +69,7 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
 @inner
 def add_bent_stiffness(markers, state, m, force, factor, positions, stride, offset, values):
     """Entries between elastic coordinates, T_i . S T_j with S_il = F_m . A D_il."""
-    stiffness = state.turned.by
+    stiffness = state.frames.scratch
     for i in range(3):
         for j in range(i, 3):
             stiffness[i, j] = contract(

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-from pydantic import field_validator
-
 from toolkit.component import Skeleton
-from toolkit.joints.driver import smooth
+from toolkit.joints.driver import Driven
 from toolkit.joints.spatial.forms import TURNED, Row, on_axis
 from toolkit.joints.spatial.joint import AxisJoint
-from toolkit.profile import Curve
 
 
-class SpatialAngleDriver(AxisJoint):
+class SpatialAngleDriver(Driven, AxisJoint):
     """Rotation of body a against body b about the axis - f(t) = 0. Both bodies turn against each other about this axis alone: a revolute or
     cylindrical joint with the same axis has to stand beside it.
 
@@ -23,20 +20,12 @@ class SpatialAngleDriver(AxisJoint):
 
     kind = "angle-driver"
 
-    curve: Curve
-    _smooth = field_validator("curve")(smooth)
-
-    @property
-    def time_curve(self) -> Curve:
-        """The curve that is followed."""
-        return self.curve
-
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The rotation."""
         return (TURNED,)
 
 
-class SpatialPositionDriver(AxisJoint):
+class SpatialPositionDriver(Driven, AxisJoint):
     """e_3b . (r_a - r_b) - f(t) = 0: the offset along the axis fixed in body b follows the curve.
 
     Attributes
@@ -46,14 +35,6 @@ class SpatialPositionDriver(AxisJoint):
     """
 
     kind = "position-driver"
-
-    curve: Curve
-    _smooth = field_validator("curve")(smooth)
-
-    @property
-    def time_curve(self) -> Curve:
-        """The curve that is followed."""
-        return self.curve
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The axis."""

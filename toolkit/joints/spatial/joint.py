@@ -5,15 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
-import numpy as np
-from pydantic import field_validator
-
+from toolkit.about_axis import AboutAxis
 from toolkit.component import Skeleton
-from toolkit.description import Triple
 from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint
 from toolkit.joints.spatial.forms import Row
-from toolkit.spatial import axes_along
 
 
 class SpatialJoint(Joint):
@@ -54,29 +50,5 @@ class SpatialPointJoint(AtPoint, SpatialJoint):
     """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""
 
 
-class AxisJoint(SpatialPointJoint):
-    """A joint about or along an axis; it is the third axis of both markers.
-
-    Attributes
-    ----------
-    axis
-        Direction of the axis in the undeformed configuration, of any length.
-    """
-
-    axis: Triple
-
-    @field_validator("axis")
-    @classmethod
-    def _not_zero(cls, axis: Triple) -> Triple:
-        if not any(axis):
-            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
-        return axis
-
-    @property
-    def oriented(self) -> bool:
-        """Its markers have axes of their own."""
-        return True
-
-    def axes(self, _scene: Skeleton) -> np.ndarray:
-        """The third one along the axis."""
-        return axes_along(self.axis)
+class AxisJoint(AboutAxis, SpatialPointJoint):
+    """A joint about or along an axis; it is the third axis of both markers."""

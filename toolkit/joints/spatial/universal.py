@@ -37,11 +37,7 @@ class Universal(SpatialPointJoint):
         return self
 
     @property
-    def oriented(self) -> bool:
-        """Its markers have axes of their own."""
-        return True
-
-    def axes(self, _scene: Skeleton) -> np.ndarray:
+    def axes(self) -> np.ndarray:
         """The first two along those of the cross; what a step in one of them makes oblique is left oblique."""
         first, second = (np.array(axis) for axis in self.axes_of_cross)
         first, second = first / np.sqrt(first @ first), second / np.sqrt(second @ second)

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-from pydantic import field_validator
-
-from toolkit.component import Skeleton
-from toolkit.description import Triple
+from toolkit.about_axis import AboutAxis
 from toolkit.joints.spatial.joint_kernel import angle_of
 from toolkit.kernel import kernel
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import TurnSpring
-from toolkit.spatial import axes_along
 
 
 @kernel
@@ -74,34 +69,11 @@ def unit(column, i, w):
     return 1 + 0 * w[i] if column == i else 0 * w[i]
 
 
-class SpatialRotationalSpringDamper(TurnSpring, SpatialLoad):
+class SpatialRotationalSpringDamper(AboutAxis, TurnSpring, SpatialLoad):
     """Torque -k (angle - rest_angle) - c angle' about an axis between two bodies, angle in (-pi, pi] since the undeformed configuration.
 
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
-
-    Attributes
-    ----------
-    axis
-        Direction of the axis in the undeformed configuration, of any length.
     """
 
     kind = "rotational-spring-damper"
     formula = spatial_rotational_spring_damper
-
-    axis: Triple
-
-    @field_validator("axis")
-    @classmethod
-    def _not_zero(cls, axis: Triple) -> Triple:
-        if not any(axis):
-            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
-        return axis
-
-    @property
-    def oriented(self) -> bool:
-        """Its markers have axes of their own."""
-        return True
-
-    def axes(self, _scene: Skeleton) -> np.ndarray:
-        """The third one along the axis."""
-        return axes_along(self.axis)

@@ -92,7 +92,7 @@ def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSy
         return []
     kind, grounded = KINDS.get(type(joint), "ball"), "ground" in joint.bodies
     point, base = moment.ends(joint)
-    own = joint.axes(moment.scene)
+    own = joint.axes
     before = np.eye(3) if own is None else np.real(own)
     axes = moment.turned(*joint.grips[1], before)
     if kind == "weld":
