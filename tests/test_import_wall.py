@@ -53,7 +53,7 @@ LAYERS = [
     ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),
     ("system", "redundant_joints"),
-    ("solution", "solvers", "conformance"),
+    ("solution", "validity", "solvers", "conformance"),
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
     ("results",),

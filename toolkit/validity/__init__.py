@@ -1,0 +1,1 @@
+"""What a run says about itself: whether its numbers can be trusted, and why not."""

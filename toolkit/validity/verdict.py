@@ -1,0 +1,66 @@
+"""Whether the numbers of a run can be trusted, with reasons: the same in Python, in JSON and on the terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Caution:
+    """One thing that whoever reads the numbers of a run has to know.
+
+    Attributes
+    ----------
+    code
+        Its short name, the same in every version, for example "energy".
+    text
+        What was found, with its numbers, and what to do next.
+    doubt
+        Whether the numbers are not to be trusted because of it; otherwise they are right, but may mean something else than one thinks.
+    """
+
+    code: str
+    text: str
+    doubt: bool = True
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """All cautions of a run, and what follows from them.
+
+    Attributes
+    ----------
+    warnings
+        What whoever reads the numbers has to know, doubts first.
+    """
+
+    warnings: tuple[Caution, ...] = ()
+
+    @classmethod
+    def of(cls, cautions: Iterable[Caution]) -> Verdict:
+        """The verdict that follows from cautions: each is said once, doubts before remarks."""
+        return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)))
+
+    @property
+    def trusted(self) -> bool:
+        """Whether nothing speaks against the numbers."""
+        return not self.reasons
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the numbers are not to be trusted; empty if they are."""
+        return tuple(each.text for each in self.warnings if each.doubt)
+
+    def __str__(self) -> str:
+        """One sentence for the verdict, and one for each caution."""
+        said = "Trusted: no check found a reason against these numbers." if self.trusted else "NOT TO BE TRUSTED, because:"
+        return "\n".join([said, *(f"{'-' if each.doubt else 'note:'} {each.text}" for each in self.warnings)])
+
+    def record(self) -> dict[str, Any]:
+        """Keys of a JSON object: `verdict` and `warnings`."""
+        return {
+            "verdict": {"trusted": self.trusted, "reasons": list(self.reasons)},
+            "warnings": [{"code": each.code, "text": each.text} for each in self.warnings],
+        }
