@@ -14,9 +14,9 @@ from toolkit.errors import ConvergenceError
 from toolkit.units import unit
 
 if TYPE_CHECKING:
-    from toolkit.responses.deformation import Deformation
     from toolkit.scene import Scene
     from toolkit.solution import Solution
+    from toolkit.validity.deformation import Deformation
 
 Deformations = Mapping[str, "Deformation | None"]
 
@@ -24,7 +24,7 @@ Deformations = Mapping[str, "Deformation | None"]
 @contextmanager
 def watched_speed(scene: Scene, quiet: bool) -> Iterator[None]:
     """Warn before the run of bodies that start faster than their critical speed, and when it fails, of the speeds that may be why."""
-    from toolkit.responses.critical_speed import critical_speed, spinning_bodies, too_fast_at_start
+    from toolkit.validity.critical_speed import critical_speed, spinning_bodies, too_fast_at_start
 
     fast = {body: speeds for body, *speeds in too_fast_at_start(scene)}
     for body, speeds in {} if quiet else fast.items():
@@ -53,8 +53,8 @@ def too_fast(body: str, speed: float, critical: float) -> str:
 
 def warn_of_deformations(solution: Solution, found: Deformations) -> None:
     """Say on standard error which bodies are out of the range of small deformations, or have come to spin too fast."""
-    from toolkit.responses.critical_speed import too_fast_at_start, too_fast_in_motion
-    from toolkit.responses.deformation import LIMIT
+    from toolkit.validity.critical_speed import too_fast_at_start, too_fast_in_motion
+    from toolkit.validity.deformation import LIMIT
 
     scene = solution.system.scene
     for body, each in found.items():
@@ -74,7 +74,7 @@ def warn_of_deformations(solution: Solution, found: Deformations) -> None:
 
 def record_of_deformations(solution: Solution, found: Deformations) -> dict[str, Any]:
     """Part of the JSON object of a run: null for a body whose reduced model does not hold its elements."""
-    from toolkit.responses.deformation import LIMIT
+    from toolkit.validity.deformation import LIMIT
 
     length = unit(solution.system.scene.units, "length")
     return {

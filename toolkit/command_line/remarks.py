@@ -41,7 +41,7 @@ def chosen_steps(result: Result) -> list[str]:
 def remarks(result: Result) -> list[str]:
     """Remarks of the responses, drift of the joints, iterations, wall times."""
     from toolkit.responses.stress import KSStress
-    from toolkit.solvers.energy_balance import energy_balance
+    from toolkit.validity.energy_balance import energy_balance
 
     solution = result.solution
     lines = [

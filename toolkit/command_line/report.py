@@ -32,7 +32,7 @@ def print_json(record: dict[str, Any]) -> None:
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, how far flexible bodies deform, and what the run cost."""
     from toolkit.command_line.deformation import print_deformations, record_of_deformations, warn_of_deformations
-    from toolkit.responses.deformation import deformations
+    from toolkit.validity.deformation import deformations
 
     for undefined in [] if quiet else undefined_numbers(result):
         typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)

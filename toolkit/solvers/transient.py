@@ -12,13 +12,13 @@ from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adaptive import advance_adaptively
-from toolkit.solvers.drift import largest_drift
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.newton import CONVERGED
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.step_memory import History
 from toolkit.system import System
+from toolkit.validity.drift import largest_drift
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE = 200

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.energy_balance import EnergyBalance, energy_balance
 
 
 def created_energy(solution: Solution) -> float:
