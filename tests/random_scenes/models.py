@@ -30,7 +30,10 @@ PLANAR = {
 FRAME = """units = "m-kg-s"
 clamp = ["A"]
 nodes = {{ A = [0.0, 0.0, 0.0], B = {middle}, C = {end} }}
-beams = [{{ from = "A", to = "B", section = "bar", elements = {elements} }}, {{ from = "B", to = "C", section = "bar", elements = {elements} }}]
+beams = [
+    {{ from = "A", to = "B", section = "bar", elements = {elements} }},
+    {{ from = "B", to = "C", section = "bar", elements = {elements} }},
+]
 damping = {{ mass = 0.05, stiffness = 1e-3 }}
 interface_points = {{ start = {{ node = "A" }}, middle = {{ node = "B" }}, end = {{ node = "C" }} }}
 basis = {{ {basis} }}
