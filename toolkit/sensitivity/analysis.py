@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.design import Design
 from toolkit.errors import InputError
-from toolkit.responses.magnitude import largest_magnitude
+from toolkit.responses.magnitude import largest_magnitude, largest_slopes
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
@@ -30,6 +30,9 @@ T = TypeVar("T")
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
 
+UNIMPORTANT = 0.02
+"""A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
+compared with such a change instead of with itself."""
 REPEATS, WORTH_REPEATING = 5, 1.0
 """A run is repeated so often, as long as all together take less than this, in s."""
 
@@ -57,12 +60,21 @@ class Result:
         scene, solution = self.solution.system.scene, self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        scales = {
-            name: largest_magnitude(response, solution, self.values[name]) for name, response in responses_of(scene).items()
-        }
-        variables = scene.design_variables(list(next(iter(self.gradients.values()), {})))
-        sizes = {each.name: abs(np.real(each.value)) or np.inf for each in variables}
-        return step_error(solution, self.values, self.gradients, scales, sizes, self.repeat)
+        responses = responses_of(scene)
+        scales = {name: largest_magnitude(each, solution, self.values[name]) for name, each in responses.items()}
+        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat)
+
+    def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
+        """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
+        scene, solution = self.solution.system.scene, self.solution
+        names = list(next(iter(self.gradients.values()), {}))
+        sizes = [abs(np.real(each.value)) or np.inf for each in scene.design_variables(names)]
+        found = {}
+        for f, response in responses_of(scene).items() if names else ():
+            largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
+            smallest = (UNIMPORTANT * scales[f] / size for size in sizes)
+            found[f] = {x: max(largest.get(x, 0.0), least) for x, least in zip(names, smallest, strict=True)}
+        return found
 
     @cached_property
     def verdict(self) -> Verdict:

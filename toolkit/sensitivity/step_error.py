@@ -28,9 +28,6 @@ Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 
 LONGER = (2, 4)
 """Steps that tell are so many times as long; half as long where those do not work."""
-UNIMPORTANT = 0.01
-"""A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
-compared with such a change instead of with itself."""
 
 
 @dataclass(frozen=True)
@@ -73,7 +70,7 @@ def step_error(
     values: Values,
     gradients: Gradients,
     scales: Mapping[str, float],
-    sizes: Mapping[str, float],
+    slope_scales: Gradients,
     repeat: Repeat,
 ) -> StepError | None:
     """The estimate for a motion; None if no other steps work.
@@ -82,8 +79,8 @@ def step_error(
     ----------
     scales : dict
         Response -> its largest magnitude in the motion.
-    sizes : dict
-        Variable -> its size, what its derivative is to be multiplied with; infinite if it has none.
+    slope_scales : dict
+        Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
     """
     options = solution.options or solution.system.scene.solver
     runs = other_runs(options, solution.whole_run, repeat)
@@ -100,7 +97,7 @@ def step_error(
     found = {f: estimated(value, [run.values[f] for run in runs], scales[f]) for f, value in values.items()}
     slopes = {
         f: {
-            x: estimated(slope, [run.gradients[f][x] for run in runs], max(abs(slope), UNIMPORTANT * scales[f] / sizes[x]))
+            x: estimated(slope, [run.gradients[f][x] for run in runs], max(abs(slope), slope_scales[f][x]))
             for x, slope in each.items()
         }
         for f, each in gradients.items()

@@ -10,7 +10,7 @@ from toolkit.solution import Solution
 from toolkit.validity.created_energy import energy_defects
 from toolkit.validity.verdict import Caution
 
-ENERGY = 0.05
+ENERGY = 0.02
 """Part of the largest energy or work that may come from nowhere or vanish; the motion is off by about as much."""
 COARSE = 1e-3
 """Local error of a step, a part of the scene's size (or rad), above which steps are coarse."""
