@@ -21,10 +21,10 @@ from toolkit.sensitivity.analysis import frozen, prepare
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.ggl_pattern import ggl_pattern
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 PENDULUM_DESIGN = [*DESIGN, "bodies.lower.velocity.2", "loads.motor.curve.phase"]
 CRANK_DESIGN = ["points.T.y", "bodies.crank.inertia", "bodies.rod.mass", "loads.spring.stiffness", "loads.force.force.x"]

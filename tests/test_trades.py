@@ -28,10 +28,10 @@ from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 UNEVEN = tuple(0.05 * np.round(np.cumsum([0, *np.tile([1, 2, 0.5], 4)]), 12))
 """Times of steps that change their length every time."""

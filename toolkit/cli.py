@@ -22,7 +22,6 @@ from toolkit.command_line.arguments import (
     read,
 )
 from toolkit.command_line.certification import certify
-from toolkit.command_line.deformation import watched_speed
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, describe_scene, print_description
@@ -74,13 +73,16 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import evaluate_responses, result, timed
+    from functools import partial
+
+    from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
 
     check_output(output)
     described, text = read(scene, changes), text_of(scene)
-    with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
-        seconds, solution = timed(compiled(described, keep_all), "transient", progress)
-    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
+    with at_work("time steps", described, "transient", quiet=quiet) as progress:
+        system = compiled(described, keep_all)
+        seconds, solution = timed(system, "transient", progress)
+    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0, partial(again, system))
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -129,7 +131,7 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
+    with at_work("gradients", described, kind, names, quiet) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)

@@ -15,8 +15,8 @@ from toolkit.errors import InputError
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from toolkit.responses.corotational_check import Comparison
     from toolkit.solution import Solution
+    from toolkit.validity.corotational_check import Comparison
 
 
 def check_deformation(
@@ -28,7 +28,7 @@ def check_deformation(
     quiet: Quiet = False,
 ) -> None:
     """Solve the flexible bodies again with elements that turn, under the same forces, and print how far the linear ones are off."""
-    from toolkit.responses.corotational_check import compare_with_corotational, flexible_of
+    from toolkit.validity.corotational_check import compare_with_corotational, flexible_of
 
     solution = _solution(file, static, changes, models, quiet)
     found = {body: compare_with_corotational(solution, body) for body in flexible_of(solution)}

@@ -11,8 +11,9 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import flexible_body
 from toolkit.responses.shape_error import shape_error_history
-from toolkit.responses.stress import flexible_body, stress_field
+from toolkit.responses.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
 from toolkit.scene import Scene

@@ -22,7 +22,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from toolkit.responses.element_sections import BENDING, Elements, Sections
+from toolkit.validity.element_sections import BENDING, Elements, Sections
 
 
 def stiffness_matrix(elements: Elements, made_of: Sections) -> Any:
