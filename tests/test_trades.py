@@ -109,9 +109,8 @@ def test_gradients_of_all_states_are_exact(options):
         stepped = simulate(compile_scene(frozen(scene, run).with_number(path, scene.number(path) + 1e-30j)))
         for name in ("q", "v", "a", "multipliers"):
             exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}")[..., x]
-            # round-off, multiplied by the condition of the multipliers' equations; kept factors leave Newton's tolerance
-            tolerance = 1e-8 if run_options.newton == "modified" else 1e-10
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * np.abs(exact).max(), err_msg=f"{path} {name}")
+            # round-off, multiplied by the condition of the multipliers' equations
+            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
 
 
 @pytest.mark.parametrize(

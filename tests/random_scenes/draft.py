@@ -65,7 +65,8 @@ class Draft:
     def scene(self, options: RunOptions) -> Scene:
         """What was drawn, with some of its variables and responses."""
         names = self.draw.some(self.variables, self.draw.count(2, 3))
-        asked = self.draw.some(list(self.asked), self.draw.count(3, 6))
+        moving = ("energy", "work") if options.quasi_static else ()  # kinetic energy of what has no inertia
+        asked = self.draw.some([name for name in self.asked if name not in moving], self.draw.count(3, 6))
         parts: dict[str, Any] = {"points": self.points, "bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         return Scene(
             units="m-kg-s",

@@ -182,6 +182,6 @@ def answers(d: Draft) -> None:
             d.ask(
                 **{
                     f"stress_{name}": MaxStress(body=name),
-                    f"smooth_{name}": KSStress(body=name, aggregation=2000.0, reference_stress=1e6),
+                    f"smooth_{name}": KSStress(body=name, aggregation=2000.0, reference_stress=1e5),
                 }
             )

@@ -212,5 +212,5 @@ def answers(d: Draft) -> None:
             d.ask(**{f"turn_{name}": Rotation(body=name, point=point, axis=axis)})
         if isinstance(body, SpatialFlexible):
             stress: Any = {f"stress_{name}": MaxStress(body=name)}
-            smooth: Any = {f"smooth_{name}": KSStress(body=name, aggregation=2000.0, reference_stress=1e6)}
+            smooth: Any = {f"smooth_{name}": KSStress(body=name, aggregation=2000.0, reference_stress=1e5)}
             d.ask(strain=StrainEnergy(), **stress, **smooth)
