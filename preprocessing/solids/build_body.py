@@ -14,7 +14,6 @@ from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
 from preprocessing.discretisation import STEP
-from preprocessing.invariants import listed
 from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_change import BodyChange, rate_of
 from preprocessing.solids.body_file import BodyFile, read_body_file
@@ -27,6 +26,7 @@ from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
 from preprocessing.solids.surface_parts import pressure_on, surface_of
 from preprocessing.solids.ties import Freedom, freedom
+from preprocessing.stored_entries import derivatives, polynomials_without_round_off, without_round_off
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
@@ -107,16 +107,22 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     for parameter, change in body.changes.items():
         d_z = _basis_rates(body, matrices, change, choice, free, shapes)
         rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
-    nominal = {**body.values, **body.others}
+    nominal, computed = {**body.values, **body.others}, choice.kind != "full"
+    interfaces = {name: _interface(*each.motion(z)) for name, each in body.ties.items()}
+    invariants, polynomials = by.contract(matrices, z), by.polynomials(body.parts, list(nominal), z, computed=computed)
+    found = derivatives(invariants, rates, list(nominal), computed, interfaces)
+    if not computed:
+        polynomials = polynomials_without_round_off(polynomials, invariants, list(nominal.values()))
+        invariants = without_round_off(invariants)
     return {
         "reference_condition": MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}"),
         "basis": shapes.words,
         "nominal": nominal,
-        "invariants": by.contract(matrices, z),
-        "derivatives": listed(rates, list(nominal)),
-        "affine": by.polynomials(body.parts, list(nominal), z),
+        "invariants": invariants,
+        "derivatives": found,
+        "affine": polynomials,
         **_boundary_parts(body, z),
-        "interfaces": {name: _interface(*each.motion(z)) for name, each in body.ties.items()},
+        "interfaces": interfaces,
     }
 
 
