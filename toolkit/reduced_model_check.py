@@ -94,11 +94,14 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
     if model.units not in UNIT_SYSTEMS:
         _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
     texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash")}
-    for group in ("nominal_units", "writers"):
+    for group in ("nominal_units", "writers", "inputs", "source"):
         texts |= {f"{group}/{name}": value for name, value in getattr(model, group).items()}
     for name, value in texts.items():
         if not isinstance(value, str):
             _refuse(path, name, f"is {value!r} instead of a text")
+    for name, value in model.changes.items():
+        if not isinstance(value, (int, float)):
+            _refuse(path, f"changes/{name}", f"is {value!r} instead of a number")
     for name, value in model.nominal.items():
         if not isinstance(value, (int, float)) or not (value == 0 or SMALLEST <= abs(value) <= LARGEST):
             _refuse(path, f"nominal/{name}", f"is {value!r} instead of a number that is zero or from {SMALLEST:g} to {LARGEST:g}")

@@ -14,12 +14,14 @@ from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
 from preprocessing.discretisation import STEP
+from preprocessing.input_files import origin
 from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_change import BodyChange, rate_of
 from preprocessing.solids.body_file import BodyFile, read_body_file
 from preprocessing.solids.changed_body import changed_body
 from preprocessing.solids.contraction import contractions
 from preprocessing.solids.discrete_body import DiscreteBody, discrete_body
+from preprocessing.solids.included_files import drawn_on
 from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.parts import QUANTITIES
 from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
@@ -64,13 +66,26 @@ def build_body(
         units=file.units,
         nominal_units={name: unit(file.units, QUANTITIES.get(name, "none")) for name in found["nominal"]},
         input_hash=body_hash(path, file, {**values, **keys}),
+        **origin(path, body_inputs(path, file), values),
         writers={"ffrf-toolkit": WRITER_VERSION} | {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")},
         stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     )
 
 
+def body_inputs(path: Path, file: BodyFile) -> list[Path]:
+    """The files that body.toml names, and those that its mesh draws on.
+
+    Raises
+    ------
+    InputError
+        A file that the mesh includes is there twice.
+    """
+    drawn = drawn_on(path.parent / file.mesh.file) if file.mesh else []
+    return [*(path.parent / name for name in file.inputs), *drawn]
+
+
 def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = None) -> str:
-    """SHA-256 of all that the result depends on: body.toml, the files that it names, changes, schema and writer version.
+    """SHA-256 of all that the result depends on: body.toml, the files of `body_inputs`, changes, schema and writer version.
 
     Raises
     ------
@@ -78,7 +93,7 @@ def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = No
         One of the files cannot be read.
     """
     digest = hashlib.sha256(f"body, schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
-    for each in (path, *(path.parent / name for name in file.inputs)):
+    for each in (path, *body_inputs(path, file)):
         try:
             content = each.read_bytes()
         except OSError as error:

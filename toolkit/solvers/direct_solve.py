@@ -9,9 +9,8 @@ from toolkit.linear.dense_lu import SWEEPS
 from toolkit.linear.linear_solver import linear_solver, solve_once
 from toolkit.system import System
 
-NULL, ALIKE = 1e-7, 10.0
-"""Singular values, in parts of the largest, that belong to null vectors: pivots of 1e-14, which are refused, are their squares.
-If none is so small, those that are like the smallest."""
+NULL, ALIKE = 1e-12, 10.0
+"""Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""
 TAKES_PART = 0.0931
 """Part of the largest from which an unknown takes part in a motion or in forces; no ratio of lengths that people choose."""
 
