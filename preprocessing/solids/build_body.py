@@ -28,7 +28,7 @@ from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
 from preprocessing.solids.surface_parts import pressure_on, surface_of
 from preprocessing.solids.ties import Freedom, freedom
-from preprocessing.stored_entries import derivatives, polynomials_without_round_off, without_round_off
+from preprocessing.stored_entries import ROUND_OFF, derivatives, polynomials_without_round_off, without_round_off
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
@@ -123,7 +123,7 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
         d_z = _basis_rates(body, matrices, change, choice, free, shapes)
         rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
     nominal, computed = {**body.values, **body.others}, choice.kind != "full"
-    interfaces = {name: _interface(*each.motion(z)) for name, each in body.ties.items()}
+    interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     invariants, polynomials = by.contract(matrices, z), by.polynomials(body.parts, list(nominal), z, computed=computed)
     found = derivatives(invariants, rates, list(nominal), computed, interfaces)
     if not computed:
@@ -169,8 +169,13 @@ def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
     return Outline(z.reshape(-1, 2, z.shape[1])[nodes], number.reshape(edges.shape))
 
 
-def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:
-    """A point of a solid, which lies on no curve: its arc length is 0 and cannot change."""
+def _interface(position: np.ndarray, rotation: np.ndarray, size: float) -> InterfacePoint:
+    """A point of a solid, which lies on no curve: its arc length is 0 and cannot change.
+
+    The middle of a ring of nodes is zero but for round-off, as is the rotation of the undeformed body.
+    """
+    for array, scale in ((position, size), (rotation, 1.0)):
+        array[..., 0] = np.where(np.abs(array[..., 0]) > ROUND_OFF * scale, array[..., 0], 0.0)
     return InterfacePoint(np.zeros(()), np.zeros(2), position[None], rotation[None])
 
 
