@@ -17,6 +17,7 @@ from toolkit.responses.magnitude import largest_magnitude, largest_slopes
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.sensitivity.step_cautions import step_cautions
 from toolkit.sensitivity.step_error import Repeat, StepError, step_error
 from toolkit.solution import Solution
@@ -24,6 +25,7 @@ from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
 from toolkit.validity.judge import cautions, measures
+from toolkit.validity.motion import SUSPICIOUS
 from toolkit.validity.verdict import Caution, Verdict
 
 T = TypeVar("T")
@@ -55,25 +57,28 @@ class Result:
     repeat: Repeat | None = field(default=None, compare=False)
 
     @cached_property
+    def measures(self) -> dict[str, Any]:
+        """What the states tell about how exactly they were found, see `toolkit.validity.judge.measures`."""
+        return measures(self.solution)
+
+    @cached_property
     def step_error(self) -> StepError | None:
         """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
         scene, solution = self.solution.system.scene, self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        responses = responses_of(scene)
+        balance, responses = self.measures["energy_balance"], responses_of(scene)
+        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
         scales = {name: largest_magnitude(each, solution, self.values[name]) for name, each in responses.items()}
-        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat)
+        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
 
     def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
         scene, solution = self.solution.system.scene, self.solution
-        names = list(next(iter(self.gradients.values()), {}))
-        sizes = [abs(np.real(each.value)) or np.inf for each in scene.design_variables(names)]
-        found = {}
-        for f, response in responses_of(scene).items() if names else ():
+        sizes, found = variable_sizes(scene, self) if self.gradients else {}, {}
+        for f, response in responses_of(scene).items() if sizes else ():
             largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
-            smallest = (UNIMPORTANT * scales[f] / size for size in sizes)
-            found[f] = {x: max(largest.get(x, 0.0), least) for x, least in zip(names, smallest, strict=True)}
+            found[f] = {x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()}
         return found
 
     @cached_property
@@ -82,7 +87,7 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             return Verdict.of([*found.warnings, *self._undefined()], found.measures)
-        measured, options = measures(self.solution), self.solution.options or self.solution.system.scene.solver
+        measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
             estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}

@@ -13,7 +13,8 @@ import numpy as np
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result, direct, frozen, values_of
-from toolkit.sensitivity.round_off import can_move, response_scales, variable_sizes
+from toolkit.sensitivity.round_off import can_move
+from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
 UNSEEN = 1e-11
