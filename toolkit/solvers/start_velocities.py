@@ -47,8 +47,8 @@ def carried_along(system: System, q: np.ndarray, v: np.ndarray, dv: np.ndarray, 
         first = system.numbering.first[name] + system.scene.bodies[name].frame_size - QUATERNION
         at = slice(first, first + QUATERNION)
         omega = angular_velocity(given[at], v[at])
-        domega = angular_velocity(dgiven[at].T, v[at]) + angular_velocity(given[at], dv[at].T)
-        dv[at] = quaternion_rate(dq[at], omega[:, None] + 0 * dq[at][:3]) + quaternion_rate(q[at], domega.T)
+        domega = np.real(angular_velocity(dgiven[at].T, v[at]) + angular_velocity(given[at], dv[at].T))
+        dv[at] = np.real(quaternion_rate(dq[at], omega[:, None] + 0 * dq[at][:3]) + quaternion_rate(q[at], domega.T))
         v[at] = quaternion_rate(q[at], omega)
     return v, dv
 
@@ -92,7 +92,7 @@ def project_velocities(
     terms = _joints(system, q, found, impulse, time)
     change = np.where(below[:, None], _total(system, terms, dq, dv), system.matrix(terms.I_q) @ dq + terms.I_x)
     dfound = dv + np.where(below[:, None], 0, solve_linear(system, matrix, np.where(free[:, None], -change, 0), WHERE))
-    _refuse_variables_that_contradict(system, terms, dq, dv, dfound, written)
+    _refuse_variables_that_contradict(system, found, dv, dfound, written)
     return found, dfound
 
 
@@ -205,17 +205,18 @@ def _advice(system: System, path: str) -> str:
 
 
 def _refuse_variables_that_contradict(
-    system: System, terms: Terms, dq: np.ndarray, dgiven: np.ndarray, dfound: np.ndarray, written: dict[int, str]
+    system: System, found: np.ndarray, dgiven: np.ndarray, dfound: np.ndarray, written: dict[int, str]
 ) -> None:
     """Refuse design variables that move what the joints imply, but not what is written."""
-    weights, n_q = system.weights[:, None], system.n_q
-    missed = (weights * np.abs(dfound - dgiven))[:n_q]
-    by_q, by_v = abs(system.matrix(terms.A_q)) @ np.abs(dq), abs(system.matrix(terms.A_v)) @ np.abs(dgiven)
-    largest = (weights * (by_q + by_v + np.abs(terms.A_x)))[n_q:].max(axis=0, initial=0)
+    weights, n_q = system.weights[: system.n_q, None], system.n_q
+    fastest = float((weights[:, 0] * np.abs(np.real(found))[:n_q]).max(initial=0))
+    sizes = np.array([abs(x.value) or (system.scene.size if x.path.startswith("points.") else 1.0) for x in system.design])
+    missed = weights * np.abs(dfound - dgiven)[:n_q]
+    largest = np.maximum(fastest / sizes, (weights * np.abs(dfound)[:n_q]).max(axis=0, initial=0))
     for i, path in written.items():
         for x in np.flatnonzero(missed[i] > DERIVATIVE_HOLDS * largest):
             raise InputError(
                 f"design variable {system.design.names[x]!r} would make {path} contradict the joints at the start: more velocities are "
-                f"written than the joints leave free, so that there is no derivative by it. Leave {path.rsplit('.velocity')[0]} or another "
+                f"written than the joints leave free, so that there is no derivative by it. Leave {'.'.join(path.split('.')[:3])} or another "
                 f"velocity out: those that are not written are found by the joints.{_advice(system, path)}"
             )
