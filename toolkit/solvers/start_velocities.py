@@ -215,8 +215,9 @@ def _refuse_variables_that_contradict(
     largest = np.maximum(fastest / sizes, (weights * np.abs(dfound)[:n_q]).max(axis=0, initial=0))
     for i, path in written.items():
         for x in np.flatnonzero(missed[i] > DERIVATIVE_HOLDS * largest):
+            key = ".".join(path.split(".")[:3])
             raise InputError(
                 f"design variable {system.design.names[x]!r} would make {path} contradict the joints at the start: more velocities are "
-                f"written than the joints leave free, so that there is no derivative by it. Leave {'.'.join(path.split('.')[:3])} or another "
-                f"velocity out: those that are not written are found by the joints.{_advice(system, path)}"
+                f"written than the joints leave free, so that there is no derivative by it. Leave {key} or another velocity out: those "
+                f"that are not written are found by the joints.{_advice(system, path)}"
             )
