@@ -26,6 +26,8 @@ SHARED = tuple(
         "toml_file",
         "errors",
         "units",
+        "validity.material_questions",
+        "validity.verdict",
     )
 )
 
@@ -33,6 +35,7 @@ LAYERS = [
     (
         "errors",
         "kernel",
+        "compile_watch",
         "planar",
         "units",
         "dimensions",
@@ -55,7 +58,7 @@ LAYERS = [
     ("system", "redundant_joints"),
     ("solution", "validity", "solvers", "conformance"),
     ("responses",),
-    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
+    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units", "gradient_units"),
     ("results",),
     ("studies", "receipt"),
     ("render",),

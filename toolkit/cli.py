@@ -129,7 +129,7 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
+    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet, method.value) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)

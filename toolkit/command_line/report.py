@@ -111,11 +111,24 @@ def print_tables(result: Result) -> None:
     variables = next(iter(result.gradients.values()), {})
     if variables:
         wide = len(variables) > MOST_COLUMNS
-        gradients = table("gradient by", *(result.gradients if wide else variables))
-        for name in variables if wide else result.gradients:
+        of, by = [_in_unit(name, result.units[name]) for name in result.gradients], _variables_in_units(result, list(variables))
+        gradients = table("gradient by", *(of if wide else by))
+        for name, label in zip(variables if wide else result.gradients, by if wide else of, strict=True):
             slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
-            gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes))
+            gradients.add_row(label, *(f"{slope:.6g}" for slope in slopes))
         console.print(gradients)
+
+
+def _in_unit(name: str, unit: str) -> str:
+    return f"{name}, {unit}" if unit else name
+
+
+def _variables_in_units(result: Result, names: list[str]) -> list[str]:
+    """Design variables with their units: a gradient is in that of its response over that of its variable."""
+    from toolkit.gradient_units import variable_unit
+
+    scene = result.solution.system.scene
+    return [_in_unit(name, variable_unit(scene, scene.path_of(scene.design.get(name, name)))) for name in names]
 
 
 def print_frequencies(frequencies: list[float]) -> None:

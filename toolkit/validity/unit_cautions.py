@@ -15,15 +15,15 @@ from toolkit.units import unit
 from toolkit.validity.material_questions import IN_SI, material_questions
 from toolkit.validity.verdict import Caution
 
-THICK, THIN = 3.0, 1e-5
-"""Thickness of a flexible body in radii of gyration above and below which it is questioned: a foil of 10 um and 1 m long is one."""
+THICK, THIN = 3.0, 2e-5
+"""Thickness of a flexible body in radii of gyration above and below which it is questioned."""
 STOUT = 3.0
 """Thickness of a rod, the root of its area, in lengths, above which it is questioned."""
-DENSEST = 1e3 * 2.26e4
-"""Mass of a rigid body over the cube of the distance of its joints, in kg/m^3, above which it is questioned: a thousand times osmium, for
-a body may be far larger than that distance."""
+DENSEST, APART = 1e3 * 2.26e4, 0.1
+"""Mass of a rigid body over the cube of the distance of its joints, in kg/m^3, above which it is questioned, and that distance, in
+extents of the points, from which it tells anything. A thousand times osmium: a body may be ten times larger than the distance."""
 FAR_OUT = 30.0
-"""Radius of gyration of a rigid body, in sizes of the scene, above which its inertia is questioned."""
+"""Radius of gyration of a rigid body, in extents of the scene's points, above which its inertia is questioned."""
 EARTH = {"m-kg-s": 9.81, "mm-t-s": 9810.0}
 READ_AS = {"m-kg-s": ("mm/s^2", 9810.0), "mm-t-s": ("m/s^2", 9.81)}
 LIKE_EARTH = 0.06
@@ -83,18 +83,19 @@ def _of_rod(scene: Scene, where: str, body: Rod | SpatialRod) -> Iterator[Cautio
 def _of_mass(scene: Scene, name: str, body: Rigid | SpatialRigid) -> Iterator[Caution]:
     mass, length = float(np.real(body.mass)), unit(scene.units, "length")
     span = _span(scene, name)
-    if span and mass / span**3 * IN_SI[scene.units]["density"] > DENSEST:
+    if span > APART * _extent(scene) and mass / span**3 * IN_SI[scene.units]["density"] > DENSEST:
         yield Caution(
             "unit-of-mass",
             f"bodies.{name}.mass = {mass:g} {unit(scene.units, 'mass')} is that of no body whose joints are {span:.3g} {length} apart: is "
             "it in another unit?",
             doubt=False,
         )
-    if (radius := body.radius_of_gyration(scene)) > FAR_OUT * scene.size:
+    extent = _extent(scene)
+    if extent and (radius := body.radius_of_gyration(scene)) > FAR_OUT * extent:
         yield Caution(
             "unit-of-inertia",
             f"bodies.{name}.inertia with its mass is that of a body with a radius of gyration of {radius:.3g} {length}, in a scene of "
-            f"{scene.size:.3g} {length}: is one of them in another unit?",
+            f"{extent:.3g} {length}: is one of them in another unit?",
             doubt=False,
         )
 
@@ -105,6 +106,12 @@ def _span(scene: Scene, name: str) -> float:
     places = {point for each in components for body, point in each.grips if body == name}
     positions = np.array([np.real(scene.position(point)) for point in sorted(places)])
     return float(np.linalg.norm(positions[:, None] - positions[None], axis=-1).max()) if len(positions) > 1 else 0.0
+
+
+def _extent(scene: Scene) -> float:
+    """Extent of the points; 0 if there are fewer than two."""
+    positions = np.array([np.real(scene.position(point)) for point in scene.points])
+    return float(np.ptp(positions, axis=0).max()) if len(positions) > 1 else 0.0
 
 
 def _of_gravity(scene: Scene) -> Iterator[Caution]:
