@@ -10,6 +10,7 @@ import typer
 from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError
 from toolkit.reduced_model_file import is_reduced_model, load, save
+from toolkit.validity.material_questions import material_questions
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
@@ -43,6 +44,8 @@ def preprocess(
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
     model = described.build(_remark, values, {})
+    for caution in material_questions(model.nominal, model.units, skin.stem):
+        _remark(f"warning: {caution.text}")
     save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")

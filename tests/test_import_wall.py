@@ -28,6 +28,8 @@ SHARED = tuple(
         "toml_file",
         "errors",
         "units",
+        "validity.material_questions",
+        "validity.verdict",
     )
 )
 
@@ -35,6 +37,7 @@ LAYERS = [
     (
         "errors",
         "kernel",
+        "compile_watch",
         "planar",
         "units",
         "dimensions",
@@ -67,7 +70,7 @@ LAYERS = [
     ("system", "redundant_joints"),
     ("solution", "flexible_bodies", "validity", "solvers", "conformance"),
     ("responses",),
-    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
+    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units", "gradient_units"),
     ("results",),
     ("studies", "receipt"),
     ("render",),

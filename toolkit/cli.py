@@ -131,7 +131,7 @@ def sensitivity(
     described, text = read(scene, changes), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("gradients", described, kind, names, quiet) as progress:
+    with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)

@@ -133,6 +133,17 @@ class System:
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
+def _formulas(scene: Scene) -> tuple[list, list]:
+    """The different formulas of the scene's joints, and of its loads; there is always one."""
+    return families(list(scene.joints.values())) or [revolute], families(loads_of(scene)) or [torque]
+
+
+def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    joints, loads = _formulas(scene)
+    return slots(joints, JOINT_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
     """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
 
@@ -149,12 +160,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     plan = build_plan(scene, numbering, values, changes, dtype)
-    joint_formulas = families(list(scene.joints.values())) or [revolute]
-    load_formulas = families(loads_of(scene)) or [torque]
-    if dtype is float:
-        functions = slots(joint_formulas, JOINT_SIGNATURE), slots(load_formulas, LOAD_SIGNATURE)
-    else:
-        functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
+    functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system
