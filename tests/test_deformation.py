@@ -331,10 +331,10 @@ SHORT = ("--set", "solver.end_time=0.05")
 def test_a_beam_below_its_critical_speed_runs_without_warning():
     done = run("simulate", SPINNING, *SHORT)
     assert done.exit_code == 0
-    assert "warning" not in done.stderr
+    assert "critical speed" not in done.stdout + done.stderr
 
 
-def test_a_beam_beyond_its_critical_speed_is_warned_about_before_and_after_the_run():
+def test_a_beam_beyond_its_critical_speed_is_warned_about():
     """It should stretch by 0.2 mm, and bends out by half its length: linear FFRF lacks centrifugal stiffening."""
     done = run("simulate", SPINNING, "--set", "solver.end_time=0.1", "--set", "bodies.beam.velocity=[0, 0, 120]", "--json")
     assert done.exit_code == 0

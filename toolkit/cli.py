@@ -24,11 +24,11 @@ from toolkit.command_line.arguments import (
 from toolkit.command_line.certification import certify
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
-from toolkit.command_line.inspection import describe, describe_scene, print_description
+from toolkit.command_line.inspection import describe, describe_scene, print_description, print_file
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
@@ -176,7 +176,7 @@ def inspect(
 ) -> None:
     """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
     if file.suffix != ".toml":
-        (print_json if as_json else print_description)(describe(file))
+        (print_json if as_json else print_file)(describe(file))
         return
     scene = read(file, changes)
     record = describe_scene(scene)
@@ -214,11 +214,8 @@ def render(
     solve = motion_of(file, changes, models, quiet, view.check)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
-    files = render_solution(solve(), folder, times, width, view, animate)
-    if as_json:
-        print_json({"files": [str(file) for file in files]})
-    else:
-        typer.echo("\n".join(str(file) for file in files))
+    solution = solve()
+    print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 
 
 app.command()(certify)

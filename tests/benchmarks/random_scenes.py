@@ -51,6 +51,9 @@ WRONG, OFF = 0.05, 0.2
 OTHERS = frozenset({"large-deformation", "critical-speed", "snap-through", "stale-model"})
 """Codes of doubts that concern something else than accuracy."""
 
+GRADIENT = "gradient-steps"
+"""Code of doubts about gradients alone."""
+
 HEAD = f"seed {'kind':15s} {'solver':40s}  steps outcome     error of               gradient   energy    local doubts"
 
 
@@ -81,8 +84,13 @@ class Judged:
 
     @property
     def doubted(self) -> bool:
-        """Whether a doubt about accuracy was said."""
-        return bool(set(self.codes) - OTHERS)
+        """Whether a doubt about the accuracy of values was said."""
+        return bool(set(self.codes) - OTHERS - {GRADIENT})
+
+    @property
+    def alarmed(self) -> bool:
+        """Whether a doubt was said about right values, or about gradients that are right too."""
+        return self.doubted or (GRADIENT in self.codes and self.gradient_error <= WRONG)
 
 
 def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
@@ -185,8 +193,8 @@ def summary(all_found: list[Judged]) -> str:
         name: [each for each in all_found if each.outcome == name] for name in ("right", "wrong", "dropped", "refused", "crashed")
     }
     silent = [each for each in of["wrong"] if not each.doubted]
-    alarmed = [each for each in of["right"] if each.doubted]
-    slopes = [each for each in of["right"] + of["dropped"] if each.gradient_error > OFF and not each.doubted]
+    alarmed = [each for each in of["right"] if each.alarmed]
+    slopes = [each for each in of["right"] if each.gradient_error > OFF and not each.codes]
     codes = Counter(code for each in alarmed for code in each.codes)
     return "\n".join(
         [

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -57,6 +59,15 @@ def warn(verdict: Verdict, quiet: bool = False) -> None:
     """The same on standard error, where standard output belongs to JSON or to names of files."""
     for caution in () if quiet else verdict.warnings:
         typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
+
+
+def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:
+    """Print the names of files that show a run, and what has to be known about that."""
+    if as_json:
+        print_json({"files": [str(file) for file in files], **verdict.record()})
+    else:
+        typer.echo("\n".join(str(file) for file in files))
+    warn(verdict, quiet)
 
 
 def record_of(result: Result) -> dict[str, Any]:

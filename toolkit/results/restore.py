@@ -11,7 +11,6 @@ from toolkit.scene import Scene
 from toolkit.scene_file import scene_from_table
 from toolkit.sensitivity.analysis import prepare
 from toolkit.solution import Solution
-from toolkit.validity.judge import judge
 
 
 def restore_scene(results: Results, directory: str | Path | None = None) -> Scene:
@@ -47,7 +46,7 @@ def restore_solution(results: Results, directory: str | Path | None = None) -> S
     wall = {"run": results.run["wall_primal"], "sensitivity": results.run["wall_sensitivity"]}
     report = {name: results.run[name] for name in ("drift", "correction")}
     counted = {name: int(results.run[name]) for name in ("load_steps", "newton_iterations")}
-    return Solution(system, **arrays, **report, **counted, wall=wall, judge=judge)  # type: ignore[arg-type]
+    return Solution(system, **arrays, **report, **counted, wall=wall, judge=lambda _: results.verdict)  # type: ignore[arg-type]
 
 
 def _check_model(path: Path, sha256: str, results: Results) -> None:

@@ -13,10 +13,11 @@ import numpy as np
 
 from toolkit.design import Design
 from toolkit.errors import InputError
-from toolkit.responses.magnitude import largest_magnitude
+from toolkit.responses.magnitude import largest_magnitude, largest_slopes
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.sensitivity.step_cautions import step_cautions
 from toolkit.sensitivity.step_error import Repeat, StepError, step_error
 from toolkit.solution import Solution
@@ -24,12 +25,16 @@ from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
 from toolkit.validity.judge import cautions, measures
+from toolkit.validity.motion import SUSPICIOUS
 from toolkit.validity.verdict import Caution, Verdict
 
 T = TypeVar("T")
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
 
+UNIMPORTANT = 0.02
+"""A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
+compared with such a change instead of with itself."""
 REPEATS, WORTH_REPEATING = 5, 1.0
 """A run is repeated so often, as long as all together take less than this, in s."""
 
@@ -52,17 +57,29 @@ class Result:
     repeat: Repeat | None = field(default=None, compare=False)
 
     @cached_property
+    def measures(self) -> dict[str, Any]:
+        """What the states tell about how exactly they were found, see `toolkit.validity.judge.measures`."""
+        return measures(self.solution)
+
+    @cached_property
     def step_error(self) -> StepError | None:
         """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
         scene, solution = self.solution.system.scene, self.solution
         if self.repeat is None or not moving(solution) or not self.values:
             return None
-        scales = {
-            name: largest_magnitude(response, solution, self.values[name]) for name, response in responses_of(scene).items()
-        }
-        variables = scene.design_variables(list(next(iter(self.gradients.values()), {})))
-        sizes = {each.name: abs(np.real(each.value)) or np.inf for each in variables}
-        return step_error(solution, self.values, self.gradients, scales, sizes, self.repeat)
+        balance, responses = self.measures["energy_balance"], responses_of(scene)
+        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
+        scales = {name: largest_magnitude(each, solution, self.values[name]) for name, each in responses.items()}
+        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
+
+    def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
+        """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
+        scene, solution = self.solution.system.scene, self.solution
+        sizes, found = variable_sizes(scene, self) if self.gradients else {}, {}
+        for f, response in responses_of(scene).items() if sizes else ():
+            largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
+            found[f] = {x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()}
+        return found
 
     @cached_property
     def verdict(self) -> Verdict:
@@ -70,7 +87,7 @@ class Result:
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             return Verdict.of([*found.warnings, *self._undefined()], found.measures)
-        measured, options = measures(self.solution), self.solution.options or self.solution.system.scene.solver
+        measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
             estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}

@@ -35,6 +35,7 @@ from toolkit.sensitivity.analysis import (
     values_of,
 )
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
+from toolkit.sensitivity.sizes import typical_size
 from toolkit.sensitivity.step_error import Gradients, Values
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
@@ -90,10 +91,3 @@ def derivative(
         return {name: (value - base[name]) / h for name, value in up.items()}
     down = shifted(-h)
     return {name: (value - down[name]) / (2 * h) for name, value in up.items()}
-
-
-def typical_size(scene: Scene, variable: DesignVariable) -> float:
-    """What a relative step refers to: the value, or for a zero the scene's size (points) or one."""
-    if variable.value != 0:
-        return abs(variable.value)
-    return scene.size if variable.path.startswith("points.") else 1.0

@@ -11,7 +11,7 @@ from toolkit.run_options import RunOptions
 from toolkit.sensitivity.step_error import StepError
 from toolkit.validity.verdict import Caution
 
-VALUES, GRADIENTS = 0.03, 0.05
+VALUES, GRADIENTS = 0.042, 0.1
 """Estimated errors above which values and gradients are not trusted: estimates are right to a factor of about two."""
 WANTED = 0.01
 """Error for which a shorter step is proposed."""

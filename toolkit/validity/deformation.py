@@ -15,6 +15,7 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.flexible_bodies import design_point, elastic_coordinates
+from toolkit.near_ties import first_largest
 from toolkit.reduced_model import MEAN_AXES
 from toolkit.scene import Scene
 from toolkit.solution import Solution
@@ -107,7 +108,7 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     instants = largest_instants(elastic)
     u = behind.displacements(elastic[instants])
     moved, error = distances(u), distances(behind.second_order(u))
-    worst = int(np.argmax(error.max(axis=1)))
+    worst = first_largest(error.max(axis=1))
     extent = np.ptp(behind.elements.nodes, axis=0).max()
     rotation, time = np.abs(u[worst, 2::3]).max(), solution.times[instants[worst]]
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))

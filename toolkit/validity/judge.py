@@ -9,6 +9,7 @@ from toolkit.solution import Solution
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.physics import excessive_speeds, large_deformations
+from toolkit.validity.stale_models import stale_models
 from toolkit.validity.verdict import Caution, Verdict
 
 
@@ -40,6 +41,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from excessive_speeds(solution)
     else:
         yield from limits_passed(solution)
+    yield from stale_models(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)
     for body, names in scene.extrapolated().items():

@@ -10,8 +10,9 @@ from toolkit.solution import Solution
 from toolkit.validity.created_energy import energy_defects
 from toolkit.validity.verdict import Caution
 
-ENERGY = 0.05
-"""Part of the largest energy or work that may come from nowhere or vanish; the motion is off by about as much."""
+ENERGY, SUSPICIOUS = 0.04, 0.01
+"""Part of the largest energy or work that may come from nowhere or vanish, and from which on steps are looked at more closely: of a motion
+that rings it may be the whole vibration, of one that follows its loads nothing that matters."""
 COARSE = 1e-3
 """Local error of a step, a part of the scene's size (or rad), above which steps are coarse."""
 

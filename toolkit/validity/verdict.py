@@ -47,6 +47,13 @@ class Verdict:
         """The verdict that follows from cautions: each is said once, doubts before remarks."""
         return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)), measures or {})
 
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Verdict:
+        """The verdict that `record` was made of."""
+        reasons = record["verdict"]["reasons"]
+        cautions = [Caution(each["code"], each["text"], each["text"] in reasons) for each in record["warnings"]]
+        return cls.of(cautions, {name: value for name, value in record.items() if name not in ("verdict", "warnings")})
+
     @property
     def trusted(self) -> bool:
         """Whether nothing speaks against the numbers."""
