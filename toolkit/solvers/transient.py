@@ -16,6 +16,7 @@ from toolkit.solvers.adaptive import advance_adaptively
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.newton import CONVERGED
+from toolkit.solvers.passed_limits import refuse_passed_limits
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.step_memory import History
@@ -69,6 +70,8 @@ def simulate(
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
+        if system.compiled:  # a complex step takes the steps of its real design, which have been checked
+            refuse_passed_limits(system, run.options, run.times, history.q, history.acc)
     refuse_half_turns(system, run.times, history.q)
     return Solution.from_padded(
         system,
