@@ -33,7 +33,7 @@ class Outcome:
 
 
 class FinePath:
-    """Arc-length steps `length` long, where a path that moves by `size` (parts of the scene's size) and bears the full load has length one."""
+    """Arc-length steps `length` long, where a path that moves by `size` (in parts of the scene's size) under the full load has length 1."""
 
     def __init__(self, system: System, size: float, length: float) -> None:
         self.system, self.options, self.length = system, system.scene.solver, length

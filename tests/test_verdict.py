@@ -175,7 +175,7 @@ def test_differences_betray_what_all_exact_methods_share():
 
 
 def test_a_certificate_that_verifies_nothing_is_a_failure():
-    """"0 gradients agree to - digits", with exit code 0, before."""
+    """ "0 gradients agree to - digits", with exit code 0, before."""
     exact: Any = SimpleNamespace(gradients={"f": {"x": 1.0}})
     lost = Certificate(exact, {"adjoint": {"f": {"x": 0.3}}}, {"f": {"x": 1.0}}, {"f": 2.0}, [])
     with pytest.raises(NothingVerifiedError, match="no gradient was verified"):

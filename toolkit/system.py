@@ -30,9 +30,6 @@ from toolkit.near_ties import first_largest
 from toolkit.redundant_joints import without_redundant_rows
 from toolkit.scene import Scene
 
-TIE = 1e-6
-"""Relative difference between moves that is round-off: bodies that are joined rigidly turn alike."""
-
 
 @dataclass(frozen=True)
 class System:

@@ -41,8 +41,8 @@ def refuse_overlaps(mesh: SolidMesh) -> None:
         one, other = pairs[np.argmin(pairs.min(axis=1))]
         raise InputError(
             f"{len(np.unique(pairs))} of the {sides.n_elements} elements of the mesh lie in one another, so that their mass would count "
-            f"twice: the {_named(mesh, one)} and the {_named(mesh, other)} are the first. Delete one of the two meshes of that region, or cut its "
-            "parts along common faces before meshing (gmsh: BooleanFragments, then Coherence)."
+            f"twice: the {_named(mesh, one)} and the {_named(mesh, other)} are the first. Delete one of the two meshes of that "
+            "region, or cut its parts along common faces before meshing (gmsh: BooleanFragments, then Coherence)."
         )
 
 
