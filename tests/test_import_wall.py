@@ -65,7 +65,7 @@ LAYERS = [
     ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),
     ("system", "redundant_joints"),
-    ("solution", "validity", "solvers", "conformance"),
+    ("solution", "flexible_bodies", "validity", "solvers", "conformance"),
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
     ("results",),

@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.equations import allocate_work
 from toolkit.solution import Solution
-from toolkit.solvers.drift import largest_drift
-from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.drift import largest_drift
+from toolkit.validity.energy_balance import EnergyBalance, energy_balance
 
 
 class Monitors(NamedTuple):

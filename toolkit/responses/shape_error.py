@@ -8,10 +8,11 @@ import numpy as np
 
 from toolkit.dependence import scattered
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.near_ties import SAME, first_largest
 from toolkit.reduced_model import Shape
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.stress import design_point, design_rates, elastic_coordinates, flexible_body
+from toolkit.responses.stress import design_rates
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 

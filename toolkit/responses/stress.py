@@ -7,11 +7,11 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
-from toolkit.design_point import NONE, DesignPoint
-from toolkit.errors import InputError
+from toolkit.design_point import NONE
+from toolkit.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.near_ties import SAME, first_largest
 from toolkit.point import BodyPoint
 from toolkit.reduced_model import place_parameter
@@ -20,34 +20,6 @@ from toolkit.responses.response import Partials, Response
 from toolkit.responses.von_mises import point_slope, point_stress
 from toolkit.scene import Scene
 from toolkit.solution import Solution
-
-
-def flexible_body(scene: Scene, body: str) -> ModelBody:
-    """The flexible body of that name.
-
-    Raises
-    ------
-    InputError
-        There is no such body, or it is not flexible; lists those that are.
-    """
-    found = scene.body(body)
-    if not isinstance(found, ModelBody):
-        flexible = [name for name, each in scene.bodies.items() if isinstance(each, ModelBody)]
-        raise InputError(
-            f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
-        )
-    return found
-
-
-def elastic_coordinates(solution: Solution, body: str) -> slice:
-    """Where the elastic coordinates of a body are on the second axis of q."""
-    whole = solution.coordinates(body)
-    return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
-
-
-def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
-    """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
-    return flexible_body(scene, body).design_point(scene, *parts)
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:

@@ -14,13 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.flexible_bodies import design_point, elastic_coordinates
 from toolkit.near_ties import first_largest
 from toolkit.reduced_model import MEAN_AXES
-from toolkit.responses.element_sections import Elements, Sections, sections
-from toolkit.responses.second_order import clamped_rows, mean_rows, second_order_displacement
-from toolkit.responses.stress import design_point, elastic_coordinates
 from toolkit.scene import Scene
 from toolkit.solution import Solution
+from toolkit.validity.element_sections import Elements, Sections, sections
+from toolkit.validity.second_order import clamped_rows, mean_rows, second_order_displacement
 
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.

@@ -23,7 +23,7 @@ from scipy import sparse
 from scipy.sparse.linalg import splu
 
 from toolkit.near_ties import first_smallest
-from toolkit.responses.element_sections import BENDING, Elements, Sections
+from toolkit.validity.element_sections import BENDING, Elements, Sections
 
 STILL = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""

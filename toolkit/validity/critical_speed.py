@@ -16,8 +16,8 @@ from scipy.linalg import eigh
 
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.flexible_bodies import flexible_body
 from toolkit.near_ties import first_largest
-from toolkit.responses.stress import flexible_body
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 from toolkit.spatial import angular_velocity
