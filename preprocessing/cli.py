@@ -108,7 +108,9 @@ def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
         _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
-    return None if lacking else model.input_hash
+    if not model.inputs:
+        _remark(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
+    return None if lacking or not model.inputs else model.input_hash
 
 
 def _remark(text: str) -> None:
