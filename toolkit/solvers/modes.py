@@ -9,6 +9,8 @@ from scipy.linalg import LinAlgError, eig, eigh, null_space
 
 from toolkit.errors import SingularSystemError
 from toolkit.solution import Solution
+from toolkit.validity.spin import cautions_of_spin
+from toolkit.validity.verdict import Verdict
 
 ROUND_OFF = 1e-14
 """Part of the largest squared frequency below which another cannot be told from zero."""
@@ -18,10 +20,12 @@ class Modes(NamedTuple):
     """Frequencies in cycles per time, ascending, and mode shapes.
 
     A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
+    The verdict holds what speaks against them: that the scene spins, for example, while these are modes about a state at rest.
     """
 
     frequencies: np.ndarray  # (n_modes,)
     shapes: np.ndarray  # (n_q, n_modes)
+    verdict: Verdict = Verdict()
 
 
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
@@ -50,8 +54,8 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free)
     squares = np.where(np.abs(squares) < ROUND_OFF * np.abs(squares).max(initial=0), 0.0, squares)
     order = np.argsort(squares, kind="stable")[:count]
-    frequencies = np.sign(squares[order]) * np.sqrt(np.abs(squares[order])) / (2 * np.pi)
-    return Modes(frequencies, free @ vectors[:, order])
+    frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
+    return Modes(frequencies[order], free @ vectors[:, order], Verdict.of(cautions_of_spin(solution, frequencies)))
 
 
 def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
