@@ -19,9 +19,11 @@ from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.point import BodyPoint, Point
 from toolkit.profile import Sine
+from toolkit.responses.catalogue import Rotation
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import scene_from_table
+from toolkit.sensitivity.methods import gradients_by
 from toolkit.solvers.initial_conditions import State, consistent_start
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
@@ -210,6 +212,15 @@ def test_a_variable_that_would_make_written_velocities_contradict_is_refused(pat
         InputError, match=rf"'{path}' would make bodies\.crank\.velocity.* contradict the joints.*`angular_velocity` alone"
     ):
         started(four_bar(**motion), [path])
+
+
+def test_a_complex_step_refuses_such_a_variable_too():
+    """Its step is far too small for the velocities themselves to miss."""
+    scene = four_bar(crank={"velocity": tuple(map(float, kinematics(6.0)[:3]))})
+    scene = scene.model_copy(update={"responses": {"turn": Rotation(body="rocker", point="C")}})
+    for method in ("direct", "complex-step"):
+        with pytest.raises(InputError, match=r"would make bodies\.crank\.velocity.* contradict the joints"):
+            gradients_by(method, scene, ["points.A.x"], "transient")
 
 
 def test_a_variable_that_leaves_written_velocities_alone_has_a_derivative():

@@ -157,11 +157,13 @@ def modes(
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
-        frequencies = solve_modes(state, count).frequencies.tolist()
+        found = solve_modes(state, count)
+    frequencies = found.frequencies.tolist()
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
     else:
         print_frequencies(frequencies)
+        typer.echo(str(found.verdict))
 
 
 @app.command()

@@ -11,7 +11,8 @@ from toolkit.errors import InputError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.assembly import assemble
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.start_velocities import carried_along, project_velocities, refuse_own_velocities, written_velocities
+from toolkit.solvers.start_velocities import carried_along, project_velocities
+from toolkit.solvers.written_velocities import refuse_own_velocities, written_velocities
 from toolkit.system import System
 
 POSITION_TOLERANCE = 1e-8

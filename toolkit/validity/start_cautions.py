@@ -13,6 +13,7 @@ from toolkit.solvers.initial_conditions import POSITION_TOLERANCE
 from toolkit.spatial import angular_velocity
 from toolkit.units import unit
 from toolkit.validity.frame_motion import QUATERNION
+from toolkit.validity.spin import fastest_spin
 from toolkit.validity.start_state import start_state
 from toolkit.validity.verdict import Caution
 
@@ -25,10 +26,11 @@ MOST_NAMED = 3
 
 
 def cautions_of_start(solution: Solution) -> Iterator[Caution]:
-    """Cautions of the start of a run over time, or of the closing of joints before an equilibrium."""
+    """Cautions of the start of a run over time; of an equilibrium, how its joints were closed, and that it is one at rest."""
     options = solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2:
         yield from _closed_by_statics(solution, options)
+        yield from _at_rest(solution)
         return
     if solution.own_start:
         return
@@ -81,6 +83,18 @@ def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caut
             "assembled",
             f"statics closed joints that are open in the written positions: {system.numbering.names[system.n_q + row]} by "
             f"{abs(gaps[row]):.3g}, {sizes[row]:.1e} of the scene's size (or rad).",
+            doubt=False,
+        )
+
+
+def _at_rest(solution: Solution) -> Iterator[Caution]:
+    found = fastest_spin(solution)
+    if found is not None:
+        body, spin, when = found
+        yield Caution(
+            "at-rest",
+            f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
+            "it; simulate the scene to see them.",
             doubt=False,
         )
 
