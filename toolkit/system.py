@@ -95,7 +95,7 @@ class System:
             (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
             terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
-        found: Callable = evaluate_all.overloads[self._signature().args].entry_point
+        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
         return found
 
     @cached_property
