@@ -11,9 +11,20 @@ from preprocessing.section import Section
 from preprocessing.source_file import source
 from tests.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.test_preprocess_cli import arrays
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.entry_scales import entry_scales
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.loads.gravity import Gravity
 from toolkit.near_ties import first_largest, first_smallest
+from toolkit.point import Point
 from toolkit.reduced_model_file import load, save
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.solvers.modes import solve_modes
+from toolkit.solvers.transient import simulate
+from toolkit.system import compile_scene
 
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 
@@ -96,3 +107,33 @@ def test_of_near_ties_the_first_is_named():
         assert first_smallest(sizes - sizes.min()) == 2
     assert first_largest(np.array([1.0, np.nan, 2.0])) == 1
     assert first_largest(np.array([1.0, 1.0 + 1e-5])) == 1
+
+
+@pytest.mark.processors
+def test_of_joints_that_repeat_each_other_the_later_ones_are_left_out():
+    """All rows are equally long, so that only their last digits differ: one kind of pivoting would follow these."""
+    rng = np.random.default_rng(0)
+    rows = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1], [0, 0, 1, 1], [1, 1, 0, 0]])
+    for _ in range(50):
+        found = independent_rows(rows * (1 + 1e-15 * rng.normal(size=rows.shape)), np.ones(4), np.zeros(0, int))
+        assert (found.kept.tolist(), found.repeating.tolist(), found.almost.tolist()) == ([0, 1, 4], [2, 3, 5, 6], [])
+
+
+@pytest.mark.processors
+@pytest.mark.parametrize("y", [0.1, 0.13, 0.23, 0.4, 0.63, 0.93])
+def test_a_balance_has_the_frequency_zero(y):
+    """m g x - m g x is no stiffness, and none that is negative: what is left of it is round-off of the joint forces times their levers."""
+    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.3 + y / 7, y=y), "B": Point(x=-0.3 - y / 7, y=-y)}
+    ends = {name: Rigid(mass=3.1, inertia=0.01, center=name) for name in "AB"}
+    scene = Scene(
+        units="m-kg-s",
+        points=points,
+        bodies={"arm": Rod(between=("A", "B"), area=1e-3, density=7800.0), **ends},
+        joints={
+            "O": Revolute(bodies=("arm", "ground"), point="O"),
+            **{name: RigidJoint(bodies=("arm", name), point=name) for name in "AB"},
+        },
+        loads={"weight": Gravity(acceleration=(0.0, -9.81))},
+        solver=RunOptions(end_time=0.01, step=0.01),
+    )
+    assert solve_modes(simulate(compile_scene(scene))).frequencies.tolist() == [0.0]

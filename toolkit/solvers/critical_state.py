@@ -28,10 +28,11 @@ ITERATIONS = 8
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
     """Whether the stiffness is positive against all motions that the joints allow (no divergence; following forces may still flutter)."""
     n_q, matrix = system.n_q, _matrix(system, options, state.q, state.acc, factor).toarray()
-    free = free_motions(matrix[:n_q, n_q:].T, system.weights[:n_q])
+    weights, phi_q, multipliers = system.weights[:n_q], matrix[:n_q, n_q:].T, state.acc[n_q:]
+    free = free_motions(phi_q, weights)
     if not free.shape[1]:
         return True
-    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], free).max()
+    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], phi_q, multipliers, weights, free).max()
     if is_symmetric(stiffness, largest):
         return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] > -ROUND_OFF * largest)
     values = eigvals(stiffness)
