@@ -11,17 +11,21 @@ from preprocessing.section import Section
 from preprocessing.source_file import source
 from tests.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.test_preprocess_cli import arrays
+from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.entry_scales import entry_scales
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.rigid_joint import RigidJoint
 from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.near_ties import first_largest, first_smallest
-from toolkit.point import Point
+from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model_file import load, save
+from toolkit.responses.stress import MaxStress
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import direct
 from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
@@ -137,3 +141,28 @@ def test_a_balance_has_the_frequency_zero(y):
         solver=RunOptions(end_time=0.01, step=0.01),
     )
     assert solve_modes(simulate(compile_scene(scene))).frequencies.tolist() == [0.0]
+
+
+@pytest.mark.processors
+@pytest.mark.parametrize("n_elements", [4, 5, 7, 9])
+def test_of_points_of_equal_stress_the_first_is_the_largest(n_elements, tmp_path):
+    """A moment at the tip bends all elements alike; the maximum has the derivative of the first one, and of no other.
+
+    sigma = 6 M / (b t^2), so that d sigma / d t_0 = -2 sigma / t.
+    """
+    nodes = np.column_stack([np.linspace(0, 1, n_elements + 1), np.zeros(n_elements + 1)])
+    save(polygon_beam(nodes, STEEL, {"tip": 1.0}, separate=("thickness",)), tmp_path / "beam.h5")
+    scene = Scene(
+        units="m-kg-s",
+        points={"T": BodyPoint(body="beam", interface="tip")},
+        bodies={"beam": Flexible(model="beam.h5", frame="grounded")},
+        loads={"moment": Torque(body="beam", point="T", torque=10.0)},
+        responses={"stress": MaxStress(body="beam", measure="absolute")},
+        directory=tmp_path,
+    )
+    found = direct(scene, [f"bodies.beam.thickness_{k}" for k in range(n_elements)], "static")
+    stress = 6 * 10.0 / (STEEL.width * STEEL.thickness**2)
+    assert found.values["stress"] == pytest.approx(stress, rel=1e-8)  # condition of a thin beam's stiffness
+    first, *others = found.gradients["stress"].values()
+    assert first == pytest.approx(-2 * stress / STEEL.thickness, rel=1e-8)
+    assert np.abs(others).max() < 1e-8 * abs(first)
