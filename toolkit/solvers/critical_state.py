@@ -28,21 +28,22 @@ ITERATIONS = 8
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
     """Whether the stiffness is positive against all motions that the joints allow (no divergence; following forces may still flutter)."""
-    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray())
+    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray(), state.acc)
 
 
-def has_negative_stiffness(system: System, matrix: np.ndarray) -> bool:
-    """Whether the static matrix (n, n) has a negative stiffness, by more than round-off, against a motion that the joints allow."""
+def has_negative_stiffness(system: System, matrix: np.ndarray, acc: np.ndarray) -> bool:
+    """Whether the static matrix (n, n) at [a; lam] has a negative stiffness, by more than round-off, against a motion that joints allow."""
     try:
         if factorised(system, matrix).negative == 0:
             return False
     except SingularSystemError:
         pass  # a stiffness that is zero to round-off is not negative
     n_q = system.n_q
-    free = free_motions(matrix[:n_q, n_q:].T, system.weights[:n_q])
+    weights, phi_q = system.weights[:n_q], matrix[:n_q, n_q:].T
+    free = free_motions(phi_q, weights)
     if not free.shape[1]:
         return False
-    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], free).max()
+    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], phi_q, acc[n_q:], weights, free).max()
     if is_symmetric(stiffness, largest):
         return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
     values = eigvals(stiffness)
