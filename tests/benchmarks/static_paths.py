@@ -1,7 +1,8 @@
-"""Statics against fine paths on random scenes: run `python -m tests.benchmarks.static_paths [scenes of each kind]` from the project's folder.
+"""Statics against fine paths: run `python -m tests.benchmarks.static_paths [random scenes of each kind [kinds]]` from the project's folder.
 
-Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own (`tests.fine_path`). Both
-must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is judged by one with half its steps.
+Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own (`tests.fine_path`).
+Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is judged by one with half its
+steps.
 """
 
 from __future__ import annotations
@@ -77,7 +78,7 @@ def judged(
 
 if __name__ == "__main__":
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
-    for kind in KINDS:
+    for kind in sys.argv[2:] or KINDS:
         outcomes, errors, times = Counter(), 0, []
         for seed in range(count):
             judge, wrong, spent = judged(random_scene(kind, seed))
