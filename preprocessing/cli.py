@@ -10,6 +10,7 @@ import typer
 from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError
 from toolkit.reduced_model_file import is_reduced_model, load, save
+from toolkit.validity.material_questions import material_questions
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
@@ -43,6 +44,8 @@ def preprocess(
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
     model = described.build(_remark, values, {})
+    for caution in material_questions(model.nominal, model.units, skin.stem):
+        _remark(f"warning: {caution.text}")
     save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
@@ -105,7 +108,9 @@ def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
         _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
-    return None if lacking else model.input_hash
+    if not model.inputs:
+        _remark(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
+    return None if lacking or not model.inputs else model.input_hash
 
 
 def _remark(text: str) -> None:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,8 @@ SCHEMA_VERSION = 2
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
+ORIGIN = ("inputs", "source", "changes")
+"""The same, which a model has that was built from files."""
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -63,6 +66,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         if len(own) < len(ATTRIBUTES):
             raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
         head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
+        head |= {name: content.attributes(name) for name in ORIGIN if content.has(name)}
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
         before = known.bytes_read if known else {}
@@ -71,7 +75,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
         _check_complete(str(attributes.get("contents", "")), found)
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
-    model = ReducedModel(**head, **found, path=path, bytes_read=read)
+    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
     check(model, path)
     return model
 
@@ -176,10 +180,24 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 def save(model: ReducedModel, path: str | Path) -> None:
     """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
     path = Path(path)
+    model = _seen_from(path.parent, model)
     check(model, path)
     with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
-            if item.compare:
+            if item.compare and not (item.name in ORIGIN and not getattr(model, item.name)):
                 _write(file, item.name, getattr(model, item.name))
+
+
+def _seen_from(folder: Path, model: ReducedModel) -> ReducedModel:
+    """The model with the names of its inputs relative to a folder; as they are where no path leads from there to them."""
+    if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
+        return model
+    origin = model.inputs_from.resolve()
+    try:
+        names = {name: Path(os.path.relpath(origin / name, folder.resolve())).as_posix() for name in model.inputs}
+    except ValueError:  # another drive
+        return model
+    renamed: dict[str, Any] = {name: {names[k]: v for k, v in getattr(model, name).items()} for name in ("inputs", "source")}
+    return replace(model, **renamed, inputs_from=folder)

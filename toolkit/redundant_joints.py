@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import null_space
 
+from toolkit.compilation.frame_hints import hint_of_grounded
 from toolkit.compilation.redundant_rows import Rows, independent_rows, null_vectors
 from toolkit.equations import Terms
 from toolkit.errors import InputError
@@ -46,12 +47,14 @@ def without_redundant_rows(system: System) -> System:
         raise InputError(
             f"{', '.join(names[n_q + row] for row in rows.almost[:4])} nearly repeat what other joints hold, but not exactly: they jam. "
             "Give points and axes that fit to the last digit, or remove the joint that is too much."
+            + hint_of_grounded(system.scene, system.numbering.joints_of(n_q + rows.almost))
         )
     joints = system.scene.joints.items()
     driven = {system.numbering.row[name] + len(joint.row_names) - 1 for name, joint in joints if joint.time_curve}
     if repeated := driven & {n_q + int(row) for row in rows.repeating}:
         raise InputError(
             f"{names[min(repeated)]} drives what other joints already determine. Remove the driver, or the joint that holds what it drives."
+            + hint_of_grounded(system.scene, system.scene.joints)
         )
     _refuse_variables_that_jam(system, q, jacobian, rows)
     return replace(system, plan=system.plan._replace(dropped=n_q + rows.repeating))
@@ -63,15 +66,17 @@ def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarr
         return
     N, dq, n_q = null_vectors(np.real(jacobian), rows.kept, rows.repeating), system.start()[2], system.n_q
 
-    def change(motion: np.ndarray) -> np.ndarray:
-        """dJ z by every variable, (n_lam, n_x)."""
+    def change(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dJ z by every variable, (n_lam, n_x), and how large the largest terms are that it is the sum of, (n_x,)."""
         acc: np.ndarray = np.concatenate([motion, np.zeros(system.n - n_q)]).astype(system.dtype)
         terms = joint_terms(system, q, acc)
-        return np.real(system.matrix(terms.I_q) @ dq + terms.I_x)[n_q:]
+        by_q, by_x = np.real(system.matrix(terms.I_q)), np.real(terms.I_x)
+        made_of = np.abs(by_q) @ np.abs(np.real(dq)) + np.abs(by_x)
+        return (by_q @ np.real(dq) + by_x)[n_q:], made_of[n_q:].max(axis=0, initial=0)
 
-    size = np.abs(change(1 / system.weights[:n_q])).max(axis=0, initial=0)
+    size = change(1 / system.weights[:n_q])[1]
     for motion in null_space(np.real(jacobian)[rows.kept]).T:
-        jams = np.flatnonzero(np.abs(N.T @ change(motion)).max(axis=0) > JAMS * size)
+        jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMS * size)
         if len(jams):
             raise InputError(
                 f"design variable {system.design.names[jams[0]]!r} would make joints that repeat each other fit no more, and jam the "

@@ -26,11 +26,9 @@ from toolkit.kernel import call, first_class, plain, slots
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
+from toolkit.near_ties import first_largest
 from toolkit.redundant_joints import without_redundant_rows
 from toolkit.scene import Scene
-
-TIE = 1e-6
-"""Relative difference between moves that is round-off: bodies that are joined rigidly turn alike."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +95,7 @@ class System:
             (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
             terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
             self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
-        found: Callable = evaluate_all.overloads[self._signature().args].entry_point
+        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
         return found
 
     @cached_property
@@ -120,8 +118,7 @@ class System:
 
     def most_moved(self, change: np.ndarray) -> str:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
-        moved = self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q]))
-        return self.numbering.names[int(np.argmax(moved >= (1 - TIE) * moved.max(initial=0)))]
+        return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
@@ -152,6 +149,17 @@ class System:
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
+def _formulas(scene: Scene) -> tuple[list, list]:
+    """The different formulas of the scene's joints, and of its loads; there is always one."""
+    return families(list(scene.joints.values())) or [revolute], families(loads_of(scene)) or [torque]
+
+
+def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    joints, loads = _formulas(scene)
+    return slots(joints, JOINT_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
     """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
 
@@ -168,12 +176,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     plan = build_plan(scene, numbering, values, changes, dtype)
-    joint_formulas = families(list(scene.joints.values())) or [revolute]
-    load_formulas = families(loads_of(scene)) or [torque]
-    if dtype is float:
-        functions = slots(joint_formulas, JOINT_SIGNATURE), slots(load_formulas, LOAD_SIGNATURE)
-    else:
-        functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
+    functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

@@ -1,8 +1,8 @@
-"""Statics against fine paths: run `python -m tests.benchmarks.static_paths [random scenes of each kind [kinds]]` from the project's folder.
+"""Statics against fine paths on random scenes: `python -m tests.benchmarks.static_paths [scenes of each kind [kinds]]`.
 
-Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own (`tests.fine_path`).
-Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is judged by one with half its
-steps.
+Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own
+(`tests.fine_path`). Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is
+judged by one with half its steps.
 """
 
 from __future__ import annotations

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.responses.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
-from toolkit.responses.deformation import deformation
 from toolkit.run_options import RunOptions
 from toolkit.scene_file import read_scene
 from toolkit.solution import Solution
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
+from toolkit.validity.deformation import deformation
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 CRITICAL = 1.875104068711961**2 * float(np.sqrt(210e9 * 0.02**2 / 12 / 7800.0))
@@ -24,7 +24,7 @@ FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "gg
 
 def disturbed(speed: float, formulation: str, end_time: float) -> Solution:
     """A beam that is bent by a nanometre at its tip, and spins freely."""
-    system = compile_scene(read_scene(BEAM, {"bodies.beam.velocity": f"[0, 0, {speed!r}]"}))
+    system = compile_scene(read_scene(BEAM, {"bodies.beam.angular_velocity": repr(speed)}))
     q, v, x = np.zeros(system.n_q), np.zeros(system.n_q), np.linspace(0, 1, 21)[1:]
     v[2], q[4::3], q[5::3] = speed, DISTURBANCE * x**2, 2 * DISTURBANCE * x
     return simulate(system, RunOptions(end_time=end_time, step=5e-4, rho_inf=0.8, formulation=formulation), q, v)

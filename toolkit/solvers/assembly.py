@@ -14,6 +14,7 @@ import numpy as np
 
 from toolkit.equations import Terms
 from toolkit.errors import ConvergenceError
+from toolkit.near_ties import first_largest
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system import System
 
@@ -37,7 +38,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     SingularSystemError
         Joints are redundant.
     """
-    system, is_q = _stiffened(system), np.arange(system.n) < system.n_q
+    system, is_q = stiffened(system), np.arange(system.n) < system.n_q
     q, acc, largest, before = given.copy(), np.zeros_like(given), np.inf, np.inf
     far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
     for _ in range(MOST):
@@ -52,7 +53,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
         before, largest = largest, (system.weights * np.abs(np.real(step)))[: system.n_q].max()
     if not closed or not np.all(moved <= REACH):
         raise ConvergenceError(
-            f"the joints do not close near the given positions: {system.numbering.names[int(np.argmax(moved))]} would move by "
+            f"the joints do not close near the given positions: {system.numbering.names[first_largest(moved)]} would move by "
             f"{moved.max():.2g} of the scene's size (or rad). Give positions, a length or a curve that fit together better."
         )
     if not system.n_x:
@@ -62,7 +63,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 
-def _stiffened(system: System) -> System:
+def stiffened(system: System) -> System:
     """The same system with M + (1 s)^2 K in the place of M."""
     part = system.plan.constant
     stiffened = part._replace(mass=part.mass + part.stiffness, design_mass=part.design_mass + part.design_stiffness)

@@ -100,7 +100,7 @@ def to_full_load(
 def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilibrium | None:
     """A point of the path under the full load, to round-off, if it is stable."""
     system, options = equations.system, equations.options
-    q, acc = (part.astype(system.dtype) for part in equations.padded(place.z))
+    q, acc = equations.padded(place.z)
     try:
         state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
     except (ConvergenceError, SingularSystemError) as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigvalsh
 
+from toolkit.compilation.frame_hints import hint_of_floating
 from toolkit.equations import Terms
 from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
@@ -57,7 +58,14 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
         "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+        + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
     )
+
+
+def _moving(system: System, correction: np.ndarray) -> np.ndarray:
+    """Coordinates that a correction moves about as much as any."""
+    moved = system.weights[: system.n_q] * np.abs(np.real(correction[: system.n_q]))
+    return np.flatnonzero(moved > 0.1 * moved.max(initial=0))
 
 
 def _shift(system: System, terms) -> float:

@@ -37,8 +37,8 @@ class PathEquations:
 
     def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """q padded to n, and [0; lam], of the system's type."""
-        q, acc = (np.where(mask, z[: self.n], 0.0).astype(self.system.dtype) for mask in (self._of_q, ~self._of_q))
-        return q, acc
+        dtype = self.system.dtype
+        return np.where(self._of_q, z[: self.n], 0.0).astype(dtype), np.where(self._of_q, 0.0, z[: self.n]).astype(dtype)
 
     def _terms(self, z: np.ndarray, inputs: Inputs) -> Terms:
         q, acc = self.padded(z)
