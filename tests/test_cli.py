@@ -66,7 +66,7 @@ def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_not
     found = json.loads(output)  # fails on anything before or after the object
     judged = {"verdict", "warnings", "drift"}
     if "static" not in "".join(arguments):
-        judged |= {"energy_balance", "estimated_error", "newton_correction"}
+        judged |= {"energy_balance", "estimated_error", "force_noise", "newton_correction"}
     assert set(found) == {"responses", "gradients", "run", "deformation"} | judged
     assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
     assert all(isinstance(each["value"], float) for each in found["responses"].values())

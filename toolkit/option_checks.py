@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from toolkit.run_options import RunOptions
 
 DAMPED, DAMPED_CHANGING = 0.8, 0.5
-"""Largest rho_inf of index 3, and with steps of changing length. Nothing but the scheme damps errors of joint forces there, and curved paths
-feed them: they grow from step to step unless a turn has 14, 20, 30, 50, 100 steps at rho_inf = 0.5, 0.6, 0.7, 0.8, 0.9, and with 1 always.
-What has grown is told by `validity.noisy_forces`."""
+"""Largest rho_inf of index 3, and with steps of changing length. Nothing but the scheme damps errors of joint forces there, and curved
+paths feed them: they grow from step to step unless a turn has 14, 19, 26, 42, 88 steps at rho_inf = 0.5, 0.6, 0.7, 0.8, 0.9, and with 1
+always. What has grown is told by `validity.noisy_forces`."""
 STEEPEST = 100.0
 """Shrinking from step to step up to which index 3 and stabilised index 2 are right."""
 

@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.solution import Solution
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
+from toolkit.validity.noisy_forces import noisy_forces
 from toolkit.validity.physics import excessive_speeds, large_deformations
 from toolkit.validity.stale_models import stale_models
 from toolkit.validity.verdict import Caution, Verdict
@@ -38,6 +39,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
+        yield from noisy_forces(solution.options or scene.solver, found["force_noise"])
         yield from excessive_speeds(solution)
     else:
         yield from limits_passed(solution)
