@@ -69,7 +69,7 @@ def _begins_at_rest(solution: Solution) -> bool:
     weights = system.weights[: system.n_q]
     if (weights * np.abs(solution.v[0])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
         return False
-    residual, matrix = _static(solution, 0.0)
+    residual, matrix, _ = _static(solution, 0.0)
     try:
         saddle = factorised(system, matrix)
     except SingularSystemError:
@@ -79,8 +79,8 @@ def _begins_at_rest(solution: Solution) -> bool:
     return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
 
 
-def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray]:
-    """Residual (n,) and static matrix (n, n) of a state as if it were at rest."""
+def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
     system, n_q = solution.system, solution.system.n_q
     time, found = _state(solution, place)
     inputs = system.inputs(time, LEVELS)
@@ -89,7 +89,7 @@ def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray]:
     scaled = system.matrix(terms.I_acc).toarray()[:n_q, n_q:] / system.weights[:n_q, None]
     forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
     terms = system.evaluate(inputs, q, rest, forces)
-    return terms.inertial + terms.applied, system.matrix(static_matrix(system, terms)).toarray()
+    return terms.inertial + terms.applied, system.matrix(static_matrix(system, terms)).toarray(), forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
@@ -101,7 +101,8 @@ def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
 
 
 def _is_unstable(solution: Solution, place: float) -> bool:
-    return has_negative_stiffness(solution.system, _static(solution, place)[1])
+    _, matrix, forces = _static(solution, place)
+    return has_negative_stiffness(solution.system, matrix, forces)
 
 
 def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, float]:
