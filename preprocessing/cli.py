@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from preprocessing.source_file import source
-from toolkit.errors import InputError, ModelFileError, ToolkitError
+from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
 from toolkit.reduced_model_file import is_reduced_model, load, save
 
 app = typer.Typer(pretty_exceptions_enable=False)
@@ -54,6 +54,9 @@ def main() -> None:
         app()
     except ToolkitError as error:
         typer.echo(str(error), err=True)
+        raise SystemExit(1) from None
+    except OSError as error:
+        typer.echo(refusal(error), err=True)
         raise SystemExit(1) from None
 
 

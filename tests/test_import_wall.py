@@ -33,6 +33,7 @@ LAYERS = [
     (
         "errors",
         "kernel",
+        "compiled_code",
         "planar",
         "units",
         "dimensions",
@@ -40,6 +41,7 @@ LAYERS = [
         "replaced_file",
         "hdf5",
         "toml_file",
+        "own_process",
         "preprocessing_process",
         "listed_names",
         "static_path",

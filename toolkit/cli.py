@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -33,11 +36,23 @@ from toolkit.command_line.report import print_frequencies, print_json, print_res
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
-from toolkit.errors import ToolkitError
+from toolkit.errors import ToolkitError, refusal
 from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
+
+
+def in_words(shown: Callable[..., None]) -> Callable[..., None]:
+    """How warnings are shown: those of the toolkit as plain sentences, others as before."""
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if category.__module__.startswith("toolkit."):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **more)
+
+    return show
 
 
 class Commands(TyperGroup):
@@ -46,9 +61,16 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = in_words(warnings.showwarning)
+                return super().invoke(ctx)
         except ToolkitError as error:
             typer.echo(str(error), err=True)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # whoever read the output has seen enough
+                raise
+            typer.echo(refusal(error), err=True)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)

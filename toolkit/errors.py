@@ -5,6 +5,12 @@ class ToolkitError(Exception):
     """Base of every error that the toolkit raises on purpose; the command line prints its text without a traceback."""
 
 
+def refusal(error: OSError) -> str:
+    """What the system refused, where nobody nearer to it knew what to say."""
+    where = f" at {str(error.filename)!r}" if error.filename is not None else ""
+    return f"the system refused to go on{where}: {error.strerror or error}. Mend the path, or make room on the disk."
+
+
 class InputError(ToolkitError, ValueError):
     """What the user wrote cannot be meant: a scene, a path, a number, an option."""
 

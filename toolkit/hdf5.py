@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ import h5py
 import numpy as np
 
 from toolkit.errors import ToolkitError
+from toolkit.replaced_file import write_whole
 
 FORMAT = ("v110", "v110")
 """Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
@@ -28,6 +30,23 @@ FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLE
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
 """What h5py, numpy and the parsers raise on damaged content."""
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[h5py.File]:
+    """A new file, built in memory and put in its place as a whole if nothing was raised: HDF5 ends the process where the disk is full.
+
+    Raises
+    ------
+    InputError
+        The place cannot be written to, or is full.
+    """
+    unique = f"{path}.{secrets.token_hex(4)}"  # nothing of that name appears on the disk
+    with h5py.File(unique, "w", driver="core", backing_store=False, libver=FORMAT) as file:
+        yield file
+        file.flush()
+        image = file.id.get_file_image()
+    write_whole(path, image)
 
 
 def write_array(group: h5py.Group, name: str, values: Any) -> None:

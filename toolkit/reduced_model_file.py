@@ -13,10 +13,9 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
-from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_array
+from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, write_array, writing
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
-from toolkit.replaced_file import replaced
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 SCHEMA = "ffrf-reduced-model"
@@ -174,10 +173,10 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 
 
 def save(model: ReducedModel, path: str | Path) -> None:
-    """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
+    """Write the file in one stroke: an interrupted run leaves the old file or none."""
     path = Path(path)
     check(model, path)
-    with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
+    with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):

@@ -73,7 +73,8 @@ def _read(path: Path) -> Any:
         meshio = import_module("meshio")
     except ImportError as error:
         raise InputError(
-            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
         ) from error
     said = StringIO()
     try:

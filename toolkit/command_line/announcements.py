@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
@@ -27,17 +28,21 @@ def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = (), qu
 
     Formulas that were never compiled on this machine are compiled before, and it is said so.
     """
+    from toolkit.compiled_code import CompiledCodeWarning
     from toolkit.kernel import is_on_disk
     from toolkit.sensitivity.analysis import prepare
 
-    if not is_on_disk(kernel_of(kind)):
-        system = prepare(scene, list(design))
-        if not quiet:
-            typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
-        with bar("compiling", quiet):
-            compile_formulas(system, kind)
-    with bar(title, quiet) as progress:
-        yield progress
+    with warnings.catch_warnings():
+        if quiet:
+            warnings.simplefilter("ignore", CompiledCodeWarning)
+        if not is_on_disk(kernel_of(kind)):
+            system = prepare(scene, list(design))
+            if not quiet:
+                typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
+            with bar("compiling", quiet):
+                compile_formulas(system, kind)
+        with bar(title, quiet) as progress:
+            yield progress
 
 
 @contextmanager

@@ -78,10 +78,9 @@ def tradeoff(
 
 def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
     """Write the JSON file, and the picture where it can be drawn."""
-    from toolkit.replaced_file import replaced
+    from toolkit.replaced_file import write_whole
 
-    with replaced(folder / "tradeoff.json") as temporary:
-        temporary.write_text(json.dumps(record_of(found), indent=1, allow_nan=False), encoding="utf-8")
+    write_whole(folder / "tradeoff.json", json.dumps(record_of(found), indent=1, allow_nan=False).encode())
     files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)
