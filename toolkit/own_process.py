@@ -43,22 +43,20 @@ def program(name: str, *arguments: str) -> list[str]:
 
 
 def environment() -> dict[str, str]:
-    """Environment of such processes: PYTHONPATH is in their path already, as far as it does not begin at the current folder."""
+    """Environment of such processes; what PYTHONPATH holds is in their path already, unless it begins at the current folder."""
     return {name: value for name, value in os.environ.items() if name != "PYTHONPATH"} | {SAFE: "1"}
 
 
 @contextmanager
 def safe_spawning() -> Iterator[None]:
-    """Context in which `multiprocessing` starts Python without the current folder, for as long as it lasts."""
-    before = os.environ.get(SAFE)
+    """Context in which `multiprocessing` starts Python in this environment, for as long as it lasts; it hands on the path by itself."""
+    before = {name: os.environ.pop(name, None) for name in (SAFE, "PYTHONPATH")}
     os.environ[SAFE] = "1"
     try:
         yield
     finally:
-        if before is None:
-            del os.environ[SAFE]
-        else:
-            os.environ[SAFE] = before
+        del os.environ[SAFE]
+        os.environ.update({name: value for name, value in before.items() if value is not None})
 
 
 def refuse_namesakes() -> None:
