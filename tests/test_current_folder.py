@@ -89,6 +89,26 @@ def test_a_pool_of_processes_as_tradeoff_and_stability_start_it(trap):
     assert os.environ["PYTHONPATH"] == os.pathsep
 
 
+def test_settings_of_figures_in_the_current_folder_start_no_latex(tmp_path):
+    (tmp_path / "matplotlibrc").write_text("text.usetex: True\n")
+    for name in ("latex", "tex"):
+        (tmp_path / name).write_text(f"#!/bin/sh\n: > '{tmp_path}/executed'\nexit 1\n")
+        (tmp_path / name).chmod(0o755)
+    code = (
+        "from pathlib import Path; import numpy as np\n"
+        "from toolkit.report.sheet import Drawing, sheet\n"
+        "with sheet(2.0) as (figure, axes):\n    axes[0, 0].set_title('a figure')\n"
+        "Drawing('a', 'b', 'c', figure).save_as(Path('figure.png'))\n"
+    )
+    path = os.pathsep.join([str(tmp_path), os.environ["PATH"]])
+    done = subprocess.run(
+        [sys.executable, "-P", "-c", code], cwd=tmp_path, env={**os.environ, "PATH": path}, capture_output=True, check=False
+    )
+    assert done.returncode == 0, done.stderr.decode()
+    assert (tmp_path / "figure.png").read_bytes().startswith(b"\x89PNG")
+    assert not (tmp_path / "executed").exists()
+
+
 def test_no_other_code_starts_processes_than_what_is_tested_here():
     starts = re.compile(r"\b(subprocess|multiprocessing|ProcessPoolExecutor|Popen|os\.(system|exec|spawn|posix_spawn|fork)\w*)\b")
     files = [file for half in ("toolkit", "preprocessing") for file in (ROOT / half).rglob("*.py")]
