@@ -142,9 +142,14 @@ def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Cont
 
 def schema_of(path: Path) -> str | None:
     """Which of the program's HDF5 files it is, by its attribute `schema`; None if it cannot be read as one."""
+    return text_of(path, "schema")
+
+
+def text_of(path: Path, attribute: str) -> str | None:
+    """One attribute of a file; None if it has none, or cannot be read as one of the program's."""
     try:
         with _opened(path) as file:
-            return str(_scalar(file, "schema"))
+            return str(_scalar(file, attribute))
     except _UNREADABLE:
         return None
 

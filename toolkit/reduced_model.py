@@ -152,6 +152,7 @@ class ReducedModel:
     input_hash: str
     writers: dict[str, str]  # program -> version
     invariants: Invariants | SpatialInvariants
+    source: str = ""  # file that describes the body, as seen from the folder of the model's file; empty if nobody said
     derivatives: dict[str, Derivatives] | None = None  # item -> derivatives by all parameters, as far as no polynomial tells them
     affine: dict[str, Polynomial] | None = None  # invariant -> polynomial of the parameters
     interfaces: dict[str, InterfacePoint] | None = None

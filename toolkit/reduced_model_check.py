@@ -89,7 +89,7 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
         _refuse(path, "dimension", f"is {model.dimension} instead of 2 or 3")
     if model.units not in UNIT_SYSTEMS:
         _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
-    texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash")}
+    texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash", "source")}
     for group in ("nominal_units", "writers"):
         texts |= {f"{group}/{name}": value for name, value in getattr(model, group).items()}
     for name, value in texts.items():

@@ -13,7 +13,7 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
-from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, write_array, writing
+from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
@@ -21,6 +21,8 @@ from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 2
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
+SOURCE = "source"
+"""An attribute that a file may lack."""
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 
@@ -58,9 +60,9 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     with reading(path, partial(_damaged, path)) as content:
         attributes: dict[str, Any] = content.attributes()
         _check_schema(attributes, path)
-        own = {name: attributes[name] for name in ATTRIBUTES if name in attributes}
-        if len(own) < len(ATTRIBUTES):
-            raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
+        if lacking := [name for name in ATTRIBUTES if name not in attributes]:
+            raise ValueError(f"it lacks {', '.join(lacking)}")
+        own = {name: attributes[name] for name in ATTRIBUTES} | {SOURCE: attributes.get(SOURCE, "")}
         head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
@@ -105,6 +107,16 @@ def is_reduced_model(path: str | Path) -> bool:
     return schema_of(Path(path)) == SCHEMA
 
 
+def source_of(path: str | Path) -> str:
+    """The file that describes the body of a reduced model, as seen from the model's folder; empty if it does not say."""
+    return text_of(Path(path), SOURCE) or ""
+
+
+def hash_of(path: str | Path) -> str:
+    """Hash of the inputs of a reduced model; empty if it does not say."""
+    return text_of(Path(path), "input_hash") or ""
+
+
 def _damaged(path: Path, reason: str) -> ModelFileError:
     return ModelFileError(
         f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete ({reason}). Build it again with "
@@ -146,7 +158,7 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
 
 
 def _write(group: h5py.Group, name: str, value: Any) -> None:
-    if value is None:
+    if value is None or (name == SOURCE and not value):
         return
     if isinstance(value, (str, int, float)):
         group.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value

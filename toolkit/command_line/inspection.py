@@ -59,6 +59,7 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "derivatives": dependences(model, model.derivatives),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
+        **({"source": model.source} if model.source else {}),
     }
 
 
