@@ -11,6 +11,7 @@ import typer
 from preprocessing.output_file import refuse_output, seen_from
 from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
+from toolkit.outside_files import told_outside
 from toolkit.reduced_model_file import load, save
 
 app = typer.Typer(pretty_exceptions_enable=False)
@@ -46,6 +47,8 @@ def preprocess(
     if not force and _hash_in(output, described.parts) == wanted:
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
+    if elsewhere := told_outside(skin, described.inputs):
+        _remark(elsewhere)
     model = described.build(_remark, values, {})
     save(replace(model, source=seen_from(output, skin)), output)
     interfaces = ", ".join(model.interfaces or {}) or "none"

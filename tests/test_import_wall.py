@@ -24,6 +24,7 @@ SHARED = tuple(
         "replaced_file",
         "hdf5",
         "toml_file",
+        "outside_files",
         "errors",
         "units",
     )
@@ -41,6 +42,7 @@ LAYERS = [
         "replaced_file",
         "hdf5",
         "toml_file",
+        "outside_files",
         "own_process",
         "preprocessing_process",
         "listed_names",

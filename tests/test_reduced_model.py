@@ -155,7 +155,8 @@ def test_a_foreign_hdf5_file_is_recognised(tmp_path):
     with h5py.File(tmp_path / "other.h5", "w", libver="v110") as file:
         file["data"] = np.arange(3)
     with pytest.raises(
-        ModelFileError, match=r"other\.h5' is an HDF5 file but not a reduced model: its attribute 'schema' is None"
+        ModelFileError,
+        match=r"other\.h5' is an HDF5 file but not a reduced model: its attribute 'schema' is not 'ffrf-reduced-model'",
     ):
         load(tmp_path / "other.h5")
 

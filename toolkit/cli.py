@@ -99,7 +99,7 @@ def simulate(
     from toolkit.sensitivity.analysis import evaluate_responses, result, timed
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
         seconds, solution = timed(compiled(described, keep_all), "transient", progress)
     found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
@@ -123,7 +123,7 @@ def statics(
 
     check_output(output)
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
         found = direct(described, names, "static", progress)
@@ -148,7 +148,7 @@ def sensitivity(
     from toolkit.sensitivity.methods import gradients_by
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
@@ -173,7 +173,7 @@ def modes(
     from toolkit.solvers.modes import solve_modes
     from toolkit.solvers.undeformed import undeformed
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
@@ -198,7 +198,7 @@ def inspect(
     if file.suffix != ".toml":
         (print_json if as_json else print_description)(describe(file))
         return
-    scene = read(file, changes)
+    scene = read(file, changes, quiet)
     record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
     found = receipt_of(scene, names, keep_all, measure, quiet)

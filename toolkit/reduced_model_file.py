@@ -147,7 +147,7 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ModelFileError(
-            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
+            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf-preprocess."
         )
     if version != SCHEMA_VERSION:

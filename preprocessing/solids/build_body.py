@@ -21,6 +21,7 @@ from preprocessing.solids.body_file import BodyFile, read_body_file
 from preprocessing.solids.changed_body import changed_body
 from preprocessing.solids.contraction import contractions
 from preprocessing.solids.discrete_body import DiscreteBody, discrete_body
+from preprocessing.solids.included_files import included_files
 from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.parts import QUANTITIES
 from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
@@ -69,6 +70,12 @@ def build_body(
     )
 
 
+def input_files(path: Path, file: BodyFile) -> list[Path]:
+    """body.toml, the files that it names, and those that its mesh includes."""
+    named = [path.parent / name for name in file.inputs]
+    return [path, *named, *(each for name in named for each in included_files(name) if each.is_file())]
+
+
 def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = None) -> str:
     """SHA-256 of all that the result depends on: body.toml, the files that it names, changes, schema and writer version.
 
@@ -78,7 +85,7 @@ def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = No
         One of the files cannot be read.
     """
     digest = hashlib.sha256(f"body, schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
-    for each in (path, *(path.parent / name for name in file.inputs)):
+    for each in input_files(path, file):
         try:
             content = each.read_bytes()
         except OSError as error:

@@ -51,7 +51,7 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output)
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)

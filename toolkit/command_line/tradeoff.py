@@ -60,7 +60,7 @@ def tradeoff(
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies import tradeoff as study
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])

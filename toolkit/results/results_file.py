@@ -120,7 +120,7 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ResultsFileError(
-            f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
+            f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf simulate, statics or sensitivity with --output."
         )
     if version != SCHEMA_VERSION:
