@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -102,10 +103,10 @@ def test_an_interrupted_write_leaves_the_old_file_and_no_rest(model, tmp_path, m
     save(model, target)
     before = target.read_bytes()
 
-    def full_disk(*_args, **_kwargs):
+    def full_disk(_):
         raise OSError("no space left on device")
 
-    monkeypatch.setattr(h5py.Group, "create_dataset", full_disk)
+    monkeypatch.setattr(os, "fsync", full_disk)
     with pytest.raises(InputError, match="no space left"):
         save(model, target)
     assert target.read_bytes() == before

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import secrets
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -41,12 +41,10 @@ def writing(path: Path) -> Iterator[h5py.File]:
     InputError
         The place cannot be written to, or is full.
     """
-    unique = f"{path}.{secrets.token_hex(4)}"  # nothing of that name appears on the disk
-    with h5py.File(unique, "w", driver="core", backing_store=False, libver=FORMAT) as file:
+    content = BytesIO()
+    with h5py.File(content, "w", libver=FORMAT) as file:
         yield file
-        file.flush()
-        image = file.id.get_file_image()
-    write_whole(path, image)
+    write_whole(path, content.getvalue())
 
 
 def write_array(group: h5py.Group, name: str, values: Any) -> None:
