@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from preprocessing.output_file import refuse_output, seen_from
+from preprocessing.output_file import refuse_output
 from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
 from toolkit.outside_files import told_outside
@@ -50,7 +49,7 @@ def preprocess(
     if elsewhere := told_outside(skin, described.inputs):
         _remark(elsewhere)
     model = described.build(_remark, values, {})
-    save(replace(model, source=seen_from(output, skin)), output)
+    save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
 

@@ -6,18 +6,9 @@ import os
 from pathlib import Path
 
 from toolkit.errors import InputError
-from toolkit.reduced_model_file import hash_of, is_reduced_model, source_of
+from toolkit.reduced_model_file import described_by, hash_of, is_reduced_model
 
 OTHERS = "Name another file with --output, or replace it with --overwrite."
-
-
-def seen_from(output: Path, described: Path) -> str:
-    """The file that describes a body as seen from the folder of its model, so that both can be moved together."""
-    target, folder = os.path.realpath(described), os.path.dirname(os.path.realpath(output))
-    try:
-        return Path(os.path.relpath(target, folder)).as_posix()
-    except ValueError:  # another drive
-        return Path(target).as_posix()
 
 
 def refuse_output(output: Path, described: Path, inputs: list[Path], input_hash: str, overwrite: bool) -> None:
@@ -57,11 +48,9 @@ def _refuse_others(output: Path, described: Path, input_hash: str) -> None:
     """Refuse to replace what is no model, or another body's."""
     if not is_reduced_model(output):
         raise InputError(f"{str(output)!r} is there and is not a reduced model, or a damaged one. {OTHERS}")
-    source, place = source_of(output), Path(os.path.realpath(output))
-    if source:
-        same = os.path.realpath(place.parent / source) == os.path.realpath(described)
-    else:
-        same = place == Path(os.path.realpath(described)).with_suffix(".h5")
+    sources = [os.path.realpath(output.parent / name) for name in described_by(output)]
+    own = Path(os.path.realpath(described))
+    same = str(own) in sources if sources else Path(os.path.realpath(output)) == own.with_suffix(".h5")
     if not same and hash_of(output) != input_hash:
-        body = f"built from {source!r} as seen from there" if source else "which does not say what it was built from"
+        body = f"built from {sources[0]!r}" if sources else "which does not say what it was built from"
         raise InputError(f"{str(output)!r} is there and is the reduced model of another body, {body}. {OTHERS}")

@@ -47,7 +47,7 @@ def source(path: Path) -> Source:
     if is_body(content):
         body, solids = read_body_file(path), _solids()
         return Source(
-            solids.input_files(path, body),
+            [path, *solids.body_inputs(path, body)],
             body,
             lambda changes: solids.body_hash(path, body, changes),
             lambda _, values, keys: solids.build_body(path, values, keys),

@@ -28,10 +28,10 @@ from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 UNEVEN = tuple(0.05 * np.round(np.cumsum([0, *np.tile([1, 2, 0.5], 4)]), 12))
 """Times of steps that change their length every time."""
@@ -109,9 +109,8 @@ def test_gradients_of_all_states_are_exact(options):
         stepped = simulate(compile_scene(frozen(scene, run).with_number(path, scene.number(path) + 1e-30j)))
         for name in ("q", "v", "a", "multipliers"):
             exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}")[..., x]
-            # round-off, multiplied by the condition of the multipliers' equations; kept factors leave Newton's tolerance
-            tolerance = 1e-8 if run_options.newton == "modified" else 1e-10
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * np.abs(exact).max(), err_msg=f"{path} {name}")
+            # round-off, multiplied by the condition of the multipliers' equations
+            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
 
 
 @pytest.mark.parametrize(

@@ -25,14 +25,13 @@ from toolkit.command_line.arguments import (
     read,
 )
 from toolkit.command_line.certification import certify
-from toolkit.command_line.deformation import watched_speed
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
-from toolkit.command_line.inspection import describe, describe_scene, print_description
+from toolkit.command_line.inspection import describe, describe_scene, print_description, print_file
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
@@ -96,13 +95,16 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import evaluate_responses, result, timed
+    from functools import partial
+
+    from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
 
     check_output(output)
     described, text = read(scene, changes, quiet), text_of(scene)
-    with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
-        seconds, solution = timed(compiled(described, keep_all), "transient", progress)
-    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
+    with at_work("time steps", described, "transient", quiet=quiet) as progress:
+        system = compiled(described, keep_all)
+        seconds, solution = timed(system, "transient", progress)
+    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0, partial(again, system))
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -151,7 +153,7 @@ def sensitivity(
     described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet) as progress:
+    with at_work("gradients", described, kind, names, quiet) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -196,7 +198,7 @@ def inspect(
 ) -> None:
     """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
     if file.suffix != ".toml":
-        (print_json if as_json else print_description)(describe(file))
+        (print_json if as_json else print_file)(describe(file))
         return
     scene = read(file, changes, quiet)
     record = describe_scene(scene)
@@ -234,11 +236,8 @@ def render(
     solve = motion_of(file, changes, models, quiet, view.check)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
-    files = render_solution(solve(), folder, times, width, view, animate)
-    if as_json:
-        print_json({"files": [str(file) for file in files]})
-    else:
-        typer.echo("\n".join(str(file) for file in files))
+    solution = solve()
+    print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 
 
 app.command()(certify)

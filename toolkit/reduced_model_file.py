@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,10 @@ from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 2
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
-SOURCE = "source"
-"""An attribute that a file may lack."""
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
+ORIGIN = ("inputs", "source", "changes")
+"""The same, which a model has that was built from files."""
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -62,8 +63,9 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         _check_schema(attributes, path)
         if lacking := [name for name in ATTRIBUTES if name not in attributes]:
             raise ValueError(f"it lacks {', '.join(lacking)}")
-        own = {name: attributes[name] for name in ATTRIBUTES} | {SOURCE: attributes.get(SOURCE, "")}
+        own = {name: attributes[name] for name in ATTRIBUTES}
         head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
+        head |= {name: content.attributes(name) for name in ORIGIN if content.has(name)}
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
         before = known.bytes_read if known else {}
@@ -72,7 +74,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
         _check_complete(str(attributes.get("contents", "")), found)
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
-    model = ReducedModel(**head, **found, path=path, bytes_read=read)
+    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
     check(model, path)
     return model
 
@@ -107,9 +109,15 @@ def is_reduced_model(path: str | Path) -> bool:
     return schema_of(Path(path)) == SCHEMA
 
 
-def source_of(path: str | Path) -> str:
-    """The file that describes the body of a reduced model, as seen from the model's folder; empty if it does not say."""
-    return text_of(Path(path), SOURCE) or ""
+def described_by(path: str | Path) -> list[str]:
+    """The file that describes the body of a reduced model, as seen from the model's folder; none if it does not say."""
+    path = Path(path)
+    try:
+        with reading(path, partial(_damaged, path)) as content:
+            found = {name: content.attributes(name) if content.has(name) else {} for name in ORIGIN}
+    except ModelFileError:
+        return []
+    return [name for name in found["inputs"] if Path(name).name in found["source"]]
 
 
 def hash_of(path: str | Path) -> str:
@@ -158,7 +166,7 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
 
 
 def _write(group: h5py.Group, name: str, value: Any) -> None:
-    if value is None or (name == SOURCE and not value):
+    if value is None:
         return
     if isinstance(value, (str, int, float)):
         group.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
@@ -187,10 +195,25 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 def save(model: ReducedModel, path: str | Path) -> None:
     """Write the file in one stroke: an interrupted run leaves the old file or none."""
     path = Path(path)
+    model = replace(model, inputs=_seen_from(path.parent, model))
     check(model, path)
     with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
-            if item.compare:
+            if item.compare and not (item.name in ORIGIN and not getattr(model, item.name)):
                 _write(file, item.name, getattr(model, item.name))
+
+
+def _seen_from(folder: Path, model: ReducedModel) -> dict[str, str]:
+    """The inputs by their places relative to a folder; as they are where no path leads from there to them."""
+    if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
+        return model.inputs
+    start = folder.resolve()
+    try:
+        return {
+            Path(os.path.relpath(model.inputs_from.resolve() / name, start)).as_posix(): stamp
+            for name, stamp in model.inputs.items()
+        }
+    except ValueError:  # another drive
+        return model.inputs

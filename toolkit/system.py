@@ -25,6 +25,7 @@ from toolkit.kernel import call, first_class, plain, slots
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
+from toolkit.near_ties import first_largest
 from toolkit.redundant_joints import without_redundant_rows
 from toolkit.scene import Scene
 
@@ -101,7 +102,7 @@ class System:
 
     def most_moved(self, change: np.ndarray) -> str:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad)."""
-        return self.numbering.names[int(np.argmax(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q]))))]
+        return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""

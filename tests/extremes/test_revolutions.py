@@ -9,17 +9,17 @@ import pytest
 
 from toolkit.bodies.rigid import Rod
 from toolkit.errors import ConvergenceError
+from toolkit.flexible_bodies import flexible_body
 from toolkit.joints.driver import AngleDriver
 from toolkit.joints.revolute import Revolute
 from toolkit.point import Point
 from toolkit.profile import SmoothStep
-from toolkit.responses.stress import flexible_body
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 SPEED, MODULUS, DENSITY, AREA = 50.0, 210e9, 7800.0, 1e-3

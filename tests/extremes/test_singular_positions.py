@@ -49,12 +49,17 @@ def chain_at(angle: float) -> Scene:
     return scene.model_copy(update={"points": {name: Point(x=a, y=b) for name, (a, b) in places.items()}, "bodies": bodies})
 
 
+ALONG_THE_LINE = ", ".join(f"x of joint {name!r}" for name in ("A0", "A1", "A2", "left1", "right1", "left2", "right2"))
+"""Both linkages are stretched: two mixtures of forces along the line are free, and every joint has a part in one of them."""
+
+
+@pytest.mark.processors
 @FORMULATIONS
-@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-9])
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-9, 1e-8])
 def test_a_start_in_the_singular_position_is_refused_by_the_names_of_the_joints(angle, formulation):
-    with pytest.raises(SingularSystemError, match=r"constraints x of joint 'A0'.*repeat or contradict each other"):
+    with pytest.raises(SingularSystemError, match=f"the constraints {ALONG_THE_LINE} repeat or contradict each other"):
         simulate(compile_scene(chain_at(angle)), RunOptions(end_time=0.1, step=1e-3, formulation=formulation))
-    with pytest.raises(SingularSystemError, match=r"constraints .*x of joint 'left2'.*repeat or contradict each other"):
+    with pytest.raises(SingularSystemError, match=f"the constraints {ALONG_THE_LINE} repeat or contradict each other"):
         solve_statics(compile_scene(chain_at(angle)))
 
 

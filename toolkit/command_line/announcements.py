@@ -59,9 +59,9 @@ def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
 def compile_formulas(system: System, kind: Kind) -> None:
     """Compile what an analysis calls, by one equilibrium or one time step."""
     from toolkit.run_options import RunOptions
-    from toolkit.solvers.energy_balance import energy_balance
     from toolkit.solvers.statics import solve_statics
     from toolkit.solvers.transient import simulate
+    from toolkit.validity.energy_balance import energy_balance
 
     options = system.scene.solver
     if kind == "static":

@@ -59,7 +59,6 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "derivatives": dependences(model, model.derivatives),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
-        **({"source": model.source} if model.source else {}),
     }
 
 
@@ -95,6 +94,7 @@ def describe_results(results: Results) -> dict[str, Any]:
         "variables": results.variables,
         "settings": {key: value for key, value in results.settings.items() if not isinstance(value, dict)},
         "run": results.run,
+        **results.verdict.record(),
         "scene": {"sha256": results.scene.sha256, "changes": ", ".join(f"{k}={v}" for k, v in results.scene.changes.items())},
         "models": dict(results.scene.models),
         "writers": results.writers,
@@ -139,6 +139,17 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
     }
+
+
+def print_file(record: dict[str, Any]) -> None:
+    """Print the content of a file, and at the end the verdict that was kept in it."""
+    from toolkit.command_line.report import print_verdict
+    from toolkit.validity.verdict import Verdict
+
+    judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}
+    print_description({key: value for key, value in record.items() if key not in judged})
+    if judged:
+        print_verdict(Verdict.from_record(judged))
 
 
 def print_description(record: dict[str, Any], indent: str = "") -> None:

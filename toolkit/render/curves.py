@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.flexible import Flexible
+from toolkit.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.render.settings import drawing_settings
-from toolkit.responses.stress import elastic_coordinates, flexible_body, stress_components
+from toolkit.responses.stress import stress_components
 from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 from toolkit.units import unit

@@ -17,7 +17,7 @@ from toolkit.hdf5 import Content, reading, schema_of, write_array, writing
 from toolkit.results import layout
 from toolkit.results.about import About
 from toolkit.results.collect import collect
-from toolkit.results.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
+from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.analysis import Result
 from toolkit.solution import Solution
@@ -123,9 +123,9 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
             f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf simulate, statics or sensitivity with --output."
         )
-    if version != SCHEMA_VERSION:
+    if version not in READABLE:
         raise ResultsFileError(
-            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
+            f"{str(path)!r} has schema version {version}, this program reads {' and '.join(map(str, READABLE))}. "
             "Run the scene again with this version."
         )
 

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import eigvals, eigvalsh
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from toolkit.errors import CriticalStateError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.equilibrium import Equilibrium, inputs_at, static_matrix
-from toolkit.solvers.modes import ROUND_OFF, free_motions
+from toolkit.solvers.modes import ROUND_OFF, free_motions, is_symmetric, made_of
 from toolkit.system import System
 
 NEAREST = 1e-6
 """Gradients of a state whose softest stiffness vanishes within this part of the load are refused. They grow as 1 / sqrt(distance), and
 they hold for changes that are small against the distance: nobody knows a load, or sets it, to so many digits."""
 REACH = 1e-4
-"""Part of the scene's size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from round-off."""
+"""Part of the scene's size (or rad) over which the change of the stiffness is taken: a thousandth of it is told from
+round-off."""
+SHIFT = 1e-10
+"""Part of the largest stiffness that makes a singular matrix regular."""
 ITERATIONS = 8
 """Of the inverse iteration: a stiffness that vanishes a million times sooner than others is found in two."""
 
@@ -28,9 +31,8 @@ def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: f
     free = free_motions(matrix[:n_q, n_q:].T, system.weights[:n_q])
     if not free.shape[1]:
         return True
-    stiffness = free.T @ matrix[:n_q, :n_q] @ free
-    largest = np.abs(stiffness).max()
-    if np.abs(stiffness - stiffness.T).max() <= 1e-9 * largest:
+    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], free).max()
+    if is_symmetric(stiffness, largest):
         return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] > -ROUND_OFF * largest)
     values = eigvals(stiffness)
     real = values.real[np.abs(values.imag) <= 1e-9 * np.abs(values)]
@@ -82,20 +84,27 @@ def soft_motion(system: System, options: RunOptions, state: Equilibrium, factor:
 
 
 def _softest(system: System, matrix: csc_array) -> tuple[float, np.ndarray]:
-    """Stiffness nearest to zero and its motion, by inverse iteration; zero if the matrix is singular to the last digit."""
+    """Stiffness nearest to zero and its motion, by inverse iteration; zero if the matrix is singular to the last digit.
+
+    Then a shift that no digit of the motion feels makes it regular, unless joints repeat each other.
+    """
     metric = np.where(np.arange(system.n) < system.n_q, system.weights**2, 0.0)
     motion = np.random.default_rng(0).normal(size=system.n) / system.weights
     try:
-        factors = splu(matrix)
+        factors, singular = splu(matrix), False
     except RuntimeError:
-        return 0.0, motion
+        shift = SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_q].max() * metric
+        try:
+            factors, singular = splu(csc_array(matrix + diags_array(shift))), True
+        except RuntimeError:
+            return 0.0, motion
     value = 0.0
     for _ in range(ITERATIONS):
         motion = motion / np.sqrt(motion @ (metric * motion))
         solved = factors.solve(metric * motion)
         value = 1.0 / (motion @ (metric * solved))
         motion = solved
-    return float(value), motion
+    return (0.0 if singular else float(value)), motion
 
 
 def _matrix(system: System, options: RunOptions, q: np.ndarray, acc: np.ndarray, factor: float) -> csc_array:

@@ -21,6 +21,7 @@ from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.static_start import start_of_path
 from toolkit.static_path import StaticPath
 from toolkit.system import System
+from toolkit.validity.judge import judge
 
 SMALLEST_STEP = 1e-4
 """Part of the load below which a step is not halved any more: what is left goes by arc length."""
@@ -168,4 +169,4 @@ def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium,
         dq[:n_q], dacc[n_q:] = change[:n_q], change[n_q:]
     states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
     wall = {"run": clock.perf_counter() - begun, "sensitivity": clock.perf_counter() - solved}
-    return Solution.from_padded(system, np.array([options.end_time]), states, wall=wall, options=options, **report)
+    return Solution.from_padded(system, np.array([options.end_time]), states, wall=wall, options=options, judge=judge, **report)

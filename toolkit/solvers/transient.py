@@ -12,13 +12,16 @@ from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adaptive import advance_adaptively
-from toolkit.solvers.drift import largest_drift
 from toolkit.solvers.half_turns import refuse_half_turns
+from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.newton import CONVERGED
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.step_memory import History
 from toolkit.system import System
+from toolkit.validity.drift import largest_drift
+from toolkit.validity.judge import judge
+from toolkit.validity.physics import speed_limits
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE = 200
@@ -54,11 +57,13 @@ def simulate(
     begun = clock.perf_counter()
     run = prepare_run(system, options)
     start = run_start(system, run.options, q, v)
-    if run.options.local_error is None:
-        history = allocate_history(system, run.options, len(run.times), start)
-        advance(run, history, 0, progress)
-    else:
-        run, history = advance_adaptively(run, start, progress)
+    try:
+        run, history = _integrated(run, start, progress)
+    except ConvergenceError as error:
+        hint = speed_limits(system.scene)
+        if not hint:
+            raise
+        raise ConvergenceError(f"{error} {hint}") from error
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
@@ -74,7 +79,17 @@ def simulate(
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[4]),
         wall={"run": clock.perf_counter() - begun},
+        judge=judge,
     )
+
+
+def _integrated(run: Run, start: State, progress: Callable[[int, int], None] | None) -> tuple[Run, History]:
+    """The run, over the times that it chose if it chooses them, and all its states."""
+    if run.options.local_error is not None:
+        return advance_adaptively(run, start, progress)
+    history = allocate_history(run.system, run.options, len(run.times), start)
+    advance(run, history, 0, progress)
+    return run, history
 
 
 def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
@@ -108,7 +123,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         The joints came apart, also those left out as redundant; names joint, time and remedy.
     """
     system, options, times = run.system, run.options, run.times[first : first + len(q)]
-    found, curves = np.zeros(3), system.curves(times)[0]
+    found, curves = np.zeros(4), system.curves(times)[0]
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),

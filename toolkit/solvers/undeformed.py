@@ -7,6 +7,7 @@ import numpy as np
 from toolkit.solution import Solution
 from toolkit.solvers.initial_conditions import consistent_start
 from toolkit.system import System
+from toolkit.validity.judge import judge
 
 
 def undeformed(system: System) -> Solution:
@@ -18,4 +19,4 @@ def undeformed(system: System) -> Solution:
         As `consistent_start`.
     """
     start = consistent_start(system, np.array([1.0, 0.0, 0.0]), v=np.zeros(system.n_q))
-    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in start))
+    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in start), judge=judge)
