@@ -63,7 +63,7 @@ def tradeoff(
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies import tradeoff as study
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
@@ -100,10 +100,9 @@ def _model_verdict(scene: Scene) -> Verdict:
 
 def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
     """Write the JSON file, and the picture where it can be drawn."""
-    from toolkit.replaced_file import replaced
+    from toolkit.replaced_file import write_whole
 
-    with replaced(folder / "tradeoff.json") as temporary:
-        temporary.write_text(json.dumps(record_of(found), indent=1, allow_nan=False), encoding="utf-8")
+    write_whole(folder / "tradeoff.json", json.dumps(record_of(found), indent=1, allow_nan=False).encode())
     files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)
