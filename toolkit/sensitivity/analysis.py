@@ -93,7 +93,9 @@ class Result:
         if self.step_error is not None:
             estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
-        return Verdict.of([*cautions(self.solution, measured), *about_steps, *self._undefined()], measured)
+        return Verdict.of(
+            [*cautions(self.solution, measured, self.step_error is not None), *about_steps, *self._undefined()], measured
+        )
 
     @property
     def warnings(self) -> tuple[Caution, ...]:

@@ -37,12 +37,21 @@ def measures(solution: Solution) -> dict[str, Any]:
     return measured(solution) if solution.steps else {"drift": solution.drift}
 
 
-def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
-    """All cautions but that of coarse steps, which a result measures better."""
+def cautions(solution: Solution, found: Mapping[str, Any], compared: bool = False) -> Iterator[Caution]:
+    """All cautions but that of coarse steps, which a result measures better.
+
+    Parameters
+    ----------
+    found : dict
+        What `measures` gives.
+    compared : bool
+        Whether responses, and with them the joint forces that are asked for, are compared with those of other steps: noise of other joint
+        forces is then no doubt about the numbers.
+    """
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
-        yield from noisy_forces(solution.options or scene.solver, found["force_noise"])
+        yield from noisy_forces(solution.options or scene.solver, found["force_noise"], not compared)
         yield from excessive_speeds(solution)
         yield from filter(None, [snap_through(solution)])
     else:

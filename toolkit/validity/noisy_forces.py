@@ -63,8 +63,8 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
 
 
-def noisy_forces(options: RunOptions, noise: Mapping[str, Any]) -> Iterator[Caution]:
-    """Joint forces that alternate; the noise as `force_noise` gives it."""
+def noisy_forces(options: RunOptions, noise: Mapping[str, Any], doubt: bool = True) -> Iterator[Caution]:
+    """Joint forces that alternate; the noise as `force_noise` gives it, and whether it is a doubt: not if those asked for are judged."""
     if not noise or noise["size"] <= NOISY:
         return
     better = f'solver.rho_inf (now {options.rho_inf:g}, 0.5 damps them), or solver.formulation = "ggl"'
@@ -72,4 +72,5 @@ def noisy_forces(options: RunOptions, noise: Mapping[str, Any]) -> Iterator[Caut
         "noisy-forces",
         f"joint forces jump from step to step: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
         f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller {better}.",
+        doubt,
     )
