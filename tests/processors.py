@@ -11,6 +11,7 @@ import importlib.util
 import os
 import subprocess
 import sys
+import tempfile
 from collections.abc import Iterator
 from hashlib import sha256
 from pathlib import Path
@@ -20,12 +21,27 @@ import scipy.linalg  # noqa: F401  loads its own copy of OpenBLAS
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
 from preprocessing.source_file import source
+from tests.solid_bodies import rectangle, write_body
 from toolkit.reduced_model import ReducedModel
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
 BUILT = {name: MODELS / name for name in ("morphing_wing/skin", "snap_through/skin", "bracket/body", "spatial_bracket/body")}
 """Committed models by the files that describe them."""
+FRAME = """
+units = "m-kg-s"
+clamp = ["A"]
+nodes = { A = [0, 0, 0], B = [0, 0, 1], C = [0.6, 0, 1], D = [0.6, 0.3, 1.2] }
+beams = [
+    { from = "A", to = "B", section = "leg" },
+    { from = "B", to = "C", section = "arm", orientation = [0, 1, 0] },
+    { from = "C", to = "D", section = "leg" },
+]
+sections.leg = { kind = "tube", diameter = 0.05, wall = 0.004, material = "steel" }
+sections.arm = { kind = "rectangle", thickness = 0.01, width = 0.04, material = "steel" }
+materials.steel = { youngs_modulus = 2.1e11, poisson_ratio = 0.3, density = 7850.0 }
+interface_points = { tip = { node = "D" } }
+"""
 BASES = {
     "craig-bampton": {"kind": "craig-bampton", "count": 5},
     "free eigenmodes": {"kind": "eigenmodes", "count": 9, "boundary": "free"},
@@ -59,11 +75,15 @@ def under(kernel: str, *arguments: str) -> str:
 
 
 def built() -> Iterator[tuple[str, ReducedModel]]:
-    """The committed models, and the wing with bases that are computed, built now."""
+    """The committed models, the wing with computed bases, and a spatial frame and a solid of which nothing is reduced, built now."""
     yield from ((name, source(path.with_suffix(".toml")).build(None, {}, {})) for name, path in BUILT.items())
     yield "rotating_beam/beam", rotating_beam()
     wing = source(BUILT["morphing_wing/skin"].with_suffix(".toml"))
     yield from ((name, wing.build(None, {}, {"basis": basis})) for name, basis in BASES.items())
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "frame.toml").write_text(FRAME)
+        yield "frame", source(Path(folder) / "frame.toml").build(None, {}, {})
+        yield "solid", source(write_body(Path(folder), rectangle("quad8", (6, 2), 1.0, 0.2), 'kind = "full"')).build(None, {}, {})
 
 
 def rotating_beam() -> ReducedModel:
