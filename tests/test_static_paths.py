@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from tests.benchmarks.static_paths import judged
 from tests.fine_path import FinePath
-from tests.random_statics import SNAPPING, WING
+from tests.random_statics import KINDS, SNAPPING, WING, random_scene
 from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import BifurcationError, LimitPointError
+from toolkit.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
 from toolkit.joints.driver import PositionDriver
 from toolkit.joints.revolute import Revolute
 from toolkit.joints.slider import Slider
+from toolkit.loads.gravity import Gravity
 from toolkit.loads.point_force import PointForce
 from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.point import Point
@@ -21,7 +23,8 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.solvers.statics import solve_statics
-from toolkit.system import compile_scene
+from toolkit.solvers.transient import simulate
+from toolkit.system import System, compile_scene
 
 PAST = RunOptions(continuation="arc-length")
 LOAD_STEPS = (5, 10, 11, 12, 20, 50, 200)
@@ -52,8 +55,8 @@ def test_a_snap_within_one_load_step_is_not_passed(snapping, judge, load_steps):
 
 
 def test_the_torque_that_snaps_is_the_same_whatever_the_full_torque(snapping, judge):
-    """21 torques within 5 %: load steps lie differently against the two limit points."""
-    for part in np.linspace(0.95, 1.05, 21):
+    """Load steps lie differently against the two limit points. (21 torques: `tests.benchmarks.static_paths`.)"""
+    for part in np.linspace(0.95, 1.05, 5):
         torque = part * SNAPPING["loads.drive.torque"]
         with pytest.raises(LimitPointError) as error:
             solve_statics(compile_scene(snapping.with_number("loads.drive.torque", torque)))
@@ -165,3 +168,107 @@ def test_stability_that_comes_back_within_a_step_was_lost(lost, load_steps):
     with pytest.raises(BifurcationError, match=r"bifurcation .*rotation of body 'rod'|bifurcation .*body 'weight'") as error:
         solve_statics(compile_scene(sliding_weight(lost)), RunOptions(load_steps=load_steps))
     assert error.value.load_factor == pytest.approx(lost, abs=1e-6)  # the shortest step
+
+
+# --- drivers that move to where the joints let nothing move, and past it ---------------------------------------------------------
+
+CRANK, ROD, START = 0.5, 1.2, 0.6
+DEAD_POINT = CRANK + ROD
+SLIDER = CRANK * np.cos(START) + np.sqrt(ROD**2 - (CRANK * np.sin(START)) ** 2)
+
+
+def pulled(reach: float) -> Scene:
+    """A slider-crank whose slider is driven to a distance from the crank's foot."""
+    places = {"O": (0.0, 0.0), "T": (CRANK * np.cos(START), CRANK * np.sin(START)), "X": (SLIDER, 0.0)}
+    return Scene(
+        units="m-kg-s",
+        points={name: Point(x=x, y=y) for name, (x, y) in places.items()},
+        bodies={
+            "crank": Rod(between=("O", "T"), area=1.0, density=1.0),
+            "rod": Rod(between=("T", "X"), area=1.0, density=1.0),
+        },
+        joints={
+            "O": Revolute(bodies=("crank", "ground"), point="O"),
+            "T": Revolute(bodies=("crank", "rod"), point="T"),
+            "X": Slider(bodies=("rod", "ground"), point="X", axis=(1.0, 0.0)),
+            "pull": PositionDriver(bodies=("rod", "ground"), point="X", axis=(1.0, 0.0), curve=SmoothStep(height=reach - SLIDER)),
+        },
+        loads={"weight": Gravity(acceleration=(0.0, -9.81))},
+    )
+
+
+@pytest.mark.parametrize("load_steps", [1, 10, 50])
+@pytest.mark.parametrize("reach", [1.65, 1.699, 1.69999])
+def test_a_driver_is_followed_up_to_the_dead_point(reach, load_steps):
+    run = solve_statics(compile_scene(pulled(reach)), RunOptions(load_steps=load_steps))
+    angle = np.arccos((reach**2 + CRANK**2 - ROD**2) / (2 * reach * CRANK))
+    # of the crank; next to the dead point the angle is the root of the length, which is known to round-off
+    assert run.q[0, 2] == pytest.approx(angle - START, abs=1e-15 / angle + 1e-12)
+
+
+@pytest.mark.parametrize("load_steps", [1, 10, 50])
+@pytest.mark.parametrize("reach", [1.700001, 1.71, 1.8, 2.5])
+def test_a_driver_past_the_dead_point_is_refused_there(reach, load_steps):
+    with pytest.raises(LimitPointError) as error:
+        solve_statics(compile_scene(pulled(reach)), RunOptions(load_steps=load_steps))
+    assert error.value.load_factor == pytest.approx((DEAD_POINT - SLIDER) / (reach - SLIDER), rel=1e-12)
+
+
+@pytest.mark.parametrize("load_steps", [1, 2, 3, 10, 15, 50])
+def test_a_driver_to_the_dead_point_is_refused_whatever_the_round_off(load_steps):
+    with pytest.raises(CriticalPointError):
+        solve_statics(compile_scene(pulled(DEAD_POINT)), RunOptions(load_steps=load_steps))
+
+
+# --- motions without inertia -----------------------------------------------------------------------------------------------------
+
+
+def in_time(scene: Scene) -> System:
+    """The same with a load that grows from zero within a second."""
+    push = scene.loads["push"].model_copy(update={"curve": SmoothStep(height=1.0, duration=1.0)})
+    return compile_scene(scene.model_copy(update={"loads": {**scene.loads, "push": push}}))
+
+
+def time_of(load: float) -> float:
+    """When t^3 (10 - 15 t + 6 t^2) is a load factor."""
+    return brentq(lambda t: t**3 * (10 - 15 * t + 6 * t**2) - load, 0, 1, xtol=1e-15)
+
+
+def without_inertia(step: float) -> RunOptions:
+    return RunOptions(end_time=1.0, step=step, quasi_static=True)
+
+
+@pytest.mark.parametrize("step", [0.3, 0.1, 0.07, 0.02, 0.01, 0.003])
+@pytest.mark.parametrize("narrow", [0.05, 3e-3])
+def test_a_motion_without_inertia_does_not_pass_a_snap_between_two_times(narrow, step):
+    """The next equilibrium is so near that a step finds it."""
+    with pytest.raises(ConvergenceError, match=r"quasi-static motion jumps at t = .*snap-through") as error:
+        simulate(in_time(stayed_truss(narrow)), without_inertia(step))
+    named = float(str(error.value).split("t = ")[1].split(":")[0])
+    assert named == pytest.approx(time_of(stayed_limits(narrow)[0]), abs=1e-6)  # six digits are printed
+
+
+@pytest.mark.parametrize("step", [0.3, 0.1, 0.07, 0.02, 0.01, 0.003])
+@pytest.mark.parametrize("narrow", [-1e-3, -0.01])
+def test_a_motion_without_inertia_that_nearly_turns_back_goes_on(narrow, step):
+    run = simulate(in_time(stayed_truss(narrow)), without_inertia(step))
+    assert run.q[-1, 1] == pytest.approx(solve_statics(compile_scene(stayed_truss(narrow))).q[0, 1], abs=1e-9)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.01])
+def test_a_motion_without_inertia_does_not_stay_on_a_column_that_has_buckled(step):
+    with pytest.raises(ConvergenceError, match=r"unstable from t = .*buckling") as error:
+        simulate(in_time(sliding_weight(0.3)), without_inertia(step))
+    named = float(str(error.value).split("t = ")[1].split()[0].rstrip(":"))
+    assert time_of(0.3) - 1e-6 <= named <= time_of(0.3) + step
+
+
+# --- random scenes ---------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "wing"])
+def test_random_scenes_end_where_a_path_of_small_steps_ends(kind, seed):
+    """A few of those of `python -m tests.benchmarks.static_paths`."""
+    _, wrong, _ = judged(random_scene(kind, 1000 + seed), length=0.02, load_steps=(1, 10))
+    assert not wrong

@@ -59,14 +59,16 @@ class RunOptions(Description):
         Newton iterations after which a step has failed.
     quasi_static
         Whether inertia is left out, so that the motion is a sequence of equilibria (with the forces of dampers). Needs an equilibrium at
-        time 0, and refuses to jump where the path of equilibria ends.
+        time 0, and refuses to jump where the path of equilibria ends. Without dampers the path is followed between two times where
+        the states do not show it, and unstable equilibria are refused.
     local_error
         Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
     times
         Times of the run, instead of equal steps: from 0 to `end_time`. An adaptive run can be repeated with the times it chose.
     load_steps
-        Number of equal load steps of a static analysis to begin with; a step that fails is halved.
+        How many steps of the load a static analysis takes where its path is straight. Where it bends, or nearly loses its stability, steps
+        are shortened until nothing can hide between them.
     drift_tolerance
         A run whose joints open by more than this part of the scene's size (or rad) is refused.
     assemble
@@ -83,7 +85,7 @@ class RunOptions(Description):
         How statics follows the path of equilibria: "load" up to the first limit point (snap-through), where it stops with an error;
         "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
     path_steps
-        Most steps along the path of equilibria, by its arc length.
+        Most steps along the path of equilibria in statics.
     """
 
     end_time: Positive = 1.0

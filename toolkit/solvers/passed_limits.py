@@ -83,9 +83,11 @@ def _follow(system: System, options: RunOptions, times: np.ndarray, z: np.ndarra
     equations, n_q = PathEquations(system, options, PassingTime(system, *times)), system.n_q
     begin, span = times[0], times[1] - times[0]
     for arc in islice(_path(equations, z[-2], begin), options.path_steps):
-        if arc.turns or arc.branching:
-            place = limit_point(equations, arc)
-            raise _passed(begin + span * (place.z[-1] if place else arc.begin.factor), system.most_moved(arc.end.direction))
+        limit = limit_point(equations, arc)
+        if limit:
+            raise _passed(begin + span * limit.z[-1], system.most_moved(limit.slope))
+        if arc.branching:
+            raise _unstable(begin + span * arc.begin.factor)
         if arc.end.factor >= FULL:
             break
     extent = system.weights[:n_q] * np.ptp(z[:, :n_q], axis=0)
@@ -119,11 +121,15 @@ def _refuse_unstable(system: System, times: np.ndarray, z: np.ndarray) -> None:
             while high - low > 1:
                 middle = (low + high) // 2
                 low, high = (low, middle) if unstable(middle) else (middle, high)
-            raise ConvergenceError(
-                f"without inertia the motion is unstable from t = {times[high]:g} on: past a bifurcation (buckling) or a limit point "
-                "(snap-through) the smallest disturbance ends it. Only a run with inertia, from a slightly disturbed start, can follow."
-            )
+            raise _unstable(times[high])
         low = int(n)
+
+
+def _unstable(time: float) -> ConvergenceError:
+    return ConvergenceError(
+        f"without inertia the motion is unstable from t = {time:.6g} on: past a bifurcation (buckling) or a limit point (snap-through) the "
+        "smallest disturbance ends it. Only a run with inertia, from a slightly disturbed start, can follow."
+    )
 
 
 def _passed(time: float, coordinate: str) -> ConvergenceError:
