@@ -83,7 +83,8 @@ def _solids() -> Any:
         return import_module("preprocessing.solids.build_body")
     except ImportError as error:
         raise InputError(
-            f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+            f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
         ) from error
 
 

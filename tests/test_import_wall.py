@@ -26,8 +26,11 @@ SHARED = tuple(
         "replaced_file",
         "hdf5",
         "toml_file",
+        "outside_files",
         "errors",
         "units",
+        "validity.material_questions",
+        "validity.verdict",
     )
 )
 
@@ -35,6 +38,8 @@ LAYERS = [
     (
         "errors",
         "kernel",
+        "compiled_code",
+        "compile_watch",
         "planar",
         "units",
         "dimensions",
@@ -42,6 +47,8 @@ LAYERS = [
         "replaced_file",
         "hdf5",
         "toml_file",
+        "outside_files",
+        "own_process",
         "preprocessing_process",
         "listed_names",
         "mode_shapes",
@@ -67,7 +74,7 @@ LAYERS = [
     ("system", "redundant_joints"),
     ("solution", "flexible_bodies", "validity", "solvers", "conformance"),
     ("responses",),
-    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
+    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units", "gradient_units"),
     ("results",),
     ("studies", "receipt"),
     ("render",),

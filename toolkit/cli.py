@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -28,15 +31,27 @@ from toolkit.command_line.inspection import describe, describe_scene, print_desc
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result
+from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result, print_verdict, warn
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
-from toolkit.errors import ToolkitError
+from toolkit.errors import ToolkitError, refusal
 from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
+
+
+def in_words(shown: Callable[..., None]) -> Callable[..., None]:
+    """How warnings are shown: those of the toolkit as plain sentences, others as before."""
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if category.__module__.startswith("toolkit."):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **more)
+
+    return show
 
 
 class Commands(TyperGroup):
@@ -45,9 +60,16 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = in_words(warnings.showwarning)
+                return super().invoke(ctx)
         except ToolkitError as error:
             typer.echo(str(error), err=True)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # whoever read the output has seen enough
+                raise
+            typer.echo(refusal(error), err=True)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
@@ -78,7 +100,7 @@ def simulate(
     from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     with at_work("time steps", described, "transient", quiet=quiet) as progress:
         system = compiled(described, keep_all)
         seconds, solution = timed(system, "transient", progress)
@@ -103,7 +125,7 @@ def statics(
 
     check_output(output)
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
         found = direct(described, names, "static", progress)
@@ -128,10 +150,10 @@ def sensitivity(
     from toolkit.sensitivity.methods import gradients_by
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("gradients", described, kind, names, quiet) as progress:
+    with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -152,16 +174,20 @@ def modes(
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
     from toolkit.solvers.undeformed import undeformed
+    from toolkit.validity.verdict import Verdict
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
-        frequencies = solve_modes(state, count).frequencies.tolist()
+        found = solve_modes(state, count)
+    frequencies, verdict = found.frequencies.tolist(), Verdict.of([*found.verdict.warnings, *state.verdict.warnings])
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **verdict.record()})
+        warn(verdict, quiet)
     else:
         print_frequencies(frequencies)
+        print_verdict(verdict)
 
 
 @app.command()
@@ -178,7 +204,7 @@ def inspect(
     if file.suffix != ".toml":
         (print_json if as_json else print_file)(describe(file))
         return
-    scene = read(file, changes)
+    scene = read(file, changes, quiet)
     record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
     found = receipt_of(scene, names, keep_all, measure, quiet)

@@ -13,7 +13,7 @@ import numpy as np
 
 from preprocessing.solids.outline import CORNERS
 from preprocessing.solids.solid_mesh import SolidMesh, refuse_parts
-from toolkit.errors import InputError
+from toolkit.errors import InputError, without_content
 
 PLANE = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
 """Kinds of elements that are used, and their numbers of nodes."""
@@ -82,14 +82,15 @@ def _read(path: Path) -> Any:
         meshio = import_module("meshio")
     except ImportError as error:
         raise InputError(
-            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
         ) from error
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
             return meshio.read(path, file_format="gmsh" if path.suffix == ".msh" else None)  # not that of ANSYS Fluent
     except (meshio.ReadError, *FAILURES) as error:
-        reason = " ".join(f"{said.getvalue()} {error}".split())
+        reason = " ".join(without_content(f"{said.getvalue().rpartition('Error: ')[2]} {error}").split())
         raise InputError(
             f"the mesh file {str(path)!r} cannot be read by meshio ({reason}). Export it again, for example as gmsh .msh or Abaqus .inp."
         ) from error

@@ -47,7 +47,9 @@ def chain_at(angle: float) -> Scene:
     places = {f"A{i}": (float(i), 0.0) for i in range(3)} | {f"B{i}": (i + x, y) for i in range(3)}
     scene = read_scene(CHAIN)
     speeds = {name: (0.0, -0.5, -1.0) if name.startswith("link") else (0.0, -1.0, 0.0) for name in scene.bodies}
-    bodies = {name: body.model_copy(update={"velocity": speeds[name]}) for name, body in scene.bodies.items()}
+    bodies = {
+        name: body.model_copy(update={"velocity": speeds[name], "angular_velocity": None}) for name, body in scene.bodies.items()
+    }
     return scene.model_copy(update={"points": {name: Point(x=a, y=b) for name, (a, b) in places.items()}, "bodies": bodies})
 
 

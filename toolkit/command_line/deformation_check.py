@@ -46,7 +46,7 @@ def _solution(file: Path, static: bool, changes: list[str] | None, models: Path 
         return motion_of(file, changes, models, quiet)()
     if is_results(file):
         raise InputError("--static belongs to a scene; results are of the analysis that they were kept of. Leave it out.")
-    return solved(read(file, changes), "static", quiet)
+    return solved(read(file, changes, quiet), "static", quiet)
 
 
 def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:

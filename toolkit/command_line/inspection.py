@@ -125,12 +125,15 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
+    from toolkit.outside_files import outside_files
     from toolkit.sensitivity.analysis import responses_of
 
+    outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         "dimension": scene.dimension,
+        **({"files outside of the scene's folder": ", ".join(outside)} if outside else {}),
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},

@@ -84,7 +84,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.results.collect import collect
     from toolkit.sensitivity.analysis import direct
 
-    scene, text = read(file, changes), text_of(file)
+    scene, text = read(file, changes, quiet), text_of(file)
     refuse_space(scene.dimension, file)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:

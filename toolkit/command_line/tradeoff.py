@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import at_work, bar
+from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
 from toolkit.command_line.report import print_json, print_verdict, warn
 from toolkit.command_line.tradeoff_tables import print_tradeoff, record_of
@@ -63,13 +63,16 @@ def tradeoff(
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies import tradeoff as study
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
     folder = prepare_folder(output)
-    with at_work("preparing", described, "transient", names, quiet):
-        pass  # formulas are compiled once, before several processes would do it
+    for formulation in sorted({each.solver.get("formulation") or described.solver.formulation for each in planned.settings}):
+        solver = described.solver.model_copy(
+            update={"formulation": formulation}
+        )  # compiled once, before several processes would do it
+        compile_before(described.model_copy(update={"solver": solver}), "transient", bool(names), quiet)
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
     _keep(found, folder, quiet)
     verdict = _model_verdict(described)
@@ -97,10 +100,9 @@ def _model_verdict(scene: Scene) -> Verdict:
 
 def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
     """Write the JSON file, and the picture where it can be drawn."""
-    from toolkit.replaced_file import replaced
+    from toolkit.replaced_file import write_whole
 
-    with replaced(folder / "tradeoff.json") as temporary:
-        temporary.write_text(json.dumps(record_of(found), indent=1, allow_nan=False), encoding="utf-8")
+    write_whole(folder / "tradeoff.json", json.dumps(record_of(found), indent=1, allow_nan=False).encode())
     files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from toolkit.errors import InputError
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.report import page
 from toolkit.report.animation import animate
 from toolkit.report.figures.catalogue import FIGURES
@@ -136,5 +136,4 @@ def _again(material: Material) -> Section:
 
 
 def _write(path: Path, text: str) -> None:
-    with replaced(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_whole(path, text.encode())

@@ -10,7 +10,10 @@ from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.noisy_forces import noisy_forces
 from toolkit.validity.physics import excessive_speeds, large_deformations
+from toolkit.validity.scene_cautions import cautions_of_scene
+from toolkit.validity.snap_through import snap_through
 from toolkit.validity.stale_models import stale_models
+from toolkit.validity.start_cautions import cautions_of_start
 from toolkit.validity.verdict import Caution, Verdict
 
 
@@ -41,8 +44,11 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from unbalanced_energy(solution, found["energy_balance"])
         yield from noisy_forces(solution.options or scene.solver, found["force_noise"])
         yield from excessive_speeds(solution)
+        yield from filter(None, [snap_through(solution)])
     else:
         yield from limits_passed(solution)
+    yield from cautions_of_start(solution)
+    yield from cautions_of_scene(scene)
     yield from stale_models(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)
