@@ -18,6 +18,7 @@ from toolkit.responses.magnitude import largest_magnitude, largest_slopes
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.force_cautions import force_cautions
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.sensitivity.step_cautions import step_cautions
 from toolkit.sensitivity.step_error import Repeat, StepError, step_error
@@ -93,9 +94,8 @@ class Result:
         if self.step_error is not None:
             estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
-        return Verdict.of(
-            [*cautions(self.solution, measured, self.step_error is not None), *about_steps, *self._undefined()], measured
-        )
+        about_forces = force_cautions(self.solution, measured["force_noise"])
+        return Verdict.of([*cautions(self.solution, measured), *about_forces, *about_steps, *self._undefined()], measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:

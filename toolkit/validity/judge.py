@@ -29,7 +29,12 @@ def judge(solution: Solution) -> Verdict:
         Of `simulate` or `solve_statics`, with real numbers.
     """
     found = measures(solution)
-    return Verdict.of([*cautions(solution, found), *(coarse_steps(solution) if solution.steps else ())], found)
+    return Verdict.of([*cautions(solution, found), *(_of_states(solution, found) if solution.steps else ())], found)
+
+
+def _of_states(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
+    yield from coarse_steps(solution)
+    yield from noisy_forces(solution.options or solution.system.scene.solver, found["force_noise"])
 
 
 def measures(solution: Solution) -> dict[str, Any]:
@@ -37,21 +42,11 @@ def measures(solution: Solution) -> dict[str, Any]:
     return measured(solution) if solution.steps else {"drift": solution.drift}
 
 
-def cautions(solution: Solution, found: Mapping[str, Any], compared: bool = False) -> Iterator[Caution]:
-    """All cautions but that of coarse steps, which a result measures better.
-
-    Parameters
-    ----------
-    found : dict
-        What `measures` gives.
-    compared : bool
-        Whether responses, and with them the joint forces that are asked for, are compared with those of other steps: noise of other joint
-        forces is then no doubt about the numbers.
-    """
+def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
+    """All cautions but those of coarse steps and of noisy forces: a result knows what they do to what it was asked for."""
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
-        yield from noisy_forces(solution.options or scene.solver, found["force_noise"], not compared)
         yield from excessive_speeds(solution)
         yield from filter(None, [snap_through(solution)])
     else:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,13 @@ SMALL = 1e-3
 """Forces of a joint below this part of the largest in the scene count as that."""
 IN_A_ROW = 4
 """So many states in a row have to alternate: a load that jumps does it twice."""
+
+
+class JointNoise(NamedTuple):
+    """Noise of a joint's force, (n_t - 5, rows), as a part of its largest; and its first multiplier among all unknowns."""
+
+    noise: np.ndarray
+    row: int
 
 
 def force_noise(solution: Solution) -> dict[str, Any]:
@@ -37,21 +44,34 @@ def force_noise(solution: Solution) -> dict[str, Any]:
     noise : dict
         "size", a part of the largest force of the same joint, "where", the direction and the joint, and "time"; empty without joints.
     """
-    system, first = solution.system, solution.system.n_q
-    lengths, forces = np.diff(solution.times), {}
+    joints = noise_of_joints(solution)
+    if not joints:
+        return {}
+    name = max(joints, key=lambda each: float(joints[each].noise.max()))
+    noise, row = joints[name]
+    step, column = np.unravel_index(int(np.argmax(noise)), noise.shape)
+    where, time = solution.system.numbering.names[row + int(column)], float(solution.times[step + 1])
+    return {"size": float(noise[step, column]), "where": where, "time": time}
+
+
+def noise_of_joints(solution: Solution) -> dict[str, JointNoise]:
+    """That of every joint; nothing of a run of fewer than six states."""
+    system, first, forces = solution.system, solution.system.n_q, {}
     for name, row in system.numbering.row.items():
         rows = slice(row, row + len(system.scene.joints[name].row_names))
-        forces[row] = solution.multipliers[:, rows.start - first : rows.stop - first] / system.weights[rows]
-    if not forces or len(lengths) <= IN_A_ROW:
+        forces[name] = solution.multipliers[:, rows.start - first : rows.stop - first] / system.weights[rows]
+    if not forces or len(solution.times) < IN_A_ROW + 2:
         return {}
-    largest, worst = max(np.abs(force).max() for force in forces.values()), {"size": 0.0, "where": "", "time": 0.0}
-    for row, force in forces.items():
-        noise, own = _amplitudes(force, lengths), max(np.abs(force).max(), SMALL * largest)
-        step, column = np.unravel_index(int(np.argmax(noise)), noise.shape)
-        if noise[step, column] > worst["size"] * own:
-            where, time = system.numbering.names[row + int(column)], float(solution.times[step + 1])
-            worst = {"size": float(noise[step, column] / own), "where": where, "time": time}
-    return worst
+    sizes = {name: float(np.abs(force).max()) for name, force in forces.items()}
+    own = {name: max(size, SMALL * max(sizes.values())) or np.inf for name, size in sizes.items()}
+    noise = {name: _amplitudes(force, np.diff(solution.times)) / own[name] for name, force in forces.items()}
+    return {name: JointNoise(noise[name], row) for name, row in system.numbering.row.items()}
+
+
+def noise_at(joint: JointNoise, step: int) -> float:
+    """Noise of a joint's force in the neighbourhood of one state."""
+    last = min(step, len(joint.noise) - 1)
+    return float(joint.noise[max(min(step - IN_A_ROW, last), 0) : last + 1].max())
 
 
 def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
@@ -63,14 +83,24 @@ def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
     return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
 
 
-def noisy_forces(options: RunOptions, noise: Mapping[str, Any], doubt: bool = True) -> Iterator[Caution]:
-    """Joint forces that alternate; the noise as `force_noise` gives it, and whether it is a doubt: not if those asked for are judged."""
+def noisy_forces(options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None) -> Iterator[Caution]:
+    """Joint forces that alternate; the noise as `force_noise` gives it.
+
+    A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are. Without it all states are asked for.
+    """
     if not noise or noise["size"] <= NOISY:
         return
-    better = f'solver.rho_inf (now {options.rho_inf:g}, 0.5 damps them), or solver.formulation = "ggl"'
+    whose = (
+        ""
+        if asked is None
+        else f", {', '.join(asked)} among them"
+        if asked
+        else "; no response that was asked for is one of them"
+    )
     yield Caution(
         "noisy-forces",
-        f"joint forces jump from step to step: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
-        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller {better}.",
-        doubt,
+        f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
+        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        'solver.formulation = "ggl".',
+        doubt=asked is None or bool(asked),
     )
