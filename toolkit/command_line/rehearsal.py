@@ -16,7 +16,6 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.point import Point
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.run_options import RunOptions
@@ -48,7 +47,7 @@ def pendulum_like(scene: Scene) -> Scene:
     ends: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
     common: dict[str, Any] = {
         "units": "m-kg-s",
-        "responses": {"way": TimeIntegral(of=Displacement(body="rod", point="P", component="x")), **force},
+        "responses": {"way": Displacement(body="rod", point="P", component="x"), **force},
     }
     if scene.dimension == 2:
         return Scene(
