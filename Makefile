@@ -1,4 +1,4 @@
-# make demo: everything from a fresh clone to pictures in output/. make test, make lint: what CI runs. make docs: web pages in site/.
+# make demo: everything from a fresh clone to pictures in output/. make test, make lint, make lowest: what CI runs. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
@@ -9,7 +9,7 @@ MODEL := models/morphing_wing
 LIBRARIES := libegl1 libgl1-mesa-dri libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 CAN_DRAW := 'from toolkit.render.probe import drawing_environment; drawing_environment()'
 
-.PHONY: demo test lint docs libraries
+.PHONY: demo test lint lowest docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -29,6 +29,9 @@ lint: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+
+lowest: $(INSTALLED)
+	.ci/lowest-versions $(BIN)
 
 docs: $(DOCUMENTED)
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict

@@ -93,7 +93,7 @@ def _numbers(content: str, line: int) -> tuple[float, ...] | None:
     content = re.split(r"[#!]", content)[0].strip()
     columns = [column.rstrip(",") for column in re.split(r"[;\s]+", content)]
     if len(columns) > 1 and all(_DECIMAL_COMMA.fullmatch(column) for column in columns):
-        raise InputError(f"line {line}: decimal commas ({content!r}). Write decimal points.")
+        raise InputError(f"line {line}: decimal commas. Write decimal points.")
     values = [_number(field) for field in re.split(r"\s*[,;]\s*|\s+", content.strip(",; "))]
     return tuple(value for value in values if value is not None) if None not in values else None
 
@@ -106,7 +106,7 @@ def _number(field: str) -> float | None:
 
 def _refuse_single(numbers: tuple[float, ...], line: int) -> None:
     if len(numbers) == 1:
-        raise InputError(f"line {line}: one number ({numbers[0]:g}) where x and y were expected. Complete or remove the line.")
+        raise InputError(f"line {line}: one number where x and y were expected. Complete or remove the line.")
 
 
 def _refuse_resumed(numbers: tuple[float, ...], line: int, end: int) -> None:

@@ -102,13 +102,19 @@ def _parts_of(mesh: CurveMesh, patch: Patch, modulus_factor: Any) -> Iterator[Pa
     for name, matrix in (("m_11", m_11), ("m_12", m_12), ("m_22", m_22)):
         yield Part(patch.monomial(**inertial), name, matrix)
     yield Part(patch.monomial(damping_mass=1, **inertial), "damping", m_11 + m_22)
-    stiff = {1: beam.stretching_stiffness(ends), 3: beam.bending_stiffness(ends) / 12}  # A = b t, I = b t^3 / 12
-    for power, blocks in stiff.items():
+    # A = b t, I = b t^3 / 12
+    stiff = {
+        1: (beam.stretching_stiffness(ends), beam.stretching(ends)),
+        3: (beam.bending_stiffness(ends) / 12, beam.bending(ends) / np.sqrt(12)),
+    }
+    for power, (blocks, rows) in stiff.items():
         elastic, matrix = {"youngs_modulus": 1, "thickness": power, "width": 1}, _square(mesh, elements, modulus_factor * blocks)
-        yield Part(patch.monomial(**elastic), "stiffness", matrix)
-        yield Part(patch.monomial(damping_stiffness=1, **elastic), "damping", matrix)
-    yield Part(patch.monomial(youngs_modulus=1), "stress", _rows(mesh, elements, modulus_factor * stress.strain_rows(ends)))
-    curved = _rows(mesh, elements, modulus_factor * stress.curvature_rows(ends))
+        root = Root(1.0, _rows(mesh, elements, np.arange(len(elements)), np.sqrt(modulus_factor) * rows, len(elements)))
+        yield Part(patch.monomial(**elastic), "stiffness", matrix, root)
+        yield Part(patch.monomial(damping_stiffness=1, **elastic), "damping", matrix, root)
+    n_elements, strained = len(mesh.connectivity), modulus_factor * stress.strain_rows(ends)
+    yield Part(patch.monomial(youngs_modulus=1), "stress", _rows(mesh, elements, elements, strained, n_elements))
+    curved = _rows(mesh, elements, elements, modulus_factor * stress.curvature_rows(ends), n_elements)
     yield Part(patch.monomial(youngs_modulus=1, thickness=1), "stress", curved)
 
 
@@ -130,8 +136,9 @@ def _square(mesh: CurveMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
     return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
 
 
-def _rows(mesh: CurveMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
-    """Place element rows (n_e, 4, 6) in one sparse matrix, element by element."""
-    n_rows, numbers = 4 * len(mesh.connectivity), 4 * elements[:, None] + np.arange(4)
+def _rows(mesh: CurveMesh, elements: np.ndarray, places: np.ndarray, blocks: np.ndarray, n_places: int) -> Any:
+    """Place rows (n_e, k, 6) of elements in one sparse matrix with k rows for each of `n_places` places."""
+    k = blocks.shape[1]
+    n_rows, numbers = k * n_places, k * places[:, None] + np.arange(k)
     rows, columns = np.broadcast_arrays(numbers[:, :, None], mesh.dofs[elements][:, None, :])
     return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_rows, 3 * len(mesh.nodes))).tocsr()

@@ -95,6 +95,21 @@ def stretching_stiffness(ends: np.ndarray) -> np.ndarray:
     return length(ends)[:, None, None] * row[:, :, None] * row[:, None, :]
 
 
+def stretching(ends: np.ndarray) -> np.ndarray:
+    """Rows F (n_e, 1, 6) of the stiffness F^T F for unit E A."""
+    return np.sqrt(length(ends))[:, None, None] * strain(ends)[:, None]
+
+
+def bending(ends: np.ndarray) -> np.ndarray:
+    """Rows F (n_e, 2, 6) of the stiffness F^T F for unit E I: of the curvature's mean and of its difference between the ends.
+
+    The integral of the square of a linear curvature is L (mean^2 + difference^2 / 12).
+    """
+    at_ends = curvature(ends)
+    rows = [at_ends.mean(axis=1), (at_ends[:, 1] - at_ends[:, 0]) / np.sqrt(12)]
+    return np.sqrt(length(ends))[:, None, None] * np.stack(rows, axis=1)
+
+
 def bending_stiffness(ends: np.ndarray) -> np.ndarray:
     """Stiffness L int kappa^T kappa dr for unit E I, (n_e, 6, 6).
 

@@ -18,6 +18,7 @@ from preprocessing.changed_keys import with_keys
 from preprocessing.discretisation import DesignSpace, Discretisation, FiniteElements, positions
 from preprocessing.geometry import Geometry, Remark, read_geometry
 from preprocessing.gmsh_session import load_gmsh
+from preprocessing.input_files import origin
 from preprocessing.patches import distribute
 from preprocessing.reduced import Reduced, reduce
 from preprocessing.shape_parameters import shape_parameters
@@ -63,7 +64,7 @@ def build(
     """
     path, values, keys = Path(path), values or {}, keys or {}
     file = file_at(path, values, keys)
-    return _reduced_model(path, file, {**values, **keys}, read_geometry(path, file, remark), remark)
+    return _reduced_model(path, file, values, keys, read_geometry(path, file, remark), remark)
 
 
 def file_at(path: Path, values: Mapping[str, float], keys: Mapping[str, Any]) -> SkinFile:
@@ -112,14 +113,16 @@ def _airfoil_bytes(path: Path) -> bytes:
 
 
 def _reduced_model(
-    path: Path, file: SkinFile, values: Mapping[str, Any], geometry: Geometry, remark: Remark | None
+    path: Path, file: SkinFile, values: Mapping[str, float], keys: Mapping[str, Any], geometry: Geometry, remark: Remark | None
 ) -> ReducedModel:
+    changes, values = values, {**values, **keys}
     space = differentiable(design_space(path, file, values, geometry), remark)
     with at_key(path, "basis"):
         found = reduce(space, file.basis.choice(), _CLAMPED_NODE[file.skin.clamp], file.skin.clamp)
     return ReducedModel(
         **found.fields(file.units),
         input_hash=input_hash(path, file, values),
+        **origin(path, [path.parent / file.airfoil.file, path.parent / file.airfoil.target], changes),
         writers={"ffrf-toolkit": WRITER_VERSION, "gmsh": load_gmsh().__version__, "numpy": np.__version__},
         **_shape_and_pictures(found, geometry),
     )

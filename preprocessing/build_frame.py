@@ -14,6 +14,7 @@ from preprocessing.build import WRITER_VERSION
 from preprocessing.frame_design import changed_frame, frame_elements, frame_space
 from preprocessing.frame_file import read_frame_file
 from preprocessing.geometry import Remark
+from preprocessing.input_files import origin
 from preprocessing.reduced import reduce
 from toolkit.errors import InputError
 from toolkit.reduced_model import ReducedModel
@@ -62,6 +63,7 @@ def build_frame(
     return ReducedModel(
         **found.fields(file.units),
         input_hash=frame_hash(path, {**values, **keys}),
+        **origin(path, [], values),
         writers={"ffrf-toolkit": WRITER_VERSION, "numpy": np.__version__},
         surface=frame_elements(file, space.values).surface(found.basis.z, space.values),
     )

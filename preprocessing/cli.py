@@ -7,9 +7,11 @@ from typing import Annotated
 
 import typer
 
+from preprocessing.output_file import refuse_output
 from preprocessing.source_file import source
-from toolkit.errors import InputError, ModelFileError, ToolkitError
-from toolkit.reduced_model_file import is_reduced_model, load, save
+from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
+from toolkit.outside_files import told_outside
+from toolkit.reduced_model_file import load, save
 from toolkit.validity.material_questions import material_questions
 
 app = typer.Typer(pretty_exceptions_enable=False)
@@ -20,8 +22,9 @@ def preprocess(
     skin: Annotated[
         Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, of a body with a mesh or matrices, or of a frame.")
     ],
-    force: Annotated[
-        bool, typer.Option("--force", help="Build even if the inputs are unchanged, or a foreign file stands in the way.")
+    force: Annotated[bool, typer.Option("--force", help="Build even if the inputs are unchanged.")] = False,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace whatever file is there, even another body's model; inputs never.")
     ] = False,
     parameters: Annotated[
         list[str] | None, typer.Option("--parameter", metavar="NAME=VALUE", help="Another value of a parameter; repeatable.")
@@ -39,10 +42,13 @@ def preprocess(
         return
     described, values = source(skin), _values(parameters or [])
     output = output or skin.with_suffix(".h5")
-    _refuse_output(output, described.inputs, force)
-    if not force and _hash_in(output, described.parts) == described.hash(values):
+    wanted = described.hash(values)
+    refuse_output(output, skin, described.inputs, wanted, overwrite)
+    if not force and _hash_in(output, described.parts) == wanted:
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
+    if elsewhere := told_outside(skin, described.inputs):
+        _remark(elsewhere)
     model = described.build(_remark, values, {})
     for caution in material_questions(model.nominal, model.units, skin.stem):
         _remark(f"warning: {caution.text}")
@@ -57,6 +63,9 @@ def main() -> None:
         app()
     except ToolkitError as error:
         typer.echo(str(error), err=True)
+        raise SystemExit(1) from None
+    except OSError as error:
+        typer.echo(refusal(error), err=True)
         raise SystemExit(1) from None
 
 
@@ -79,23 +88,6 @@ def _values(given: list[str]) -> dict[str, float]:
     return found
 
 
-def _refuse_output(output: Path, inputs: list[Path], force: bool) -> None:
-    """Nothing of the user's is overwritten: no input ever, another file than a reduced model only on demand."""
-    if not output.exists():
-        return
-    if output.is_dir():
-        raise InputError(f"{str(output)!r} is a folder. Name a file in it, for example --output {output / 'skin.h5'}.")
-    if any(path.exists() and output.samefile(path) for path in inputs):
-        raise InputError(
-            f"{str(output)!r} is an input of the model and would be overwritten by it. Name another file with --output."
-        )
-    if not force and not is_reduced_model(output):
-        raise InputError(
-            f"{str(output)!r} is there and is not a reduced model, or a damaged one. Name another file with --output, or replace "
-            "it with --force."
-        )
-
-
 def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     """Input hash of the file that is there; None if there is none or it cannot be used as a whole."""
     if not path.exists():
@@ -108,7 +100,9 @@ def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
         _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
-    return None if lacking else model.input_hash
+    if not model.inputs:
+        _remark(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
+    return None if lacking or not model.inputs else model.input_hash
 
 
 def _remark(text: str) -> None:

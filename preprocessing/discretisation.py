@@ -10,6 +10,7 @@ import numpy as np
 
 from preprocessing.assembly import Parts
 from preprocessing.basis import DesignRates
+from preprocessing.energies import energies
 from preprocessing.interface import interface_point
 from preprocessing.invariants import contract, contract_derivative, polynomials
 from preprocessing.mesh import CurveMesh
@@ -59,8 +60,8 @@ class FiniteElements(Protocol):
     def contract_derivative(self, matrices: Any, d_matrices: Any, z: np.ndarray, d_z: np.ndarray) -> Any:
         """Their derivative from those of the matrices and of Z."""
 
-    def polynomials(self, parameters: Sequence[str], z: np.ndarray) -> dict[str, Polynomial]:
-        """Their exact dependence on the parameters for a constant Z."""
+    def polynomials(self, parameters: Sequence[str], z: np.ndarray, computed: bool) -> dict[str, Polynomial]:
+        """Their exact dependence on the parameters for a constant Z, of a full basis or of shapes that were `computed`."""
 
 
 @dataclass(frozen=True)
@@ -109,15 +110,16 @@ class Discretisation:
 
     def contract(self, values: Mapping[str, Any], z: np.ndarray) -> Any:
         """Invariants at values of the parameters for Z = [xi, Psi]."""
-        return contract(self.parts.at(values), z)
+        own = {name: energies(self.parts, values, name, z[:, 1:]) for name in ("stiffness", "damping")}
+        return replace(contract(self.parts.at(values), z), **own)
 
     def contract_derivative(self, matrices: Any, d_matrices: Any, z: np.ndarray, d_z: np.ndarray) -> Any:
         """Their derivative from those of the matrices and of Z."""
         return contract_derivative(matrices, d_matrices, z, d_z)
 
-    def polynomials(self, parameters: Sequence[str], z: np.ndarray) -> dict[str, Polynomial]:
+    def polynomials(self, parameters: Sequence[str], z: np.ndarray, computed: bool) -> dict[str, Polynomial]:
         """Their exact dependence on the parameters for a constant Z."""
-        return polynomials(self.parts, parameters, z)
+        return polynomials(self.parts, parameters, z, computed=computed)
 
 
 @dataclass(frozen=True)

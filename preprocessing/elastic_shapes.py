@@ -51,8 +51,8 @@ class ModeShapes:
     @property
     def columns(self) -> np.ndarray:
         """Shapes (n, m)."""
-        return self.modes.shapes
+        return self.modes.columns
 
     def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
         """Derivatives (n, m, n_x)."""
-        return subspace_rates(self.modes, d_pencils)
+        return self.modes.turned(subspace_rates(self.modes, d_pencils))

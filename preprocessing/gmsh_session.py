@@ -22,8 +22,9 @@ def load_gmsh() -> Any:
         return import_module("gmsh")
     except (ImportError, OSError) as error:
         raise InputError(
-            f"meshing needs gmsh, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]' in the project; "
-            "its system libraries on Debian: apt-get install libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1"
+            f"meshing needs gmsh, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'; its system libraries on Debian: apt-get install libglu1-mesa libgl1 libxcursor1 libxft2 "
+            "libxinerama1 libgomp1"
         ) from error
 
 

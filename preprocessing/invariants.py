@@ -9,16 +9,17 @@ With Z = [xi, Psi]:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import fields
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array
+from scipy.sparse import coo_array, csr_array, issparse
 
 from preprocessing.assembly import Matrices, Part, Parts
+from preprocessing.energies import antisymmetric, energy, symmetric
 from preprocessing.section import Monomial
-from toolkit.dependence import Derivatives, Polynomial
+from toolkit.dependence import Polynomial
 from toolkit.reduced_model import Invariants
 
 BEAM = 3
@@ -39,10 +40,10 @@ def contract(matrices: Matrices, z: np.ndarray, per_node: int = BEAM) -> Invaria
     return Invariants(
         mass=np.asarray(t_1 @ (matrices.m_11 @ t_1)),
         first_moment=np.stack([t_1 @ (matrices.m_11 @ z), t_2 @ (matrices.m_22 @ z)]),
-        inertia=z.T @ (_trace(matrices) @ z),
-        gyroscopic=z.T @ (_skew(matrices) @ z),
-        stiffness=psi.T @ (matrices.stiffness @ psi),
-        damping=psi.T @ (matrices.damping @ psi),
+        inertia=symmetric(z.T @ (_trace(matrices) @ z)),
+        gyroscopic=antisymmetric(z.T @ (_skew(matrices) @ z)),
+        stiffness=symmetric(psi.T @ (matrices.stiffness @ psi)),
+        damping=symmetric(psi.T @ (matrices.damping @ psi)),
         stress_operator=matrices.stress @ psi,
     )
 
@@ -62,22 +63,25 @@ def contract_derivative(
     by_basis = {
         "mass": np.asarray(0.0),
         "first_moment": np.stack([t_1 @ (matrices.m_11 @ d_z), t_2 @ (matrices.m_22 @ d_z)]),
-        "inertia": both_sides(_trace(matrices), z, d_z),
-        "gyroscopic": both_sides(_skew(matrices), z, d_z),
-        "stiffness": both_sides(matrices.stiffness, psi, d_psi),
-        "damping": both_sides(matrices.damping, psi, d_psi),
+        "inertia": symmetric(both_sides(_trace(matrices), z, d_z)),
+        "gyroscopic": antisymmetric(both_sides(_skew(matrices), z, d_z)),
+        "stiffness": symmetric(both_sides(matrices.stiffness, psi, d_psi)),
+        "damping": symmetric(both_sides(matrices.damping, psi, d_psi)),
         "stress_operator": matrices.stress @ d_psi,
     }
     return Invariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, per_node: int = BEAM) -> dict[str, Polynomial]:
+def polynomials(
+    parts: Parts, parameters: Sequence[str], z: np.ndarray, per_node: int = BEAM, computed: bool = True
+) -> dict[str, Polynomial]:
     """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
-    invariants that are zero at every design have no polynomial.
+    invariants that are zero at every design have no polynomial. Of shapes that were `computed`, not selected, all entries are
+    told, zero or not.
     """
-    return polynomials_of(parts, parameters, z, Invariants, lambda part, factor: _contractions(part, factor, per_node))
+    return polynomials_of(parts, parameters, z, Invariants, lambda part, factor: _contractions(part, factor, per_node), computed)
 
 
 Contractions = Callable[[Part, Any], Iterator[tuple[str, Any]]]
@@ -85,14 +89,14 @@ Contractions = Callable[[Part, Any], Iterator[tuple[str, Any]]]
 
 
 def polynomials_of(
-    parts: Parts, parameters: Sequence[str], z: np.ndarray, kind: type, contractions: Contractions
+    parts: Parts, parameters: Sequence[str], z: np.ndarray, kind: type, contractions: Contractions, computed: bool
 ) -> dict[str, Polynomial]:
     """The polynomials of all invariants, fields of `kind`, from the contractions of every part."""
-    factor = csr_array(z) if np.count_nonzero(z) < SPARSE * z.size else z
+    factor = z if computed else csr_array(z)
     terms: dict[str, list[Term]] = {f.name: [] for f in fields(kind)}
     for part in parts.parts:
         for name, contraction in contractions(part, factor):
-            found = coo_array(contraction)
+            found = whole(contraction)
             if np.any(found.data):
                 terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
     return {name: _polynomial(found, list(parameters)) for name, found in terms.items() if found}
@@ -114,45 +118,30 @@ def _polynomial(terms: list[Term], parameters: list[str]) -> Polynomial:
     )
 
 
-SPARSE = 0.2
-"""Part of the entries of Z that are not zero, above which its products cost less as a dense matrix."""
+def whole(matrix: Any) -> Any:
+    """Entries with their places: all of a dense matrix, zero or not, and those that a sparse one has."""
+    if issparse(matrix):
+        return matrix.tocoo()
+    places = np.indices(matrix.shape).reshape(2, -1)
+    return coo_array((matrix.ravel(), (places[0], places[1])), shape=matrix.shape)
 
 
 def _contractions(part: Part, z: Any, per_node: int) -> Iterator[tuple[str, Any]]:
     """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
     psi, t, matrix = z[:, 1:], [translation(z.shape[0], axis, per_node) for axis in (0, 1)], part.matrix
     if part.name in ("stiffness", "damping"):
-        yield part.name, psi.T @ (matrix @ psi)
+        yield part.name, energy(part, psi)
     elif part.name == "stress":
         yield "stress_operator", matrix @ psi
     elif part.name == "m_12":
-        yield "gyroscopic", z.T @ ((matrix - matrix.T) @ z)
+        yield "gyroscopic", antisymmetric(z.T @ ((matrix - matrix.T) @ z))
     else:
         axis = 0 if part.name == "m_11" else 1
-        row = np.zeros((2, z.shape[1]))
-        row[axis] = z.T @ (matrix.T @ t[axis])
-        yield "first_moment", row
-        yield "inertia", z.T @ (matrix @ z)
+        row, width = z.T @ (matrix.T @ t[axis]), z.shape[1]
+        yield "first_moment", coo_array((row, (np.full(width, axis), np.arange(width))), shape=(2, width))
+        yield "inertia", symmetric(z.T @ (matrix @ z))
         if axis == 0:
             yield "mass", np.atleast_2d(t[0] @ (matrix @ t[0]))
-
-
-def listed(rates: Mapping[str, Mapping[str, np.ndarray]], parameters: Sequence[str]) -> dict[str, Derivatives]:
-    """Derivatives (parameter -> item -> array) as one list of non-zero entries for every item that has any."""
-    found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
-    for parameter, items in rates.items():
-        for item, rate in items.items():
-            entry = np.flatnonzero(rate)
-            if len(entry):
-                found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
-    return {
-        item: Derivatives(
-            np.concatenate([np.full(len(entry), k) for k, entry, _ in rows]),
-            np.concatenate([entry for _, entry, _ in rows]),
-            np.concatenate([value for _, _, value in rows]),
-        )
-        for item, rows in found.items()
-    }
 
 
 def _trace(matrices: Matrices) -> Any:

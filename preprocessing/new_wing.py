@@ -14,7 +14,7 @@ from preprocessing.droop import drooped
 from preprocessing.new_wing_texts import README, SCENE, SKIN
 from preprocessing.skin import Skin
 from toolkit.errors import InputError
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 
 REFERENCE_CHORD = 550.0
 """Chord of the reference wing in mm; a wing of another chord is a scaled copy, with the same stresses."""
@@ -77,8 +77,7 @@ def new_wing(folder: Path, airfoil: Path, target: Path | None = None, chord: flo
     try:
         folder.mkdir(parents=True, exist_ok=True)
         for name, data in content.items():
-            with replaced(folder / name) as temporary:
-                temporary.write_bytes(data)
+            write_whole(folder / name, data)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot be written ({error.strerror}). Name another folder.") from error
     return [folder / name for name in content]

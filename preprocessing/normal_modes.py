@@ -11,17 +11,15 @@ from preprocessing.bordered_system import SingularBorderedSystemError, bordered_
 from preprocessing.constrained_pencil import ConstrainedPencil
 from preprocessing.rigid_modes import rigid_modes
 from toolkit.errors import InputError
-
-REPEATED = 1e-6
-"""Relative distance below which two eigenvalues count as equal. The round-off of the stiffness matrix moves the eigenvalues of
-the wing's skin by 1e-10 (30 elements) to 1e-8 (200); at this distance it turns single vectors by 1e-4 to 1e-2, which then mean nothing."""
+from toolkit.mode_shapes import clusters, told_apart
 
 
 @dataclass(frozen=True, eq=False)
 class NormalModes:
     """The lowest modes of K phi = lambda M phi - R^T eta, R phi = 0, with Phi^T M Phi = I; rigid motions are left out.
 
-    The sign of a mode is that of its first coordinate whose share of the kinetic energy is not small.
+    Of modes with equal eigenvalues `shapes` are those that the solver found, whose derivatives are known; `columns` are the same
+    ones turned and signed as `toolkit.mode_shapes` says, which no round-off chooses.
     """
 
     pencil: ConstrainedPencil
@@ -29,6 +27,7 @@ class NormalModes:
     shapes: np.ndarray  # (n, m)
     multipliers: np.ndarray  # (n_r, m)
     discarded: np.ndarray  # eigenvalues of all higher modes
+    columns: np.ndarray  # (n, m)
 
     @property
     def count(self) -> int:
@@ -61,7 +60,12 @@ class NormalModes:
             shapes=self.shapes[:, :count],
             multipliers=self.multipliers[:, :count],
             discarded=self.spectrum[count:],
+            columns=self.columns[:, :count],
         )
+
+    def turned(self, rates: np.ndarray) -> np.ndarray:
+        """Derivatives of the columns from those of the shapes, both (n, m, ...); the cluster of the last mode is kept whole."""
+        return np.einsum("ij...,jk->ik...", rates, self.shapes.T @ (self.pencil.mass @ self.columns))
 
 
 def frequencies(eigenvalues: np.ndarray) -> np.ndarray:
@@ -71,10 +75,7 @@ def frequencies(eigenvalues: np.ndarray) -> np.ndarray:
 
 def cluster(spectrum: np.ndarray, mode: int) -> tuple[int, int]:
     """First mode, and first mode behind, of the cluster of equal eigenvalues that `mode` (counted from 0) belongs to."""
-    apart = np.diff(spectrum) > REPEATED * spectrum[1:]
-    borders = np.concatenate([[0], np.flatnonzero(apart) + 1, [len(spectrum)]])
-    behind = int(np.searchsorted(borders, mode, side="right"))
-    return int(borders[behind - 1]), int(borders[behind])
+    return next((first, behind) for first, behind in clusters(spectrum) if first <= mode < behind)
 
 
 def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalModes:
@@ -107,9 +108,9 @@ def normal_modes(pencil: ConstrainedPencil, count: int | None = None) -> NormalM
     eigenvalues, shapes, split = _stiff_modes_again(pencil.stiffness, elastic)
     low = system.solve(pencil.mass @ shapes[:, :split] * eigenvalues[:split])[0]
     shapes = _orthonormal(np.column_stack([low, shapes[:, split:]]), pencil.mass)
-    shapes = shapes * _signs(shapes, pencil.mass)
     multipliers = system.solve(pencil.mass @ shapes * eigenvalues)[1][: len(pencil.rows)]
-    modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0))
+    columns = told_apart(eigenvalues, shapes, np.sqrt(np.diag(pencil.mass)))
+    modes = NormalModes(pencil, eigenvalues, shapes, multipliers, np.zeros(0), columns)
     return modes if count is None else modes.lowest(count)
 
 
@@ -132,10 +133,3 @@ def _stiff_modes_again(stiffness: np.ndarray, shapes: np.ndarray) -> tuple[np.nd
     high = shapes[:, split:]
     upper, turn = np.linalg.eigh(high.T @ stiffness @ high)
     return np.concatenate([rough[:split], upper]), np.column_stack([shapes[:, :split], high @ turn]), split
-
-
-def _signs(shapes: np.ndarray, mass: np.ndarray) -> np.ndarray:
-    """+-1 for every mode, so that its first coordinate that carries at least half as much as the strongest becomes positive."""
-    weighted = np.sqrt(np.diag(mass))[:, None] * shapes
-    strong = np.abs(weighted) > 0.5 * np.abs(weighted).max(axis=0, initial=0)
-    return np.sign(np.take_along_axis(weighted, strong.argmax(axis=0)[None], axis=0))[0]

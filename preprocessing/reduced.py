@@ -12,8 +12,8 @@ from preprocessing.basis import Basis
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.following_places import with_places
-from preprocessing.invariants import listed
 from preprocessing.reduction import reduced_basis
+from preprocessing.stored_entries import derivatives, polynomials_without_round_off, without_round_off
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.reduced_model import InterfacePoint, Invariants, StressPoints
 from toolkit.spatial_model import SpatialInvariants
@@ -75,16 +75,14 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
         }
         for (parameter, change), d in zip(changes.items(), d_z, strict=True)
     }
-    constant = nominal.polynomials(list(space.values), basis.z) if exact else {}
-    return Reduced(
-        space,
-        basis,
-        nominal.contract(space.values, basis.z),
-        listed(rates, list(space.values)),
-        constant,
-        nominal.interfaces(basis.z),
-        nominal.stress_points,
-    )
+    computed, names, interfaces = choice.kind != "full", list(space.values), nominal.interfaces(basis.z)
+    constant = nominal.polynomials(names, basis.z, computed) if exact else {}
+    invariants = nominal.contract(space.values, basis.z)
+    found = derivatives(invariants, rates, names, computed, interfaces)
+    if not computed:
+        constant = polynomials_without_round_off(constant, invariants, [float(np.real(value)) for value in space.values.values()])
+        invariants = without_round_off(invariants)
+    return Reduced(space, basis, invariants, found, constant, interfaces, nominal.stress_points)
 
 
 def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:

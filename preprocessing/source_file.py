@@ -47,7 +47,7 @@ def source(path: Path) -> Source:
     if is_body(content):
         body, solids = read_body_file(path), _solids()
         return Source(
-            [path, *(path.parent / name for name in body.inputs)],
+            [path, *solids.body_inputs(path, body)],
             body,
             lambda changes: solids.body_hash(path, body, changes),
             lambda _, values, keys: solids.build_body(path, values, keys),
@@ -83,7 +83,8 @@ def _solids() -> Any:
         return import_module("preprocessing.solids.build_body")
     except ImportError as error:
         raise InputError(
-            f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+            f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
         ) from error
 
 

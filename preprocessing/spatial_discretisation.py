@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.energies import energies
 from preprocessing.interface import interface_point
 from preprocessing.section_shape import SectionShape, value_of
 from preprocessing.spatial_assembly import PER_NODE, BeamMesh, SpatialPatch, first_rows
-from preprocessing.spatial_invariants import SpatialParts, contract, contract_derivative, energies, polynomials
+from preprocessing.spatial_invariants import SpatialParts, contract, contract_derivative, polynomials
 from toolkit.dependence import Polynomial
 from toolkit.reduced_model import InterfacePoint, StressPoints
 from toolkit.spatial_model import SpatialInvariants, Surface
@@ -82,9 +83,9 @@ class SpatialDiscretisation:
         d_complete = np.vstack([d_z, np.zeros(d_z.shape[1])])
         return contract_derivative(matrices, d_matrices, with_offset(z), self._translations(), d_complete)
 
-    def polynomials(self, parameters: Sequence[str], z: np.ndarray) -> dict[str, Polynomial]:
+    def polynomials(self, parameters: Sequence[str], z: np.ndarray, computed: bool) -> dict[str, Polynomial]:
         """Their exact dependence on the parameters for a constant Z."""
-        return polynomials(self.parts, parameters, with_offset(z), self._translations())
+        return polynomials(self.parts, parameters, with_offset(z), self._translations(), computed)
 
     def surface(self, z: np.ndarray, values: Mapping[str, Any]) -> Surface:
         """Every fibre whose stress is told as a line, at the dimensions `values` of the sections."""

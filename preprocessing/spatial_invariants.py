@@ -9,7 +9,7 @@ With Z = [xi, Psi]:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,8 +17,8 @@ import numpy as np
 from scipy import sparse
 
 from preprocessing.assembly import Part, Parts
-from preprocessing.invariants import both_sides, polynomials_of
-from preprocessing.section import monomial
+from preprocessing.energies import energy, symmetric
+from preprocessing.invariants import both_sides, polynomials_of, whole
 from toolkit.dependence import Polynomial
 from toolkit.spatial_model import PAIRS, SpatialInvariants
 
@@ -69,9 +69,9 @@ def contract(matrices: SpatialMatrices, z: np.ndarray, translations: np.ndarray)
     return SpatialInvariants(
         mass=np.asarray(t_0 @ (matrices.m[0] @ t_0)),
         first_moment=_first_moment(matrices, translations, z),
-        second_moment=np.stack([z.T @ (matrix @ z) for matrix in matrices.m]),
-        stiffness=_symmetric(psi.T @ (matrices.stiffness @ psi)),
-        damping=_symmetric(psi.T @ (matrices.damping @ psi)),
+        second_moment=np.stack([_moment(a, b, z.T @ (matrix @ z)) for (a, b), matrix in zip(PAIRS, matrices.m, strict=True)]),
+        stiffness=symmetric(psi.T @ (matrices.stiffness @ psi)),
+        damping=symmetric(psi.T @ (matrices.damping @ psi)),
         stress_operator=_by_point(matrices, matrices.stress @ psi),
     )
 
@@ -90,61 +90,53 @@ def contract_derivative(
     by_basis = {
         "mass": np.asarray(0.0),
         "first_moment": _first_moment(matrices, translations, d_z),
-        "second_moment": np.stack([both_sides(matrix, z, d_z) for matrix in matrices.m]),
-        "stiffness": both_sides(matrices.stiffness, psi, d_psi),
-        "damping": both_sides(matrices.damping, psi, d_psi),
+        "second_moment": np.stack(
+            [_moment(a, b, both_sides(matrix, z, d_z)) for (a, b), matrix in zip(PAIRS, matrices.m, strict=True)]
+        ),
+        "stiffness": symmetric(both_sides(matrices.stiffness, psi, d_psi)),
+        "damping": symmetric(both_sides(matrices.damping, psi, d_psi)),
         "stress_operator": _by_point(matrices, matrices.stress @ d_psi),
     }
     return SpatialInvariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-def polynomials(parts: SpatialParts, parameters: Sequence[str], z: np.ndarray, translations: np.ndarray) -> dict[str, Polynomial]:
+def polynomials(
+    parts: SpatialParts, parameters: Sequence[str], z: np.ndarray, translations: np.ndarray, computed: bool = True
+) -> dict[str, Polynomial]:
     """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f); see `invariants.polynomials`."""
-    return polynomials_of(parts, parameters, z, SpatialInvariants, lambda part, factor: _contractions(part, factor, translations))
+    return polynomials_of(
+        parts, parameters, z, SpatialInvariants, lambda part, factor: _contractions(part, factor, translations), computed
+    )
 
 
 def _contractions(part: Part, z: Any, translations: np.ndarray) -> Iterator[tuple[str, Any]]:
     """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
     psi, matrix, width = z[:, 1:], part.matrix, z.shape[1]
     if part.name in ("stiffness", "damping"):
-        yield part.name, _energy(part, psi)
+        yield part.name, energy(part, psi)
         return
     if part.name == "stress":
         yield "stress_operator", matrix @ psi
         return
     number = NAMES.index(part.name)
     a, b = PAIRS[number]
-    moment = sparse.coo_array(z.T @ (matrix @ z))
+    moment = whole(_moment(a, b, z.T @ (matrix @ z)))
     place = number * width**2 + np.ravel_multi_index(moment.coords, moment.shape)
     yield "second_moment", sparse.coo_array((moment.data, (np.zeros(len(place), int), place)), shape=(1, len(NAMES) * width**2))
     if a == b:
-        row = np.zeros((3, width))
-        row[a] = z.T @ (matrix.T @ translations[:, a])
-        yield "first_moment", row
+        row = z.T @ (matrix.T @ translations[:, a])
+        yield "first_moment", sparse.coo_array((row, (np.full(width, a), np.arange(width))), shape=(3, width))
     if a == b == 0:
         yield "mass", np.atleast_2d(translations[:, 0] @ (matrix @ translations[:, 0]))
 
 
+def _moment(a: int, b: int, matrix: Any) -> Any:
+    """Q_ab, which is symmetric for a = b."""
+    return symmetric(matrix) if a == b else matrix
+
+
 def _first_moment(matrices: SpatialMatrices, translations: np.ndarray, z: np.ndarray) -> np.ndarray:
     return np.stack([t @ (matrix @ z) for t, matrix in zip(translations.T, matrices.m[:3], strict=True)])
-
-
-def energies(parts: SpatialParts, values: Mapping[str, Any], name: str, psi: np.ndarray) -> np.ndarray:
-    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping) part by part, with the digits that the roots of the parts keep."""
-    own = [part for part in parts.parts if part.name == name]
-    return sum((monomial(values, part.factors) * _energy(part, psi) for part in own), np.zeros((psi.shape[1],) * 2))
-
-
-def _energy(part: Part, psi: Any) -> Any:
-    if part.root is None:
-        return _symmetric(psi.T @ (part.matrix @ psi))
-    strain = part.root.rows @ psi
-    return part.root.weight * (strain.T @ strain)
-
-
-def _symmetric(matrix: Any) -> Any:
-    """Without the part of the products' round-off that is not."""
-    return (matrix + matrix.T) / 2
 
 
 def _by_point(matrices: SpatialMatrices, rows: np.ndarray) -> np.ndarray:

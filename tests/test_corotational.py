@@ -13,8 +13,8 @@ from preprocessing.corotational_solve import solve_corotational
 from preprocessing.mesh import CurveMesh
 from tests.frames import cantilever, matrices, ring
 from toolkit.errors import InputError
-from toolkit.responses.element_sections import Elements
-from toolkit.responses.second_order import mean_rows
+from toolkit.validity.element_sections import Elements
+from toolkit.validity.second_order import mean_rows
 
 LENGTH, MODULUS, THICKNESS, WIDTH = 100.0, 70000.0, 0.1, 10.0
 EI = MODULUS * WIDTH * THICKNESS**3 / 12

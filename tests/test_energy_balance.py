@@ -18,9 +18,9 @@ from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 
 def linkage() -> Scene:

@@ -39,15 +39,16 @@ BASES = {
 }
 VARIABLES = {
     "youngs_modulus": 70.0, "density": 1e-11, "thickness": 5e-3, "thickness_nose": 5e-3, "width": 5.0, "poisson_ratio": 1e-3,
-    "damping_stiffness": 1e-5, "chord": 0.5, "y_scale": 2e-3, "bulge": 0.05, "interface_points.C.arc_length": 0.3,
+    "damping_stiffness": 1e-5, "chord": 0.5, "y_scale": 2e-3, "bulge": 0.05, "interface_points.C.arc_length": 0.03,
 }  # fmt: skip
-"""Parameters, and steps of about a thousandth of what changes the wing visibly."""
+"""Parameters, and steps of about a thousandth of what changes the wing visibly; C is only 0.8 mm from the next kink of the polygon."""
 
 
 SMOOTH = ("max_stress", "shape_rmse", "drive_angle")
 """Responses without kinks; a true maximum can jump from one point to another between two designs."""
-STEP = 0.1
-"""In units of the steps above; with half of it and Richardson's extrapolation the error is of fourth order in a thousandth."""
+STEP = 1.0
+"""In units of the steps above; with half of it and Richardson's extrapolation the error is of fourth order in a thousandth. A tenth of
+it would magnify the round-off of fresh shapes, 1e-10 of a response, to 1e-6 instead of 1e-7."""
 
 
 def project(folder: Path, basis: str) -> Scene:
@@ -121,13 +122,18 @@ def test_gradients_are_those_of_fresh_models_in_every_basis(tmp_path, basis):
     compare(tmp_path, basis, "transient", [list(VARIABLES)])
 
 
-def test_gradients_are_those_of_fresh_models_by_single_variables(tmp_path):
-    compare(
-        tmp_path,
-        "craig-bampton",
-        "static",
-        [[p] for p in ("thickness_nose", "poisson_ratio", "chord", "bulge", "interface_points.C.arc_length")],
-    )
+@pytest.mark.parametrize(
+    "parameter",
+    [
+        "thickness_nose",
+        pytest.param("poisson_ratio", marks=pytest.mark.processors),
+        "chord",
+        "bulge",
+        "interface_points.C.arc_length",
+    ],
+)
+def test_gradients_are_those_of_fresh_models_by_single_variables(tmp_path, parameter):
+    compare(tmp_path, "craig-bampton", "static", [[parameter]])
 
 
 @pytest.fixture

@@ -16,7 +16,9 @@ from toolkit.results.results_file import load_results
 
 ROOT = Path(__file__).parents[1]
 WRITER = """
+import os
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 import numpy as np
@@ -24,6 +26,7 @@ from toolkit.reduced_model_file import load, save
 from toolkit.results.results_file import load_results, save_results
 
 folder = Path(sys.argv[1])
+os.fsync = lambda _: time.sleep(0.1)  # a slow disk: files are built in memory, and are on their way to the disk for a moment only
 model, results = load(folder / "good.h5"), load_results(folder / "results" / "good.h5")
 writing = np.random.default_rng(0).normal(size=(20_000, results.q.shape[1]))  # large, and slow to pack
 writing = dict(times=np.arange(20_000.0), q=writing, v=writing, a=writing)
@@ -47,7 +50,7 @@ def test_a_killed_write_leaves_the_old_file_or_the_new_one(tmp_path):
         writer = subprocess.Popen([sys.executable, "-c", WRITER, str(tmp_path)], cwd=ROOT, stdout=subprocess.PIPE)
         assert writer.stdout is not None
         assert writer.stdout.readline() == b"written\n"
-        time.sleep(rng.uniform(0.0, 0.3))  # s; one round of writing takes some 0.1 s
+        time.sleep(rng.uniform(0.0, 0.5))  # s; one round of writing takes some 0.4 s
         writer.send_signal(signal.SIGKILL)
         assert writer.wait() == -signal.SIGKILL
         writer.stdout.close()

@@ -82,5 +82,5 @@ def test_stations_that_no_element_can_join_are_refused(stations, message):
 
 def test_a_missing_gmsh_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "gmsh", None)
-    with pytest.raises(InputError, match=r"pip install '\.\[preprocessing\]'.*libglu1-mesa"):
+    with pytest.raises(InputError, match=r"pip install 'ffrf-toolkit\[preprocessing\]'.*libglu1-mesa"):
         load_gmsh()

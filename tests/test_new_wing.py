@@ -139,12 +139,12 @@ def assert_matches(message: str, text: str) -> None:
 
 def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
     code = (
-        "import importlib.util, sys, toolkit.preprocessing_process as new; new.find_spec = lambda name: None;"
+        "import sys, toolkit.preprocessing_process as new; new.is_installed = lambda: False;"
         f"from toolkit.cli import app; sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1
-    assert "pip install '.[preprocessing]'" in done.stderr
+    assert "pip install 'ffrf-toolkit[preprocessing]'" in done.stderr
 
 
 def test_a_droop_that_no_skin_can_make_is_refused():

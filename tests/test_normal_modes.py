@@ -5,10 +5,11 @@ import pytest
 from scipy.optimize import brentq
 
 from preprocessing.mode_count import count_by_frequency, count_by_static_error, static_errors
-from preprocessing.normal_modes import REPEATED, cluster, normal_modes
+from preprocessing.normal_modes import cluster, normal_modes
 from preprocessing.rigid_modes import rigid_modes
 from tests.frames import SECTION, cantilever, relative, ring, square, varied, wing
 from toolkit.errors import InputError
+from toolkit.mode_shapes import EQUAL, told_apart
 
 FREE = {"ring": ring(24, 100.0), "square": square(6), "beam": cantilever(12, angle=0.4), "skin": wing()}
 
@@ -90,7 +91,7 @@ def test_all_modes_of_the_mesh_are_orthonormal_and_solve_the_eigenvalue_problem(
     pencil = frame.pencil(clamp(frame) if held else None)
     modes = normal_modes(pencil)
     assert modes.count == len(pencil.mass) - 3
-    assert np.all(np.diff(modes.eigenvalues) > -REPEATED * modes.eigenvalues[1:])
+    assert np.all(np.diff(modes.eigenvalues) > -EQUAL * modes.eigenvalues[1:])
     np.testing.assert_allclose(modes.shapes.T @ pencil.mass @ modes.shapes, np.eye(modes.count), atol=1e-12)  # round-off
     energy = modes.shapes.T @ pencil.stiffness @ modes.shapes
     root = np.sqrt(modes.eigenvalues)
@@ -102,8 +103,22 @@ def test_all_modes_of_the_mesh_are_orthonormal_and_solve_the_eigenvalue_problem(
 @pytest.mark.parametrize("parameter", ["youngs_modulus", "width"])
 def test_signs_do_not_depend_on_units(parameter):
     """Factors on stiffness and mass leave the shapes as they are but for their norm."""
-    one, other = (normal_modes(f.pencil(clamp(f)), 12).shapes for f in (wing(), varied(wing(), parameter, np.pi)))
+    one, other = (normal_modes(f.pencil(clamp(f)), 12).columns for f in (wing(), varied(wing(), parameter, np.pi)))
     assert relative(other / np.linalg.norm(other, axis=0), one / np.linalg.norm(one, axis=0)) < 1e-7  # condition times round-off
+
+
+def test_modes_of_equal_frequency_are_those_of_every_turn_of_them():
+    """The ring's come in pairs, which round-off turns as it likes; so does this test, and what is stored stays the same."""
+    rng, frame = np.random.default_rng(5), ring(24, 100.0)
+    modes = normal_modes(frame.pencil(), 8)
+    turned = modes.shapes.copy()
+    for first in (0, 2, 4, 6):
+        turn = np.linalg.qr(rng.normal(size=(2, 2)))[0]
+        turned[:, first : first + 2] = turned[:, first : first + 2] @ turn
+    again = told_apart(modes.eigenvalues, turned, np.sqrt(np.diag(modes.pencil.mass)))
+    assert relative(again, modes.columns) < 1e-12  # round-off of two turns
+    assert relative(modes.columns.T @ modes.pencil.mass @ modes.columns, np.eye(8)) < 1e-12
+    assert relative(turned, modes.columns) > 0.1
 
 
 def test_more_modes_than_the_mesh_has_are_refused():

@@ -1,5 +1,6 @@
 """The command `ffrf-preprocess`: what it writes, when it has nothing to do, and what it says about wrong inputs."""
 
+import os
 import shutil
 import sys
 import tomllib
@@ -14,7 +15,7 @@ from preprocessing.build import WRITER_VERSION, build
 from preprocessing.cli import main
 from preprocessing.geometry import read_geometry
 from preprocessing.skin_file import read_skin_file
-from toolkit.reduced_model_file import load
+from toolkit.reduced_model_file import load, save
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models" / "morphing_wing"
@@ -121,11 +122,82 @@ def test_file_that_is_no_whole_model_is_replaced_only_on_demand(run, folder, res
     whole = (folder / "skin.h5").read_bytes()
     content = b"my data" if rest == 1 else whole[: int(rest * len(whole))]
     (folder / "skin.h5").write_bytes(content)
-    code, out, err = run()
+    for options in ((), ("--force",)):
+        code, out, err = run(*options)
+        assert (code, out) == (1, "")
+        assert (
+            "skin.h5' is there and is not a reduced model, or a damaged one. Name another file with --output, or replace" in err
+        )
+        assert (folder / "skin.h5").read_bytes() == content
+    assert "written" in run("--overwrite")[1]
+
+
+def test_a_model_of_another_body_is_replaced_only_on_demand(run, folder):
+    """One that says what it was built from, and one that does not."""
+    (folder / "other").mkdir()
+    shutil.copy(ROOT / "models" / "rotating_beam" / "beam.h5", folder / "other" / "beam.h5")
+    for name in ("high_speed.dat", "low_speed.dat", "skin.toml"):
+        shutil.copy(folder / name, folder / "other" / name)
+    edit(folder / "other" / "skin.toml", "thickness = 1.5", "thickness = 1.4")
+    save(build(folder / "other" / "skin.toml"), folder / "other" / "skin.h5")
+    bodies = {"beam.h5": "which does not say what it was built from", "skin.h5": f"built from '{folder / 'other' / 'skin.toml'}'"}
+    for name, words in bodies.items():
+        place = folder / "other" / name
+        before = place.read_bytes()
+        for options in ((), ("--force",)):
+            code, out, err = run("--output", str(place), *options)
+            assert (code, out) == (1, "")
+            assert (
+                f"{name}' is there and is the reduced model of another body, {words}. Name another file with --output, or " in err
+            )
+            assert place.read_bytes() == before
+    assert "written" in run("--output", str(folder / "other" / "beam.h5"), "--overwrite")[1]
+
+
+def test_a_model_of_the_same_body_is_replaced_wherever_it_is(run, folder, monkeypatch):
+    """Also when all of it has been moved; and a committed one that does not say what it was built from, at its usual place."""
+    (folder / "project").mkdir()
+    shutil.copy(MODELS / "skin.h5", folder / "skin.h5")
+    edit(folder / "skin.toml", "thickness = 1.5", "thickness = 1.6")
+    assert "written" in run()[1]
+    assert "written" in run("--output", str(folder / "project" / "thick.h5"), "--parameter", "thickness=2.0")[1]
+    assert "../skin.toml" in load(folder / "project" / "thick.h5").inputs
+    moved = Path(shutil.copytree(folder, folder.with_name(folder.name + " moved")))
+    edit(moved / "skin.toml", "thickness = 1.6", "thickness = 1.7")
+    monkeypatch.setattr(
+        sys, "argv", ["ffrf-preprocess", str(moved / "skin.toml"), "--output", str(moved / "project" / "thick.h5")]
+    )
+    with pytest.raises(SystemExit, match=r"^0$"):
+        main()
+    assert load(moved / "project" / "thick.h5").nominal["thickness"] == 1.7
+
+
+@pytest.mark.parametrize("options", [(), ("--force",), ("--overwrite",), ("--force", "--overwrite")])
+def test_a_scene_is_never_replaced_by_a_model(run, folder, options):
+    shutil.copy(MODELS / "scene.toml", folder / "scene.toml")
+    code, out, err = run("--output", str(folder / "scene.toml"), *options)
     assert (code, out) == (1, "")
-    assert "skin.h5' is there and is not a reduced model, or a damaged one. Name another file with --output, or replace" in err
-    assert (folder / "skin.h5").read_bytes() == content
+    assert "scene.toml' does not end in .h5, as the name of a reduced model must. Name another file with --output." in err
+    assert (folder / "scene.toml").read_bytes() == (MODELS / "scene.toml").read_bytes()
+
+
+def test_a_linked_model_is_replaced_where_it_is_and_keeps_its_permissions(run, folder):
+    (folder / "shared").mkdir()
+    (folder / "skin.h5").symlink_to(Path("shared") / "skin.h5")
+    run()
+    (folder / "shared" / "skin.h5").chmod(0o600)
     assert "written" in run("--force")[1]
+    assert (folder / "skin.h5").is_symlink()
+    assert (folder / "shared" / "skin.h5").stat().st_mode & 0o777 == 0o600
+
+
+@pytest.mark.parametrize("options", [(), ("--force", "--overwrite")])
+def test_a_pipe_as_output_is_neither_replaced_nor_waited_for(run, folder, options):
+    os.mkfifo(folder / "pipe.h5")
+    code, _, err = run("--output", str(folder / "pipe.h5"), *options)
+    assert code == 1
+    assert "pipe.h5' is there and is not a regular file" in err
+    assert (folder / "pipe.h5").is_fifo()
 
 
 @pytest.mark.parametrize("missing", ["mesh/nodes", "shape", "affine"])
@@ -138,6 +210,17 @@ def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
     assert f"lacks {missing}" in err or "lacks the dataset 'nodes'" in err
     assert "It is built anew." in err
     assert "written" in out
+
+
+def test_model_that_does_not_say_what_it_was_built_from_is_replaced(run, folder):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        for group in ("inputs", "source"):
+            del file[group]
+    code, out, err = run()
+    assert (code, "written" in out) == (0, True)
+    assert "does not say what it was built from, as those of older versions. It is built anew." in err
+    assert set(load(folder / "skin.h5").inputs) == {"skin.toml", "high_speed.dat", "low_speed.dat"}
 
 
 def test_model_of_another_schema_version_is_replaced(run, folder):
@@ -156,7 +239,7 @@ def test_output_goes_where_it_is_asked_for(run, folder):
 
 
 @pytest.mark.parametrize("name", ["skin.toml", "high_speed.dat", "low_speed.dat", "other_name.dat"])
-@pytest.mark.parametrize("options", [(), ("--force",)])
+@pytest.mark.parametrize("options", [(), ("--force",), ("--overwrite",)])
 def test_output_never_overwrites_an_input(run, folder, name, options):
     (folder / "other_name.dat").hardlink_to(folder / "low_speed.dat")
     before = (folder / name).read_bytes()
@@ -330,5 +413,7 @@ def test_built_file_holds_only_known_groups(run, folder):
         "nominal",
         "nominal_units",
         "writers",
+        "inputs",
+        "source",
     }
     assert groups == names

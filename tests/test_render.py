@@ -316,7 +316,7 @@ def test_endless_trial_is_an_error(no_screen, monkeypatch):
 
 def test_missing_pyvista_is_an_error_that_names_the_extra(monkeypatch):
     monkeypatch.setattr(probe, "find_spec", lambda name: None)
-    with pytest.raises(RenderError, match=r"pip install '\.\[render\]'"):
+    with pytest.raises(RenderError, match=r"pip install 'ffrf-toolkit\[render\]'"):
         drawing_environment()
 
 

@@ -13,7 +13,8 @@ from toolkit.sensitivity import certificate
 from toolkit.sensitivity.analysis import direct
 from toolkit.sensitivity.certificate import DisagreementError, certify
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.round_off import round_off, variable_sizes
+from toolkit.sensitivity.round_off import round_off
+from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.sensitivity.studies import direction, taylor_rates
 from toolkit.system import compile_scene
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.command_line.remarks import coarseness
 from toolkit.errors import ConvergenceError, LimitPointError
 from toolkit.scene_file import read_scene
 from toolkit.solution import Solution
@@ -64,11 +63,11 @@ def test_coarse_steps_are_refused(step):
 def test_steps_that_come_through_without_resolving_the_snap_are_called_coarse(changes):
     found = motion(**changes)
     assert found.local_error > 1e-2  # 1 % of the scene's size in one step
-    assert "steps are coarse" in coarseness(found)[-1]
+    assert any("steps are coarse" in reason for reason in found.verdict.reasons)
 
 
 def test_a_fine_step_is_not_called_coarse(fine):
-    assert not any("coarse" in line for line in coarseness(fine))
+    assert "coarse-steps" not in fine.verdict.codes
 
 
 def test_without_inertia_the_run_ends_at_the_limit_point_of_statics():

@@ -14,7 +14,6 @@ from tests.spatial_every_number import SCENES
 from tests.test_cli import record, refused, run
 from tests.test_wrong_spatial_scenes import DOOR
 from toolkit.reduced_model_file import save
-from toolkit.responses.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results
 from toolkit.run_options import RunOptions
@@ -22,6 +21,7 @@ from toolkit.scene_file import read_scene
 from toolkit.solvers.transient import simulate
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map
 from toolkit.system import compile_scene
+from toolkit.validity.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 
 FLAG = """units = "m-kg-s"
 dimension = 3

@@ -23,12 +23,12 @@ from toolkit.profile import SmoothStep
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.solvers.undeformed import undeformed
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 MODELS = Path(__file__).parents[1] / "models"
 NEWTON = 1e-9

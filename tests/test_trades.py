@@ -28,10 +28,10 @@ from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate import certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 UNEVEN = tuple(0.05 * np.round(np.cumsum([0, *np.tile([1, 2, 0.5], 4)]), 12))
 """Times of steps that change their length every time."""
@@ -74,7 +74,7 @@ def test_steps_of_changing_length_keep_the_second_order(exact, formulation, rho_
         assert 1.85 < order < 3.1, name  # the next power of the step contributes, mostly to the better
 
 
-@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8])
 def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, rho_inf):
     def options(count: int) -> RunOptions:
         return RunOptions(end_time=0.8, step=0.8 / count, formulation="index-3", rho_inf=rho_inf, tolerance=1e-13)
@@ -88,7 +88,7 @@ def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, 
     "options",
     [
         {"formulation": "index-3"},
-        {"formulation": "index-3", "rho_inf": 0.9},
+        {"formulation": "index-3", "rho_inf": 0.8},
         {"newton": "modified"},
         {"times": UNEVEN},
         {"times": UNEVEN, "formulation": "index-3", "rho_inf": 0.0},
@@ -109,9 +109,8 @@ def test_gradients_of_all_states_are_exact(options):
         stepped = simulate(compile_scene(frozen(scene, run).with_number(path, scene.number(path) + 1e-30j)))
         for name in ("q", "v", "a", "multipliers"):
             exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}")[..., x]
-            # round-off, multiplied by the condition of the multipliers' equations; kept factors leave Newton's tolerance
-            tolerance = 1e-8 if run_options.newton == "modified" else 1e-10
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * np.abs(exact).max(), err_msg=f"{path} {name}")
+            # round-off, multiplied by the condition of the multipliers' equations
+            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
 
 
 @pytest.mark.parametrize(
@@ -336,7 +335,10 @@ def test_an_error_below_round_off_is_refused():
         ({"times": (0.0, 1.0), "local_error": 1e-3}, "leave one of them out"),
         ({"scheme": "paper", "local_error": 1e-3}, "has no estimate of its local error"),
         ({"formulation": "index-3", "rho_inf": 1.0, "local_error": 1e-3}, "rho_inf of at most 0.5"),
-        ({"formulation": "index-3", "rho_inf": 0.95}, "of at most 0.9: .* errors grow while the motion still looks right"),
+        (
+            {"formulation": "index-3", "rho_inf": 0.85},
+            "of at most 0.8: .* while the motion still looks right",
+        ),
         ({"scheme": "paper", "formulation": "index-3"}, "is of index 1"),
     ],
 )

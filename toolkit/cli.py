@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import errno
+import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,22 +25,33 @@ from toolkit.command_line.arguments import (
     read,
 )
 from toolkit.command_line.certification import certify
-from toolkit.command_line.deformation import watched_speed
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
-from toolkit.command_line.inspection import describe, describe_scene, print_description
+from toolkit.command_line.inspection import describe, describe_scene, print_description, print_file
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_frequencies, print_json, print_result
+from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result, print_verdict, warn
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
-from toolkit.errors import ToolkitError
+from toolkit.errors import ToolkitError, refusal
 from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
+
+
+def in_words(shown: Callable[..., None]) -> Callable[..., None]:
+    """How warnings are shown: those of the toolkit as plain sentences, others as before."""
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if category.__module__.startswith("toolkit."):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **more)
+
+    return show
 
 
 class Commands(TyperGroup):
@@ -46,9 +60,16 @@ class Commands(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
         try:
-            return super().invoke(ctx)
+            with warnings.catch_warnings():
+                warnings.showwarning = in_words(warnings.showwarning)
+                return super().invoke(ctx)
         except ToolkitError as error:
             typer.echo(str(error), err=True)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # whoever read the output has seen enough
+                raise
+            typer.echo(refusal(error), err=True)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
@@ -74,13 +95,16 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    from toolkit.sensitivity.analysis import evaluate_responses, result, timed
+    from functools import partial
+
+    from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
-    with watched_speed(described, quiet), at_work("time steps", described, "transient", quiet=quiet) as progress:
-        seconds, solution = timed(compiled(described, keep_all), "transient", progress)
-    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0)
+    described, text = read(scene, changes, quiet), text_of(scene)
+    with at_work("time steps", described, "transient", quiet=quiet) as progress:
+        system = compiled(described, keep_all)
+        seconds, solution = timed(system, "transient", progress)
+    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0, partial(again, system))
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -101,7 +125,7 @@ def statics(
 
     check_output(output)
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
         found = direct(described, names, "static", progress)
@@ -126,10 +150,10 @@ def sensitivity(
     from toolkit.sensitivity.methods import gradients_by
 
     check_output(output)
-    described, text = read(scene, changes), text_of(scene)
+    described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with watched_speed(described, quiet or static), at_work("gradients", described, kind, names, quiet, method.value) as progress:
+    with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -150,18 +174,20 @@ def modes(
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
     from toolkit.solvers.undeformed import undeformed
+    from toolkit.validity.verdict import Verdict
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
         found = solve_modes(state, count)
-    frequencies = found.frequencies.tolist()
+    frequencies, verdict = found.frequencies.tolist(), Verdict.of([*found.verdict.warnings, *state.verdict.warnings])
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **verdict.record()})
+        warn(verdict, quiet)
     else:
         print_frequencies(frequencies)
-        typer.echo(str(found.verdict))
+        print_verdict(verdict)
 
 
 @app.command()
@@ -176,9 +202,9 @@ def inspect(
 ) -> None:
     """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
     if file.suffix != ".toml":
-        (print_json if as_json else print_description)(describe(file))
+        (print_json if as_json else print_file)(describe(file))
         return
-    scene = read(file, changes)
+    scene = read(file, changes, quiet)
     record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
     found = receipt_of(scene, names, keep_all, measure, quiet)
@@ -214,11 +240,8 @@ def render(
     solve = motion_of(file, changes, models, quiet, view.check)
     folder = prepare_folder(output)
     drawing_environment()  # refuses a machine that cannot draw before the long work begins
-    files = render_solution(solve(), folder, times, width, view, animate)
-    if as_json:
-        print_json({"files": [str(file) for file in files]})
-    else:
-        typer.echo("\n".join(str(file) for file in files))
+    solution = solve()
+    print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 
 
 app.command()(certify)

@@ -1,8 +1,21 @@
 """The errors that a user of the toolkit can meet, each with what, where, what would be right and the next step."""
 
+import re
+
 
 class ToolkitError(Exception):
     """Base of every error that the toolkit raises on purpose; the command line prints its text without a traceback."""
+
+
+def refusal(error: OSError) -> str:
+    """What the system refused, where nobody nearer to it knew what to say."""
+    where = f" at {str(error.filename)!r}" if error.filename is not None else ""
+    return f"the system refused to go on{where}: {error.strerror or error}. Mend the path, or make room on the disk."
+
+
+def without_content(reason: str) -> str:
+    """What a library says about a file that it cannot read, less what it quotes of the file: that may be anybody's."""
+    return re.sub(r"""["'`].*["'`]""", "...", reason, flags=re.DOTALL)
 
 
 class InputError(ToolkitError, ValueError):

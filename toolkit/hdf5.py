@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import h5py
 import numpy as np
 
 from toolkit.errors import ToolkitError
+from toolkit.replaced_file import write_whole
 
 FORMAT = ("v110", "v110")
 """Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
@@ -28,6 +30,21 @@ FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLE
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
 """What h5py, numpy and the parsers raise on damaged content."""
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[h5py.File]:
+    """A new file, built in memory and put in its place as a whole if nothing was raised: HDF5 ends the process where the disk is full.
+
+    Raises
+    ------
+    InputError
+        The place cannot be written to, or is full.
+    """
+    content = BytesIO()
+    with h5py.File(content, "w", libver=FORMAT) as file:
+        yield file
+    write_whole(path, content.getvalue())
 
 
 def write_array(group: h5py.Group, name: str, values: Any) -> None:
@@ -123,9 +140,14 @@ def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Cont
 
 def schema_of(path: Path) -> str | None:
     """Which of the program's HDF5 files it is, by its attribute `schema`; None if it cannot be read as one."""
+    return text_of(path, "schema")
+
+
+def text_of(path: Path, attribute: str) -> str | None:
+    """One attribute of a file; None if it has none, or cannot be read as one of the program's."""
     try:
         with _opened(path) as file:
-            return str(_scalar(file, "schema"))
+            return str(_scalar(file, attribute))
     except _UNREADABLE:
         return None
 

@@ -14,11 +14,11 @@ from types import FunctionType
 from typing import Any
 
 import numba
-from numba.core.caching import IndexDataCacheFile
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 from numba.core.types.function_type import CompileResultWAP
 
+from toolkit.compiled_code import CompiledCode
 from toolkit.errors import InputError
 
 
@@ -45,11 +45,9 @@ def inlined(function: Callable) -> CPUDispatcher:
 
 
 def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
-    dispatcher: Any = numba.njit(function, cache=True, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
+    dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
-        store = dispatcher._cache  # type: ignore[attr-defined]
-        name = f"{store._impl.filename_base}-{formulas_stamp()[:16]}"
-        store._cache_file = IndexDataCacheFile(store.cache_path, name, store._impl.locator.get_source_stamp())
+        dispatcher._cache = CompiledCode(function, formulas_stamp())  # type: ignore[attr-defined]
     return dispatcher
 
 
@@ -57,15 +55,15 @@ def is_on_disk(function: CPUDispatcher) -> bool:
     """Whether a kernel has been compiled before, by any process, from these formulas."""
     if not isinstance(function, CPUDispatcher):
         return True
-    return Path(function._cache._cache_file._index_path).exists()  # type: ignore[attr-defined]
+    return function._cache.is_kept()  # type: ignore[attr-defined]
 
 
 @cache
 def formulas_stamp() -> str:
     """Hash of all files with kernels.
 
-    Compiled code holds copies of the kernels it calls, while numba looks only at a kernel's own file to see whether its code on disk is
-    still good. With this stamp in the names of numba's files, an edit of any formula compiles all of them anew.
+    Compiled code holds copies of the kernels it calls, so it is not enough to look at a kernel's own file to see whether its code on disk
+    is still good. With this stamp in the names of the files, an edit of any formula compiles all of them anew.
     """
     files = sorted(Path(__file__).parent.rglob("*.py"))
     texts = [text for text in (file.read_bytes() for file in files) if b"kernel" in text]

@@ -139,6 +139,9 @@ class ReducedModel:
         Parameter -> unit.
     input_hash
         SHA-256 of all files that the model was built from.
+    inputs, source, changes
+        Each of these files by its place relative to the model's own file; the text of the TOML file among them; and what the command
+        changed in it. Empty for a model that was built from no files.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -161,6 +164,10 @@ class ReducedModel:
     outline: Outline | None = None
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
+    inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
+    source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
+    changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
+    inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)
 

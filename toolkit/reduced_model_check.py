@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
+from toolkit.entry_scales import entry_scales
 from toolkit.errors import ModelFileError
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints, generalized_mass
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
@@ -18,6 +19,9 @@ RIGID = 1e-12
 
 ROUND_OFF = 1e-9
 """Largest relative difference of two numbers that should be equal; sums over some hundred nodes leave 1e-13."""
+
+OF_STIFFNESS = ("stiffness", "damping", "stress_operator")
+"""Invariants that are not made of mass."""
 
 MAGNITUDE = LARGEST**3
 """Largest number of a model, a product of some that the user gave; products of these still are floating-point numbers."""
@@ -90,11 +94,16 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
     if model.units not in UNIT_SYSTEMS:
         _refuse(path, "units", f"is {model.units!r} instead of one of {', '.join(UNIT_SYSTEMS)}")
     texts = {name: getattr(model, name) for name in ("reference_condition", "basis", "input_hash")}
-    for group in ("nominal_units", "writers"):
+    for group in ("nominal_units", "writers", "inputs", "source"):
         texts |= {f"{group}/{name}": value for name, value in getattr(model, group).items()}
     for name, value in texts.items():
         if not isinstance(value, str):
             _refuse(path, name, f"is {value!r} instead of a text")
+    if foreign := set(model.source) - set(model.inputs):
+        _refuse(path, f"source/{min(foreign)}", "is not among its inputs")
+    for name, value in model.changes.items():
+        if not isinstance(value, (int, float)):
+            _refuse(path, f"changes/{name}", f"is {value!r} instead of a number")
     for name, value in model.nominal.items():
         if not isinstance(value, (int, float)) or not (value == 0 or SMALLEST <= abs(value) <= LARGEST):
             _refuse(path, f"nominal/{name}", f"is {value!r} instead of a number that is zero or from {SMALLEST:g} to {LARGEST:g}")
@@ -104,14 +113,16 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
 
 def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
     own: dict[str, tuple[np.ndarray, int]]
+    scales = _sizes(inv)
     if isinstance(inv, SpatialInvariants):
         own = {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)}
+        scales |= {f"second_moment[{k}]": scales["second_moment"][k] for k in range(3)}
         place, mass = "second_moment", spatial_generalized_mass(inv)
     else:
         own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)}
         place, mass = "inertia", generalized_mass(inv)
     for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
-        if np.abs(matrix - sign * matrix.T).max(initial=0) > ROUND_OFF * np.abs(matrix).max(initial=0):
+        if np.any(np.abs(matrix - sign * matrix.T) > ROUND_OFF * scales[name]):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
     try:
         np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
@@ -121,6 +132,17 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
             f"invariants/{place}",
             "gives an indefinite mass matrix: the basis duplicates a rigid motion of the frame",
         )
+
+
+def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
+    """What a difference in every entry of the invariants is compared with.
+
+    Whatever is a matter of mass can vanish as a whole, but for round-off, and is compared with what it could be. Stiff bodies
+    leave more round-off in their soft motions than these are stiff: stiffness, damping and stress, which do not vanish, are
+    compared with their largest entry.
+    """
+    of_mass = {name: scale for name, scale in entry_scales(inv).items() if name not in OF_STIFFNESS}
+    return of_mass | {name: np.abs(getattr(inv, name)).max(initial=0) for name in OF_STIFFNESS}
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
@@ -133,7 +155,7 @@ def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 
 def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
-    p = np.array(list(model.nominal.values()))
+    p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
     for item, polynomial in (model.affine or {}).items():
         place = f"affine/{item}"
         names = SHAPES[type(model.invariants)]
@@ -146,7 +168,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
         nominal = getattr(model.invariants, item)
         difference = polynomial(p, nominal.size) - nominal.ravel()
-        if not np.abs(difference).max(initial=0) <= ROUND_OFF * np.abs(nominal).max(initial=0):
+        if not np.all(np.abs(difference).reshape(nominal.shape) <= ROUND_OFF * sizes_of[item]):
             _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")
 
 

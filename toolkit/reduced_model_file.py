@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Collection, Mapping
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -13,10 +14,9 @@ import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
 from toolkit.errors import ModelFileError
-from toolkit.hdf5 import FORMAT, SIGNATURE, Content, reading, schema_of, write_array
+from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
-from toolkit.replaced_file import replaced
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 SCHEMA = "ffrf-reduced-model"
@@ -24,6 +24,8 @@ SCHEMA_VERSION = 2
 ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
 MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
+ORIGIN = ("inputs", "source", "changes")
+"""The same, which a model has that was built from files."""
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -59,10 +61,11 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
     with reading(path, partial(_damaged, path)) as content:
         attributes: dict[str, Any] = content.attributes()
         _check_schema(attributes, path)
-        own = {name: attributes[name] for name in ATTRIBUTES if name in attributes}
-        if len(own) < len(ATTRIBUTES):
-            raise ValueError(f"it lacks {', '.join(name for name in ATTRIBUTES if name not in own)}")
+        if lacking := [name for name in ATTRIBUTES if name not in attributes]:
+            raise ValueError(f"it lacks {', '.join(lacking)}")
+        own = {name: attributes[name] for name in ATTRIBUTES}
         head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
+        head |= {name: content.attributes(name) for name in ORIGIN if content.has(name)}
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
         before = known.bytes_read if known else {}
@@ -71,7 +74,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
         _check_complete(str(attributes.get("contents", "")), found)
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
-    model = ReducedModel(**head, **found, path=path, bytes_read=read)
+    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
     check(model, path)
     return model
 
@@ -106,6 +109,22 @@ def is_reduced_model(path: str | Path) -> bool:
     return schema_of(Path(path)) == SCHEMA
 
 
+def described_by(path: str | Path) -> list[str]:
+    """The file that describes the body of a reduced model, as seen from the model's folder; none if it does not say."""
+    path = Path(path)
+    try:
+        with reading(path, partial(_damaged, path)) as content:
+            found = {name: content.attributes(name) if content.has(name) else {} for name in ORIGIN}
+    except ModelFileError:
+        return []
+    return [name for name in found["inputs"] if Path(name).name in found["source"]]
+
+
+def hash_of(path: str | Path) -> str:
+    """Hash of the inputs of a reduced model; empty if it does not say."""
+    return text_of(Path(path), "input_hash") or ""
+
+
 def _damaged(path: Path, reason: str) -> ModelFileError:
     return ModelFileError(
         f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete ({reason}). Build it again with "
@@ -136,7 +155,7 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ModelFileError(
-            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
+            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf-preprocess."
         )
     if version != SCHEMA_VERSION:
@@ -174,12 +193,26 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 
 
 def save(model: ReducedModel, path: str | Path) -> None:
-    """Write the file under a temporary name, then rename it: an interrupted run leaves the old file or none."""
+    """Write the file in one stroke: an interrupted run leaves the old file or none."""
     path = Path(path)
+    model = _seen_from(path.parent, model)
     check(model, path)
-    with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
+    with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
-            if item.compare:
+            if item.compare and not (item.name in ORIGIN and not getattr(model, item.name)):
                 _write(file, item.name, getattr(model, item.name))
+
+
+def _seen_from(folder: Path, model: ReducedModel) -> ReducedModel:
+    """The model with the names of its inputs relative to a folder; as they are where no path leads from there to them."""
+    if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
+        return model
+    origin = model.inputs_from.resolve()
+    try:
+        names = {name: Path(os.path.relpath(origin / name, folder.resolve())).as_posix() for name in model.inputs}
+    except ValueError:  # another drive
+        return model
+    renamed: dict[str, Any] = {name: {names[k]: v for k, v in getattr(model, name).items()} for name in ("inputs", "source")}
+    return replace(model, **renamed, inputs_from=folder)

@@ -66,15 +66,17 @@ def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarr
         return
     N, dq, n_q = null_vectors(np.real(jacobian), rows.kept, rows.repeating), system.start()[2], system.n_q
 
-    def change(motion: np.ndarray) -> np.ndarray:
-        """dJ z by every variable, (n_lam, n_x)."""
+    def change(motion: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """dJ z by every variable, (n_lam, n_x), and how large the largest terms are that it is the sum of, (n_x,)."""
         acc: np.ndarray = np.concatenate([motion, np.zeros(system.n - n_q)]).astype(system.dtype)
         terms = joint_terms(system, q, acc)
-        return np.real(system.matrix(terms.I_q) @ dq + terms.I_x)[n_q:]
+        by_q, by_x = np.real(system.matrix(terms.I_q)), np.real(terms.I_x)
+        made_of = np.abs(by_q) @ np.abs(np.real(dq)) + np.abs(by_x)
+        return (by_q @ np.real(dq) + by_x)[n_q:], made_of[n_q:].max(axis=0, initial=0)
 
-    size = np.abs(change(1 / system.weights[:n_q])).max(axis=0, initial=0)
+    size = change(1 / system.weights[:n_q])[1]
     for motion in null_space(np.real(jacobian)[rows.kept]).T:
-        jams = np.flatnonzero(np.abs(N.T @ change(motion)).max(axis=0) > JAMS * size)
+        jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMS * size)
         if len(jams):
             raise InputError(
                 f"design variable {system.design.names[jams[0]]!r} would make joints that repeat each other fit no more, and jam the "

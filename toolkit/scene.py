@@ -124,6 +124,11 @@ class Scene(Description):
             raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
         return body.position_at_rest(self, point, written.body)
 
+    def model_files(self) -> list[Path]:
+        """Files of the reduced models of its bodies, each once."""
+        names = dict.fromkeys(body.model for body in self.bodies.values() if isinstance(body, ModelBody))
+        return [self.directory / name for name in names]
+
     def model(self, path: str, *parts: str) -> ReducedModel:
         """The invariants and interface points of a reduced model, and other parts on request; each is read once.
 

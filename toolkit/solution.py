@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -10,6 +12,7 @@ from toolkit.errors import NeedsDirectError
 from toolkit.run_options import RunOptions
 from toolkit.static_path import StaticPath
 from toolkit.system import System
+from toolkit.validity.verdict import Caution, Verdict
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,8 @@ class Solution:
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
     largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
     `options` are those of the run; `own_start` says that it did not begin at the scene's start; `run_times` are all times of the run,
-    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state.
+    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state. `judge` finds out
+    what speaks against the solution, when it is asked for its `verdict`.
     """
 
     system: System
@@ -43,6 +47,7 @@ class Solution:
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
     path: StaticPath | None = None
+    judge: Callable[[Solution], Verdict] | None = field(default=None, compare=False)
 
     @classmethod
     def from_padded(cls, system: System, times: np.ndarray, states: tuple[np.ndarray, ...], **report) -> Solution:
@@ -53,6 +58,18 @@ class Solution:
             system, times, q[:, :n_q], v[:, :n_q], acc[:, :n_q], acc[:, n_q:],
             dq[:, :n_q], dv[:, :n_q], dacc[:, :n_q], dacc[:, n_q:], **report,
         )  # fmt: skip
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether the solution can be trusted, and why not; found out when it is first asked for."""
+        if self.judge is None:
+            return Verdict((Caution("not-judged", "nobody has checked these states: they come from no solver of the toolkit."),))
+        return self.judge(self)
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """All that whoever reads the solution has to know, doubts first."""
+        return self.verdict.warnings
 
     @property
     def steps(self) -> int:

@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.kernel import inner, kernel
+from toolkit.near_ties import first_smallest
 
 
 class Frames(NamedTuple):
@@ -218,7 +219,7 @@ def axes_along(direction: Any) -> np.ndarray:
     """Right-handed axes (3, 3), columns, the third along a direction of any length; smooth in it, real or complex."""
     direction = np.asarray(direction)
     third = direction / np.sqrt(direction @ direction)
-    aside = np.eye(3)[int(np.argmin(np.abs(np.real(third))))]
+    aside = np.eye(3)[first_smallest(np.abs(np.real(third)))]
     first = aside - third * (aside @ third)
     first = first / np.sqrt(first @ first)
     return np.column_stack([first, np.cross(third, first), third])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from toolkit.kernel import call, first_class, plain, slots
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.torque import torque
+from toolkit.near_ties import first_largest
 from toolkit.redundant_joints import without_redundant_rows
 from toolkit.scene import Scene
 
@@ -75,18 +77,33 @@ class System:
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-        design = design and self.n_x > 0
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, design, terms, work)
+        if self.compiled:  # exactly what the kernel is compiled for
+            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
+            curves, curves_x, levels = (
+                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
+            )
+            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        self._evaluation(self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
         return terms
+
+    @cached_property
+    def _evaluation(self) -> Callable:
+        """`evaluate_all` as it is compiled for this plan, without a look at the types of its arguments: that takes four times as long."""
+        if not self.compiled or not isinstance(evaluate_all, CPUDispatcher):
+            return partial(self.run, evaluate_all)
+        if self._signature() is None:
+            (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
+        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
+        return found
 
     @cached_property
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
-        if isinstance(evaluate_all, CPUDispatcher) and self._signature() is None:
-            q, v, *_ = self.start()
-            self.evaluate(self.inputs(0.0, np.zeros(3)), q, v, np.zeros(self.n))
+        _ = self._evaluation  # compiled by now
         return first_class(evaluate_all, self._signature())
 
     def _signature(self) -> Any:
@@ -100,8 +117,8 @@ class System:
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
     def most_moved(self, change: np.ndarray) -> str:
-        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad)."""
-        return self.numbering.names[int(np.argmax(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q]))))]
+        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
+        return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""

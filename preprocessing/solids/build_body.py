@@ -14,19 +14,21 @@ from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
 from preprocessing.discretisation import STEP
-from preprocessing.invariants import listed
+from preprocessing.input_files import origin
 from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_change import BodyChange, rate_of
 from preprocessing.solids.body_file import BodyFile, read_body_file
 from preprocessing.solids.changed_body import changed_body
 from preprocessing.solids.contraction import contractions
 from preprocessing.solids.discrete_body import DiscreteBody, discrete_body
+from preprocessing.solids.included_files import drawn_on
 from preprocessing.solids.outline import BoundaryLines
 from preprocessing.solids.parts import QUANTITIES
 from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
 from preprocessing.solids.solid_mesh import rigid_motions
 from preprocessing.solids.surface_parts import pressure_on, surface_of
 from preprocessing.solids.ties import Freedom, freedom
+from preprocessing.stored_entries import ROUND_OFF, derivatives, polynomials_without_round_off, without_round_off
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
@@ -64,13 +66,26 @@ def build_body(
         units=file.units,
         nominal_units={name: unit(file.units, QUANTITIES.get(name, "none")) for name in found["nominal"]},
         input_hash=body_hash(path, file, {**values, **keys}),
+        **origin(path, body_inputs(path, file), values),
         writers={"ffrf-toolkit": WRITER_VERSION} | {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")},
         stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     )
 
 
+def body_inputs(path: Path, file: BodyFile) -> list[Path]:
+    """The files that body.toml names, and those that its mesh draws on.
+
+    Raises
+    ------
+    InputError
+        A file that the mesh includes is there twice.
+    """
+    drawn = drawn_on(path.parent / file.mesh.file) if file.mesh else []
+    return [*(path.parent / name for name in file.inputs), *drawn]
+
+
 def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = None) -> str:
-    """SHA-256 of all that the result depends on: body.toml, the files that it names, changes, schema and writer version.
+    """SHA-256 of all that the result depends on: body.toml, the files of `body_inputs`, changes, schema and writer version.
 
     Raises
     ------
@@ -78,7 +93,7 @@ def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = No
         One of the files cannot be read.
     """
     digest = hashlib.sha256(f"body, schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
-    for each in (path, *(path.parent / name for name in file.inputs)):
+    for each in (path, *body_inputs(path, file)):
         try:
             content = each.read_bytes()
         except OSError as error:
@@ -107,16 +122,22 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     for parameter, change in body.changes.items():
         d_z = _basis_rates(body, matrices, change, choice, free, shapes)
         rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
-    nominal = {**body.values, **body.others}
+    nominal, computed = {**body.values, **body.others}, choice.kind != "full"
+    interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
+    invariants, polynomials = by.contract(matrices, z), by.polynomials(body.parts, list(nominal), z, computed=computed)
+    found = derivatives(invariants, rates, list(nominal), computed, interfaces)
+    if not computed:
+        polynomials = polynomials_without_round_off(polynomials, invariants, list(nominal.values()))
+        invariants = without_round_off(invariants)
     return {
         "reference_condition": MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}"),
         "basis": shapes.words,
         "nominal": nominal,
-        "invariants": by.contract(matrices, z),
-        "derivatives": listed(rates, list(nominal)),
-        "affine": by.polynomials(body.parts, list(nominal), z),
+        "invariants": invariants,
+        "derivatives": found,
+        "affine": polynomials,
         **_boundary_parts(body, z),
-        "interfaces": {name: _interface(*each.motion(z)) for name, each in body.ties.items()},
+        "interfaces": interfaces,
     }
 
 
@@ -148,8 +169,13 @@ def _outline(lines: BoundaryLines, z: np.ndarray) -> Outline:
     return Outline(z.reshape(-1, 2, z.shape[1])[nodes], number.reshape(edges.shape))
 
 
-def _interface(position: np.ndarray, rotation: np.ndarray) -> InterfacePoint:
-    """A point of a solid, which lies on no curve: its arc length is 0 and cannot change."""
+def _interface(position: np.ndarray, rotation: np.ndarray, size: float) -> InterfacePoint:
+    """A point of a solid, which lies on no curve: its arc length is 0 and cannot change.
+
+    The middle of a ring of nodes is zero but for round-off, as is the rotation of the undeformed body.
+    """
+    for array, scale in ((position, size), (rotation, 1.0)):
+        array[..., 0] = np.where(np.abs(array[..., 0]) > ROUND_OFF * scale, array[..., 0], 0.0)
     return InterfacePoint(np.zeros(()), np.zeros(2), position[None], rotation[None])
 
 

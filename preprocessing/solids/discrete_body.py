@@ -21,6 +21,7 @@ from preprocessing.solids.lame import lame_factors
 from preprocessing.solids.matrix_file import read_matrix, read_square
 from preprocessing.solids.named_mesh import NamedMesh, named_mesh
 from preprocessing.solids.node_sets import Boundary
+from preprocessing.solids.overlaps import refuse_overlaps
 from preprocessing.solids.parts import element_parts, finished_parts, parameters_of
 from preprocessing.solids.solid_mesh import SolidMesh
 from preprocessing.solids.solid_stress import Rows, stress_rows
@@ -86,6 +87,7 @@ def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[
     mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
     with at_key(named.path, "mesh.file"):
         blocks = element_blocks(mesh)
+        refuse_overlaps(mesh)
     matrices, rows = solid_matrices(blocks, len(mesh.nodes), mesh.dimension), _stress(named, blocks)
     lame = lame_factors(ratio, state)
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))

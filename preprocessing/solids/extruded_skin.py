@@ -15,7 +15,7 @@ from preprocessing.skin_file import SkinFile, read_skin_file
 from preprocessing.skin_tables import Table
 from preprocessing.solids.elements import CUBE, CUBE_MIDDLES
 from toolkit.errors import InputError
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import replaced, write_whole
 
 ON_NODE = 1e-9
 """Part of the skin's length within which an interface point is on a station of the mesh."""
@@ -58,8 +58,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
         mesh = _mesh(geometry, file, places(path, geometry, file), layers)
     with replaced(target) as temporary:
         meshio.write(temporary, mesh, file_format="gmsh22", binary=False)
-    with replaced(described) as temporary:
-        temporary.write_text(_description(file, target.name))
+    write_whole(described, _description(file, target.name).encode())
     return [target, described]
 
 

@@ -115,8 +115,8 @@ def faces_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryFac
     """
     every: dict[str, list[np.ndarray]] = {}
     for kind, block in blocks.items():
-        mirrored = _mirrored(nodes[block])
-        for face, places in _faces(kind):
+        mirrored = mirrored_elements(nodes[block])
+        for face, places in element_faces(kind):
             members = block[:, places]
             members[mirrored] = members[mirrored][:, TURNED[face]]
             every.setdefault(face, []).append(members)
@@ -148,14 +148,14 @@ def _refuse_unlike(keys: list[np.ndarray]) -> None:
         )
 
 
-def _mirrored(places: np.ndarray) -> np.ndarray:
+def mirrored_elements(places: np.ndarray) -> np.ndarray:
     """Which elements, (n_e, n_local, 3), have their corners in the order of a mirror image."""
     third = {4: 3, 6: 3, 10: 3}.get(places.shape[1], 4)  # the corner above the first one
     second = 2 if third == 3 else 3
     return np.linalg.det(places[:, [1, second, third]] - places[:, [0]]) < 0
 
 
-def _faces(kind: str) -> list[tuple[str, list[int]]]:
+def element_faces(kind: str) -> list[tuple[str, list[int]]]:
     """Kind and local nodes of all faces of an element."""
     corners, edges, first = {
         "tetra": (TETRA, (), 4), "tetra10": (TETRA, TETRA_EDGES, 4), "hexahedron": (HEXAHEDRON, (), 8),

@@ -11,7 +11,7 @@ from zipfile import BadZipFile
 import numpy as np
 from scipy import io, sparse
 
-from toolkit.errors import InputError
+from toolkit.errors import InputError, without_content
 
 MATRIX_MARKET = b"%%MatrixMarket"
 FAILURES = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile)
@@ -115,4 +115,4 @@ def _reading(path: Path, what: str) -> Iterator[None]:
     try:
         yield
     except FAILURES as error:
-        raise InputError(f"{str(path)!r} cannot be read as {what} ({error}). Export it again.") from error
+        raise InputError(f"{str(path)!r} cannot be read as {what} ({without_content(str(error))}). Export it again.") from error

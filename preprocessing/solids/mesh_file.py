@@ -13,7 +13,7 @@ import numpy as np
 
 from preprocessing.solids.outline import CORNERS
 from preprocessing.solids.solid_mesh import SolidMesh, refuse_parts
-from toolkit.errors import InputError
+from toolkit.errors import InputError, without_content
 
 PLANE = {"triangle": 3, "triangle6": 6, "quad": 4, "quad8": 8, "quad9": 9}
 """Kinds of elements that are used, and their numbers of nodes."""
@@ -35,13 +35,15 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     Raises
     ------
     InputError
-        The file cannot be read, holds kinds of elements that are not supported, leaves its plane, or falls into parts.
+        The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
     """
     raw = _read(path)
     kinds = _kinds(path, [block.type for block in raw.cells])
     wanted = [block for block in raw.cells if block.type in kinds]
     present = dict.fromkeys(block.type for block in wanted)
-    blocks = {kind: _once(np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind])) for kind in present}
+    blocks = {
+        kind: _once(path, raw, np.concatenate([np.asarray(b.data, int) for b in wanted if b.type == kind])) for kind in present
+    }
     used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
     number = np.full(len(raw.points), -1)
     number[used] = np.arange(len(used))
@@ -59,9 +61,16 @@ def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
     return mesh
 
 
-def _once(elements: np.ndarray) -> np.ndarray:
-    """Every element once; gmsh 2.2 writes those that are in several groups several times."""
+def _once(path: Path, raw: Any, elements: np.ndarray) -> np.ndarray:
+    """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
     _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
+    twice = np.setdiff1d(np.arange(len(elements)), first)
+    if len(twice) and path.suffix != ".msh":
+        place = ", ".join(f"{x:g}" for x in np.asarray(raw.points, float)[elements[twice[0]]].mean(axis=0))
+        raise InputError(
+            f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
+            "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
+        )
     return elements[np.sort(first)]
 
 
@@ -73,14 +82,15 @@ def _read(path: Path) -> Any:
         meshio = import_module("meshio")
     except ImportError as error:
         raise InputError(
-            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install '.[preprocessing]'."
+            f"reading meshes needs meshio, which cannot be loaded ({error}). Install it with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
         ) from error
     said = StringIO()
     try:
         with redirect_stdout(said), redirect_stderr(said):
             return meshio.read(path, file_format="gmsh" if path.suffix == ".msh" else None)  # not that of ANSYS Fluent
     except (meshio.ReadError, *FAILURES) as error:
-        reason = " ".join(f"{said.getvalue()} {error}".split())
+        reason = " ".join(without_content(f"{said.getvalue().rpartition('Error: ')[2]} {error}").split())
         raise InputError(
             f"the mesh file {str(path)!r} cannot be read by meshio ({reason}). Export it again, for example as gmsh .msh or Abaqus .inp."
         ) from error

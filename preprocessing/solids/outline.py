@@ -52,13 +52,13 @@ def outline_of(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> BoundaryL
     ----------
     blocks : kind of element -> (n_e, nodes of one element), corners first, then the middles of the edges
     """
-    every = np.concatenate([_edges(kind, block) for kind, block in blocks.items()])
+    every = np.concatenate([edges_of(kind, block) for kind, block in blocks.items()])
     key = np.sort(every[:, :2], axis=1)
     _, first, count = np.unique(key, axis=0, return_index=True, return_counts=True)
     return BoundaryLines(nodes, _in_lines(every[np.sort(first[count == 1])]))
 
 
-def _edges(kind: str, block: np.ndarray) -> np.ndarray:
+def edges_of(kind: str, block: np.ndarray) -> np.ndarray:
     """Edges of all elements, (n_e n_corners, 3)."""
     corners = CORNERS[kind]
     first = block[:, :corners]

@@ -51,7 +51,7 @@ class SolidShapes:
         if n_static:
             found[:inside, :n_static] = self._static_rates(self.columns[:, :n_static], change, inside)
         if self.modes:
-            found[:inside, n_static:] = mode_rates(self.system, self.modes, change.inside(inside))
+            found[:inside, n_static:] = self.modes.turned(mode_rates(self.system, self.modes, change.inside(inside)))
         return found
 
     def _static_rates(self, columns: np.ndarray, change: BasisChange, inside: int) -> np.ndarray:
@@ -101,7 +101,7 @@ def solid_shapes(
     else:
         system = free_system(stiffness, mass, motions, places)
     kept = _modes(choice, mass, moving, system)
-    return SolidShapes(kept.shapes, _words(choice, {}, kept), stiffness, system, kept)
+    return SolidShapes(kept.columns, _words(choice, {}, kept), stiffness, system, kept)
 
 
 def _with_interface(
@@ -125,7 +125,7 @@ def _with_interface(
     if choice.kind == "static":
         return SolidShapes(static, _words(choice, rows, None), stiffness, system, None, n_held, averaged)
     kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
-    inner = np.vstack([kept.shapes, np.zeros((n_held, kept.count))])
+    inner = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
     return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), stiffness, system, kept, n_held, averaged)
 
 

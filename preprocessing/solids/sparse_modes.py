@@ -13,6 +13,7 @@ from preprocessing.constrained_pencil import ConstrainedPencil
 from preprocessing.normal_modes import NormalModes, normal_modes
 from preprocessing.solids.basis_change import BasisChange
 from toolkit.errors import InputError
+from toolkit.mode_shapes import told_apart
 
 SMALL = 300
 """Coordinates up to which all modes are computed with dense matrices."""
@@ -77,12 +78,10 @@ def _lanczos(system: System, mass: Any, count: int) -> NormalModes:
 
 
 def _modes(system: System, mass: Any, values: np.ndarray, shapes: np.ndarray) -> NormalModes:
-    """Modes in order; the sign is that of the first coordinate that carries at least half as much as the strongest."""
-    weighted = np.sqrt(mass.diagonal())[:, None] * shapes
-    strong = np.abs(weighted) > 0.5 * np.abs(weighted).max(axis=0)
-    signs = np.sign(np.take_along_axis(weighted, strong.argmax(axis=0)[None], axis=0))[0]
+    """Modes in order."""
     pencil = ConstrainedPencil(system.stiffness, mass, system.rows)
-    return NormalModes(pencil, values, shapes * signs, np.zeros((system.rows.shape[0], len(values))), np.zeros(0))
+    columns = told_apart(values, shapes, np.sqrt(mass.diagonal()))
+    return NormalModes(pencil, values, shapes, np.zeros((system.rows.shape[0], len(values))), np.zeros(0), columns)
 
 
 def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.ndarray:

@@ -22,8 +22,10 @@ CHAIN = ROOT / "models" / "four_bar_chain" / "scene.toml"
 FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 
 
-@FORMULATIONS
-@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8, 0.9])
+@pytest.mark.parametrize(
+    ("formulation", "rho_inf"),
+    [(kind, rho_inf) for kind in ("index-1", "index-3", "ggl") for rho_inf in (0.0, 0.5, 0.8)] + [("index-1", 0.9), ("ggl", 0.9)],
+)
 def test_five_singular_positions_are_passed_with_the_exact_angle(formulation, rho_inf):
     known = json.loads((ROOT / "tests" / "data" / "benchmarks" / "iftomm_a02_n_fourbar.json").read_text())["rederived"]["N=2"]
     system, exact = compile_scene(read_scene(CHAIN)), known["phi_rad"][known["t"].index(5.0)]
@@ -51,12 +53,17 @@ def chain_at(angle: float) -> Scene:
     return scene.model_copy(update={"points": {name: Point(x=a, y=b) for name, (a, b) in places.items()}, "bodies": bodies})
 
 
+ALONG_THE_LINE = ", ".join(f"x of joint {name!r}" for name in ("A0", "A1", "A2", "left1", "right1", "left2", "right2"))
+"""Both linkages are stretched: two mixtures of forces along the line are free, and every joint has a part in one of them."""
+
+
+@pytest.mark.processors
 @FORMULATIONS
-@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-9])
+@pytest.mark.parametrize("angle", [0.0, 1e-12, 1e-9, 1e-8])
 def test_a_start_in_the_singular_position_is_refused_by_the_names_of_the_joints(angle, formulation):
-    with pytest.raises(SingularSystemError, match=r"constraints x of joint 'A0'.*repeat or contradict each other"):
+    with pytest.raises(SingularSystemError, match=f"the constraints {ALONG_THE_LINE} repeat or contradict each other"):
         simulate(compile_scene(chain_at(angle)), RunOptions(end_time=0.1, step=1e-3, formulation=formulation))
-    with pytest.raises(SingularSystemError, match=r"constraints .*x of joint 'left2'.*repeat or contradict each other"):
+    with pytest.raises(SingularSystemError, match=f"the constraints {ALONG_THE_LINE} repeat or contradict each other"):
         solve_statics(compile_scene(chain_at(angle)))
 
 

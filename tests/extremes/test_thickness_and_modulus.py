@@ -11,7 +11,6 @@ from toolkit.errors import BifurcationError, ConvergenceError
 from toolkit.loads.point_force import PointForce
 from toolkit.point import BodyPoint
 from toolkit.reduced_model_file import load
-from toolkit.responses.deformation import deformation
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
@@ -19,6 +18,7 @@ from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.deformation import deformation
 
 THICKNESSES = [0.05, 0.15, 0.5, 1.5, 5.0, 15.0, 50.0]
 NOMINAL, MODULUS, TORQUE = 1.5, 70000.0, 4200.0

@@ -7,12 +7,12 @@ import pytest
 
 from tests.scenes import WING
 from toolkit.errors import ConvergenceError
-from toolkit.responses.deformation import deformation
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.deformation import deformation
 
 
 def wing(factor: float, **changes: str):

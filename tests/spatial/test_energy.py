@@ -8,9 +8,9 @@ import pytest
 from tests.spatial.mechanism import spatial_crank
 from tests.spatial.momenta import kinetic_energy, strain_energy
 from toolkit.run_options import RunOptions
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 
 @pytest.fixture(scope="module")

@@ -26,9 +26,9 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
+from toolkit.validity.energy_balance import energy_balance
 
 Z = (0.0, 0.0, 1.0)
 MASS, WIDTH, HEIGHT, GRAVITY, TORQUE = 15.0, 1.0, 2.0, 9.81, 5.0

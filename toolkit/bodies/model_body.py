@@ -1,7 +1,7 @@
 """What flexible bodies in the plane and in space share: a reduced model, its parameters and its interface points."""
 
-from __future__ import annotations
-
+# Without `from __future__ import annotations`: pydantic before 2.13 looks for the names of the type of extra keys in the modules of
+# subclasses.
 from abc import abstractmethod
 from collections.abc import Mapping
 from typing import Any, Literal

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Literal
@@ -29,9 +30,14 @@ def at_work(
     All that the analysis of the scene calls is compiled before, if it never was on this machine, and it is said so; `method` is that of
     gradients by the variables in `design`.
     """
-    compile_before(scene, kind, bool(design) and kind == "transient" and method in BACKWARDS, quiet)
-    with bar(title, quiet) as progress:
-        yield progress
+    from toolkit.compiled_code import CompiledCodeWarning
+
+    with warnings.catch_warnings():
+        if quiet:
+            warnings.simplefilter("ignore", CompiledCodeWarning)
+        compile_before(scene, kind, bool(design) and kind == "transient" and method in BACKWARDS, quiet)
+        with bar(title, quiet) as progress:
+            yield progress
 
 
 def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: bool = False) -> None:

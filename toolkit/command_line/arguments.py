@@ -10,6 +10,7 @@ import typer
 
 from toolkit.errors import InputError
 from toolkit.listed_names import listed
+from toolkit.outside_files import told_outside
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene
@@ -38,12 +39,15 @@ Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no r
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
 
-def read(path: Path, changes: list[str] | None) -> Scene:
-    """The scene with its changed values."""
+def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:
+    """The scene with its changed values; a remark tells what it takes from outside of its folder."""
     from toolkit.scene_file import read_scene
 
     pairs = dict(split(change) for change in changes or [])
-    return read_scene(path, pairs)
+    scene = read_scene(path, pairs)
+    if not quiet and (elsewhere := told_outside(path, scene.model_files())):
+        typer.echo(f"note: {elsewhere}", err=True)
+    return scene
 
 
 def split(change: str) -> tuple[str, str]:

@@ -12,7 +12,7 @@ from rich.console import Console
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
-from toolkit.command_line.report import WIDE, finite_or_none, print_json, table
+from toolkit.command_line.report import WIDE, finite_or_none, print_json, print_verdict, table, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
@@ -40,14 +40,15 @@ def certify(
     from toolkit.sensitivity.analysis import frozen
     from toolkit.sensitivity.certificate import certify as compare
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
     if as_json:
-        print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh)})
+        print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh), "verified": found.verified(tolerance)})
+        warn(found.exact.verdict, quiet)
     else:
         print_certificate(found)
         if fresh:
@@ -58,6 +59,7 @@ def certify(
     check_afresh(afresh, found.exact)
     if not as_json:
         typer.echo(verdict(found, tolerance))
+        print_verdict(found.exact.verdict)
 
 
 def record_of(found: Certificate) -> dict:
@@ -74,6 +76,15 @@ def record_of(found: Certificate) -> dict:
         "round_off": {f: {x: finite_or_none(value) for x, value in limits.items()} for f, limits in found.limits.items()},
         "taylor_rates": {response: finite_or_none(rate) for response, rate in found.rates.items()},
         "central_differences": [{"relative_step": step, "largest_relative_difference": value} for step, value in found.curve],
+        "along_one_direction": {
+            f: {
+                "gradient": finite_or_none(found.along[f]),
+                "difference": finite_or_none(each.slope),
+                "uncertainty": each.uncertainty,
+            }
+            for f, each in found.quotients.items()
+        },
+        **found.exact.verdict.record(),
     }
 
 
@@ -96,6 +107,10 @@ def print_certificate(found: Certificate) -> None:
     for response, rate in found.rates.items():
         rates.add_row(response, "-" if math.isnan(rate) else f"{rate:.2f}" if math.isfinite(rate) else "linear")
     console.print(rates)
+    quotients = table("along one direction", "gradient", "best central difference", "uncertain by")
+    for f, each in found.quotients.items():
+        quotients.add_row(f, f"{found.along[f]:.10g}", f"{each.slope:.10g}", f"{each.uncertainty:.1e}")
+    console.print(quotients)
     curve = table("central difference, relative step", "largest relative difference")
     for step, value in found.curve:
         curve.add_row(f"{step:.0e}", f"{value:.1e}")

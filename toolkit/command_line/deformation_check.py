@@ -9,14 +9,14 @@ from rich.console import Console
 
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, Static, read
 from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of, solved
-from toolkit.command_line.report import WIDE, print_json, table
+from toolkit.command_line.report import WIDE, print_json, print_verdict, table, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from toolkit.responses.corotational_check import Comparison
     from toolkit.solution import Solution
+    from toolkit.validity.corotational_check import Comparison
 
 
 def check_deformation(
@@ -28,14 +28,17 @@ def check_deformation(
     quiet: Quiet = False,
 ) -> None:
     """Solve the flexible bodies again with elements that turn, under the same forces, and print how far the linear ones are off."""
-    from toolkit.responses.corotational_check import compare_with_corotational, flexible_of
+    from toolkit.validity.corotational_check import compare_with_corotational, flexible_of
 
     solution = _solution(file, static, changes, models, quiet)
     found = {body: compare_with_corotational(solution, body) for body in flexible_of(solution)}
     if as_json:
-        print_json({"deformation": {body: record_of_check(each, solution) for body, each in found.items()}})
+        checked = {body: record_of_check(each, solution) for body, each in found.items()}
+        print_json({"deformation": checked, **solution.verdict.record()})
+        warn(solution.verdict, quiet)
     else:
         print_check(found, solution)
+        print_verdict(solution.verdict)
 
 
 def _solution(file: Path, static: bool, changes: list[str] | None, models: Path | None, quiet: bool) -> Solution:
@@ -43,7 +46,7 @@ def _solution(file: Path, static: bool, changes: list[str] | None, models: Path 
         return motion_of(file, changes, models, quiet)()
     if is_results(file):
         raise InputError("--static belongs to a scene; results are of the analysis that they were kept of. Leave it out.")
-    return solved(read(file, changes), "static", quiet)
+    return solved(read(file, changes, quiet), "static", quiet)
 
 
 def record_of_check(found: Comparison, solution: Solution) -> dict[str, Any]:

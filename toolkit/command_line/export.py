@@ -9,7 +9,7 @@ import typer
 
 from toolkit.command_line.arguments import AsJson, prepare_folder
 from toolkit.command_line.keeping import Models
-from toolkit.command_line.report import print_json
+from toolkit.command_line.report import print_files
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,17 +30,14 @@ def export(
 
     if csv is None and paraview is None:
         raise InputError("nothing to export. Say what is wanted with --csv DIR, --paraview DIR, or both.")
-    results, files = load_results(file), []
+    results, files = load_results(file), list[Path]()
     if csv is not None:
         from toolkit.results.csv_tables import export_csv
 
         files += export_csv(results, prepare_folder(csv))
     if paraview is not None:
         files.append(_export_paraview(results, prepare_folder(paraview), models))
-    if as_json:
-        print_json({"files": [str(each) for each in files]})
-    else:
-        typer.echo("\n".join(str(each) for each in files))
+    print_files(files, results.verdict, as_json)
 
 
 def _export_paraview(results: Results, folder: Path, models: Path | None) -> Path:

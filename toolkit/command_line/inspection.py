@@ -94,6 +94,7 @@ def describe_results(results: Results) -> dict[str, Any]:
         "variables": results.variables,
         "settings": {key: value for key, value in results.settings.items() if not isinstance(value, dict)},
         "run": results.run,
+        **results.verdict.record(),
         "scene": {"sha256": results.scene.sha256, "changes": ", ".join(f"{k}={v}" for k, v in results.scene.changes.items())},
         "models": dict(results.scene.models),
         "writers": results.writers,
@@ -124,17 +125,31 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
+    from toolkit.outside_files import outside_files
     from toolkit.sensitivity.analysis import responses_of
 
+    outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         "dimension": scene.dimension,
+        **({"files outside of the scene's folder": ", ".join(outside)} if outside else {}),
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
     }
+
+
+def print_file(record: dict[str, Any]) -> None:
+    """Print the content of a file, and at the end the verdict that was kept in it."""
+    from toolkit.command_line.report import print_verdict
+    from toolkit.validity.verdict import Verdict
+
+    judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}
+    print_description({key: value for key, value in record.items() if key not in judged})
+    if judged:
+        print_verdict(Verdict.from_record(judged))
 
 
 def print_description(record: dict[str, Any], indent: str = "") -> None:

@@ -92,7 +92,7 @@ def motion_of(
         solution = restore_solution(load_results(file), models)
         check(solution.system.scene)
         return lambda: solution
-    scene = read(file, changes)
+    scene = read(file, changes, quiet)
     check(scene)
     return lambda: solved(scene, "transient", quiet)
 

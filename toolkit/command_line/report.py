@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -11,10 +13,11 @@ from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
 
-from toolkit.command_line.remarks import beyond_limits, remarks
+from toolkit.command_line.remarks import remarks
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.analysis import Result
+    from toolkit.validity.verdict import Verdict
 
 WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
@@ -30,29 +33,49 @@ def print_json(record: dict[str, Any]) -> None:
 
 
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
-    """Print values, units and gradients of all responses, how far flexible bodies deform, and what the run cost."""
-    from toolkit.command_line.deformation import print_deformations, record_of_deformations, warn_of_deformations
-    from toolkit.responses.deformation import deformations
+    """Print values, units and gradients of all responses, how far flexible bodies deform, what the run cost, and whether to trust it."""
+    from toolkit.command_line.deformation import print_deformations, record_of_deformations
+    from toolkit.validity.deformation import deformations
 
-    for undefined in [] if quiet else undefined_numbers(result):
-        typer.echo(f"note: {undefined} does not exist at this design; it is given as null.", err=True)
     found = deformations(result.solution)
-    if not quiet:
-        warn_of_deformations(result.solution, found)
-        if beyond_limits(result):
-            typer.echo(f"warning: {beyond_limits(result)}", err=True)
     if as_json:
         deformed = {"deformation": record_of_deformations(result.solution, found)} if found else {}
         print_json(record_of(result) | deformed)
+        warn(result.verdict, quiet)
         return
     print_tables(result)
     print_deformations(result.solution, found)
     for line in remarks(result):
         Console(width=WIDE, highlight=False).print(line, markup=False)
+    print_verdict(result.verdict)
+
+
+def print_verdict(verdict: Verdict) -> None:
+    """Whether the numbers can be trusted, and all that has to be known about them."""
+    Console(width=WIDE, highlight=False).print(str(verdict), markup=False)
+
+
+def warn(verdict: Verdict, quiet: bool = False) -> None:
+    """The same on standard error, where standard output belongs to JSON or to names of files."""
+    for caution in () if quiet else verdict.warnings:
+        typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
+
+
+def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:
+    """Print the names of files that show a run, and what has to be known about that."""
+    if as_json:
+        print_json({"files": [str(file) for file in files], **verdict.record()})
+    else:
+        typer.echo("\n".join(str(file) for file in files))
+    warn(verdict, quiet)
 
 
 def record_of(result: Result) -> dict[str, Any]:
     """The JSON object of a run; a number that does not exist is None."""
+    from toolkit.gradient_units import gradient_units
+    from toolkit.validity.start_state import start_record
+
+    scene = result.solution.system.scene
     return {
         "responses": {
             name: {"value": finite_or_none(value), "unit": result.units[name]} for name, value in result.values.items()
@@ -61,6 +84,8 @@ def record_of(result: Result) -> dict[str, Any]:
             name: {variable: finite_or_none(slope) for variable, slope in slopes.items()}
             for name, slopes in result.gradients.items()
         },
+        "gradient_units": gradient_units(scene, result.gradients),
+        **({"start": start_record(result.solution)} if result.solution.steps else {}),
         "run": {
             "method": result.method,
             "reason": result.reason,
@@ -69,6 +94,7 @@ def record_of(result: Result) -> dict[str, Any]:
             "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
             **path_record(result),
         },
+        **result.verdict.record(),
     }
 
 
@@ -87,18 +113,6 @@ def path_record(result: Result) -> dict[str, Any]:
 def finite_or_none(value: float) -> float | None:
     """JSON knows no nan."""
     return value if math.isfinite(value) else None
-
-
-def undefined_numbers(result: Result) -> list[str]:
-    """Names of the values and gradients that are not finite."""
-    values = [f"the value of {name}" for name, value in result.values.items() if not math.isfinite(value)]
-    slopes = [
-        f"the derivative of {name} by {variable}"
-        for name, slopes in result.gradients.items()
-        for variable, slope in slopes.items()
-        if not math.isfinite(slope)
-    ]
-    return values + slopes
 
 
 def print_tables(result: Result) -> None:

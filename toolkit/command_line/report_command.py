@@ -10,7 +10,7 @@ import typer
 from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, prepare_folder, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
-from toolkit.command_line.report import print_json
+from toolkit.command_line.report import print_json, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,10 +46,12 @@ def report(
 
             material = judge(material, _part(progress))
         path = write_report(material, folder, f"Report of {file.name}", _part(progress))
+    verdict = material.results.verdict
     if as_json:
-        print_json({"report": str(path)})
+        print_json({"report": str(path), **verdict.record()})
     else:
         typer.echo(str(path))
+    warn(verdict, quiet)
 
 
 def refuse_space(dimension: int, file: Path) -> None:
@@ -82,7 +84,7 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.results.collect import collect
     from toolkit.sensitivity.analysis import direct
 
-    scene, text = read(file, changes), text_of(file)
+    scene, text = read(file, changes, quiet), text_of(file)
     refuse_space(scene.dimension, file)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:

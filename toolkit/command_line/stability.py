@@ -51,7 +51,7 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output)
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)
@@ -132,12 +132,11 @@ def first_sentence(text: str) -> str:
 
 def write(study: Study, folder: Path, name: str) -> list[Path]:
     """The picture as PNG and SVG, and everything as JSON."""
-    from toolkit.replaced_file import replaced
+    from toolkit.replaced_file import write_whole
     from toolkit.report.stability_drawing import stability_drawing
     from toolkit.studies.stability.record import record_of
 
     files = stability_drawing(study, name).save(folder)
     path = folder / "stability.json"
-    with replaced(path) as temporary:
-        temporary.write_text(json.dumps(record_of(study), indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_whole(path, (json.dumps(record_of(study), indent=2, allow_nan=False) + "\n").encode())
     return [*files, path]

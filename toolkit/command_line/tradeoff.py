@@ -12,11 +12,14 @@ import typer
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
-from toolkit.command_line.report import print_json
+from toolkit.command_line.report import print_json, print_verdict, warn
 from toolkit.command_line.tradeoff_tables import print_tradeoff, record_of
+from toolkit.errors import ToolkitError
 
 if TYPE_CHECKING:
+    from toolkit.scene import Scene
     from toolkit.studies.tradeoff import Tradeoff
+    from toolkit.validity.verdict import Verdict
 
 Budgets = Annotated[
     list[str] | None,
@@ -60,7 +63,7 @@ def tradeoff(
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies import tradeoff as study
 
-    described = read(scene, changes)
+    described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
@@ -72,19 +75,34 @@ def tradeoff(
         compile_before(described.model_copy(update={"solver": solver}), "transient", bool(names), quiet)
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
     _keep(found, folder, quiet)
+    verdict = _model_verdict(described)
     if as_json:
-        print_json(record_of(found))
+        print_json({**record_of(found), **verdict.record()})
+        warn(verdict, quiet)
     else:
         print_tradeoff(found)
+        print_verdict(verdict)
     found.check()
+
+
+def _model_verdict(scene: Scene) -> Verdict:
+    """What speaks against the model itself, which no setting of the solver mends: of the motion with the scene's own settings."""
+    from toolkit.sensitivity.analysis import prepare, solve
+    from toolkit.validity.physics import excessive_speeds, large_deformations
+    from toolkit.validity.verdict import Caution, Verdict
+
+    try:
+        solution = solve(prepare(scene), "transient")
+    except ToolkitError as error:
+        return Verdict((Caution("no-own-run", f"the scene does not run with its own settings: {error}", doubt=False),))
+    return Verdict.of([*large_deformations(solution), *excessive_speeds(solution)])
 
 
 def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
     """Write the JSON file, and the picture where it can be drawn."""
-    from toolkit.replaced_file import replaced
+    from toolkit.replaced_file import write_whole
 
-    with replaced(folder / "tradeoff.json") as temporary:
-        temporary.write_text(json.dumps(record_of(found), indent=1, allow_nan=False), encoding="utf-8")
+    write_whole(folder / "tradeoff.json", json.dumps(record_of(found), indent=1, allow_nan=False).encode())
     files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)

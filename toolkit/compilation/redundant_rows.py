@@ -5,13 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import qr
 
 REPEATS, ALMOST = 1e-9, 1e-5
 """Part of a row, of length one, that is independent of the rows before it, below which it repeats them, and below which it nearly does:
 such a joint jams, because points or axes do not fit."""
 FIRST = 1e3
 """Factor by which the lengths of quaternions come first: they are never dropped."""
+LONG = 0.63
+"""Part of the longest row that is left from which a row is long enough to be taken. Rows of mechanisms are often equally long:
+the first of them in the order of the scene is taken, so that a joint repeats those before it, and the same one on every
+processor. No ratio of lengths that people choose."""
 
 
 class Rows(NamedTuple):
@@ -25,16 +28,25 @@ class Rows(NamedTuple):
 def independent_rows(jacobian: np.ndarray, weights: np.ndarray, first: np.ndarray) -> Rows:
     """Rows of a Jacobian (n_lam, n_q) that repeat the others, and those that nearly do.
 
-    QR with column pivoting on its transpose, rows scaled to length one for coordinates divided by their weights (n_q,); rows in `first`
-    are taken before all others.
+    Orthogonalisation by Gram and Schmidt with pivoting, rows scaled to length one for coordinates divided by their weights
+    (n_q,); rows in `first` are taken before all others.
     """
     rows = np.real(jacobian) / weights
     rows = rows / np.sqrt(np.sum(rows * rows, axis=1, keepdims=True)).clip(np.finfo(float).tiny)
     rows[first] *= FIRST
-    _, triangle, order = qr(rows.T, mode="economic", pivoting=True)
-    size = np.abs(np.diag(triangle))
-    count, sure = np.count_nonzero(size > REPEATS), np.count_nonzero(size > ALMOST)
-    return Rows(np.sort(order[:count]), np.sort(order[count:]), np.sort(order[sure:count]))
+    numbers, kept, almost = np.arange(len(rows)), list[int](), list[int]()
+    while len(rows):
+        size = np.sqrt(np.sum(rows * rows, axis=1))
+        if size.max() <= REPEATS:
+            break
+        place = int(np.argmax(size >= LONG * size.max()))
+        kept.append(int(numbers[place]))
+        if size[place] <= ALMOST:
+            almost.append(int(numbers[place]))
+        unit, others = rows[place] / size[place], np.arange(len(rows)) != place
+        numbers, rows = numbers[others], rows[others]
+        rows = rows - np.outer(rows @ unit, unit)
+    return Rows(np.sort(kept).astype(int), numbers, np.sort(almost).astype(int))
 
 
 def null_vectors(jacobian: np.ndarray, kept: np.ndarray, repeating: np.ndarray) -> np.ndarray:

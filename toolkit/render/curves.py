@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.flexible import Flexible
-from toolkit.responses.stress import elastic_coordinates, flexible_body, stress_components
+from toolkit.flexible_bodies import elastic_coordinates, flexible_body
+from toolkit.render.settings import drawing_settings
+from toolkit.responses.stress import stress_components
 from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 from toolkit.units import unit
@@ -43,6 +45,11 @@ def draw_curves(solution: Solution, path: Path, width: int) -> None:
 
 def draw_panels(solution: Solution, panels: Panels, path: Path, width: int) -> None:
     """Write panels of curves over the times of a solution below each other."""
+    with drawing_settings({}):
+        _draw_panels(solution, panels, path, width)
+
+
+def _draw_panels(solution: Solution, panels: Panels, path: Path, width: int) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -11,14 +12,16 @@ MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
 """Frames at most; ms that a motion takes, and that its last frame stands still."""
 
 
-def save_gif(frames: Sequence[Any], path: Path) -> None:
-    """Write frames (images of Pillow) with the colours of the last one; the file is looped by whatever shows it."""
+def gif(frames: Sequence[Any]) -> bytes:
+    """A file of frames (images of Pillow) with the colours of the last one; it is looped by whatever shows it."""
     from PIL import Image
 
     pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
     palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
-    reduced[0].save(path, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
+    file = BytesIO()
+    reduced[0].save(file, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
+    return file.getvalue()
 
 
 def write_animation(moments: Sequence[Any], draw: Callable[..., None], look: Any, path: Path, width: int) -> None:
@@ -32,4 +35,4 @@ def write_animation(moments: Sequence[Any], draw: Callable[..., None], look: Any
             draw(moment, look, drawn, width)
             with Image.open(drawn) as image:
                 frames.append(image.convert("RGB"))
-    save_gif(frames, path)
+    path.write_bytes(gif(frames))

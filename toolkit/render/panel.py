@@ -66,7 +66,12 @@ class Pane:
         return renderer
 
     def draw(self, mesh: Any, **style: Any) -> Any:
-        """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide."""
+        """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide.
+
+        A mesh without points is nothing to draw, as the tube along a body of two points at one place; some versions of pyvista refuse it.
+        """
+        if not mesh.n_points:
+            return None
         self.plotter.subplot(0, self.number)
         style["line_width"] = style.get("line_width", 1) * self.letter / 22
         return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)

@@ -9,12 +9,13 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pyvista
+from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from toolkit.render.configuration import Configuration
 from toolkit.render.look import choose_look
 from toolkit.render.parts import line, skin
 from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.responses.stress import stress_field
 from toolkit.results.csv_tables import safe_name
 from toolkit.solution import Solution
@@ -46,13 +47,21 @@ def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[
         for name, mesh in meshes_at(step).items():
             if mesh is not None:
                 file = f"{safe_name(name)}_{step:0{digits}}.vtp"
-                with replaced(directory / file) as temporary:
-                    mesh.save(temporary)
+                write_whole(directory / file, _vtp(mesh))
                 entries.append((float(time), name, file))
     path = directory / "results.pvd"
-    with replaced(path) as temporary:
-        _collection(entries).write(temporary, encoding="utf-8", xml_declaration=True)
+    write_whole(path, ElementTree.tostring(_collection(entries), encoding="utf-8", xml_declaration=True))
     return path
+
+
+def _vtp(mesh: Any) -> bytes:
+    """The file of a mesh, built in memory: VTK says nothing to Python about a disk that is full."""
+    writer = vtkXMLPolyDataWriter()
+    writer.SetInputDataObject(mesh)
+    writer.SetDataModeToBinary()
+    writer.SetWriteToOutputString(True)
+    writer.Write()
+    return writer.GetOutputString().encode()
 
 
 def _spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
@@ -94,11 +103,11 @@ def mechanism(moment: Any) -> Any:
     return pyvista.PolyData().append_polydata(*map(drawn, lines)) if lines else None
 
 
-def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.ElementTree:
+def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.Element:
     """The list of files by time, as ParaView reads it."""
     root = ElementTree.Element("VTKFile", type="Collection", version="0.1")
     collection = ElementTree.SubElement(root, "Collection")
     parts = list(dict.fromkeys(name for _, name, _ in entries))
     for time, name, file in entries:
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part=str(parts.index(name)), name=name, file=file)
-    return ElementTree.ElementTree(root)
+    return root

@@ -10,6 +10,8 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 
 from toolkit.errors import ToolkitError
+from toolkit.own_process import command
+from toolkit.own_process import environment as own_environment
 
 VARIABLE = "VTK_DEFAULT_OPENGL_WINDOW"
 LIBRARIES = {"vtkEGLRenderWindow": "libEGL.so.1", "vtkOSOpenGLRenderWindow": "libOSMesa.so.8"}
@@ -58,9 +60,7 @@ def require(*modules: str) -> None:
     """Refuse to go on without a package that pictures need."""
     for module in modules:
         if find_spec(module) is None:
-            raise RenderError(
-                f"pictures need {module}, which is not installed. Install: pip install '.[render]' in the project's folder."
-            )
+            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
 
 
 def _candidates() -> list[dict[str, str]]:
@@ -76,8 +76,8 @@ def _trial(environment: Mapping[str, str]) -> str | None:
     libraries = [LIBRARIES[window] for window in environment.values()]
     try:
         done = subprocess.run(
-            [sys.executable, "-c", _TRIAL, *libraries],
-            env={**os.environ, **environment}, capture_output=True, text=True, timeout=_PATIENCE, check=False,
+            command(_TRIAL, *libraries),
+            env={**own_environment(), **environment}, capture_output=True, text=True, timeout=_PATIENCE, check=False,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         return f"no picture after {_PATIENCE} s"

@@ -8,9 +8,10 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import flexible_body
 from toolkit.reduced_model import Mesh, ReducedModel
 from toolkit.render.configuration import Configuration
-from toolkit.responses.stress import flexible_body, stress_operator
+from toolkit.responses.stress import stress_operator
 
 POINTS = 13
 """Points per element, both ends included."""

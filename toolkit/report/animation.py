@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from toolkit.render.gif import MOST_FRAMES, save_gif
+from toolkit.render.gif import MOST_FRAMES, gif
 from toolkit.render.skin_shape import skin_shape
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.report.figures.stress_motion import BAND
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import draw_band, draw_mechanism, draw_outlines, equal_axes, panel_height, window
@@ -37,8 +37,7 @@ def animate(material: Material, path: Path, progress: Callable[[int, int], None]
     for number, moment in enumerate(moments):
         frames.append(_frame(material, moment, corners, colors))
         progress(number + 1, len(moments))
-    with replaced(path) as temporary:
-        save_gif(frames, temporary)
+    write_whole(path, gif(frames))
     return path
 
 

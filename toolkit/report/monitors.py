@@ -8,8 +8,8 @@ import numpy as np
 
 from toolkit.equations import allocate_work
 from toolkit.solution import Solution
-from toolkit.solvers.drift import largest_drift
-from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.drift import largest_drift
+from toolkit.validity.energy_balance import EnergyBalance, energy_balance
 
 
 class Monitors(NamedTuple):
@@ -28,7 +28,7 @@ def drift(solution: Solution) -> np.ndarray:
     """Largest violation of any joint at every time, (n_t,)."""
     system = solution.system
     curves, _ = system.curves(solution.times)
-    work, rest, found = allocate_work(system.plan, system.dtype), np.zeros(system.n), np.zeros((len(solution.times), 3))
+    work, rest, found = allocate_work(system.plan, system.dtype), np.zeros(system.n), np.zeros((len(solution.times), 4))
     for n, q in enumerate(solution.q):
         state = np.concatenate([q, rest[system.n_q :]])[None]
         system.run(largest_drift, system.plan, system.functions, curves[n : n + 1], system.weights, state, rest, found[n], work)

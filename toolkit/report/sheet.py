@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from toolkit.replaced_file import replaced
+from toolkit.render.settings import drawing_settings
+from toolkit.replaced_file import write_whole
 
 WIDTH = 5.6
 """Inches. On a screen of 400 pixels a letter of 10 points is still 9 pixels high."""
@@ -47,16 +48,18 @@ class Drawing:
 
     def save_as(self, path: Path) -> None:
         """Write one file, PNG or SVG by its name's end."""
-        with replaced(path) as temporary, rc_context(_SETTINGS):
+        file = BytesIO()
+        with drawing_settings(_SETTINGS):
             # without a date the same numbers give the same file
             metadata = {"Date": None} if path.suffix == ".svg" else {}
-            self.figure.savefig(temporary, format=path.suffix[1:], dpi=180, metadata=metadata)
+            self.figure.savefig(file, format=path.suffix[1:], dpi=180, metadata=metadata)
+        write_whole(path, file.getvalue())
 
 
 @contextmanager
 def sheet(height: float, rows: int = 1, columns: int = 1, **options: Any) -> Iterator[tuple[Figure, np.ndarray]]:
     """A figure of a height in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
-    with rc_context(_SETTINGS):
+    with drawing_settings(_SETTINGS):
         figure = Figure(figsize=(WIDTH, height), layout="constrained")
         FigureCanvasAgg(figure)
         yield figure, figure.subplots(rows, columns, squeeze=False, **options)

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from toolkit.errors import InputError
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.report import page
 from toolkit.report.animation import animate
 from toolkit.report.figures.catalogue import FIGURES
@@ -42,7 +42,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     sections += [
         Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
     ]
-    sections += [_missing(material), _again(material)]
+    sections = [_trust(material), *sections, _missing(material), _again(material)]
     path = folder / "report.html"
     _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
     return path
@@ -50,7 +50,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
 
 def numbers(material: Material, tables: list[Table]) -> dict[str, object]:
     """All numbers of the report."""
-    return {table.name: table.record() for table in tables}
+    return {table.name: table.record() for table in tables} | material.results.verdict.record()
 
 
 def summary(material: Material) -> str:
@@ -102,6 +102,12 @@ def _motion(material: Material, folder: Path, progress: Progress) -> list[Sectio
     return [Section("motion", "Motion", page.pictures([shown, page.picture(gif, "The same as an animation (animation.gif).")]))]
 
 
+def _trust(material: Material) -> Section:
+    """Whether the numbers of the report can be trusted, and why not."""
+    lines = str(material.results.verdict).splitlines()
+    return Section("trust", "Whether to trust these numbers", "".join(page.paragraph(line) for line in lines))
+
+
 def _missing(material: Material) -> Section:
     """What this report does not say, and how to get it."""
     lines = []
@@ -130,5 +136,4 @@ def _again(material: Material) -> Section:
 
 
 def _write(path: Path, text: str) -> None:
-    with replaced(path) as temporary:
-        temporary.write_text(text, encoding="utf-8")
+    write_whole(path, text.encode())

@@ -8,9 +8,11 @@ import numpy as np
 
 from toolkit.dependence import scattered
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import design_point, elastic_coordinates, flexible_body
+from toolkit.near_ties import SAME, first_largest
 from toolkit.reduced_model import Shape
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.stress import design_point, design_rates, elastic_coordinates, flexible_body
+from toolkit.responses.stress import design_rates
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 
@@ -151,7 +153,7 @@ class ShapeMax(ShapeResponse):
     def partials(self, solution: Solution) -> Partials:
         """The node with the largest distance."""
         gap = gaps(solution, self.body)[0][0]
-        k = int(np.argmax(np.sum(gap * gap, axis=1).real))
+        k = first_largest(np.sum(gap * gap, axis=1).real, SAME)
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)
         weights[k] = gap[k] / distance if distance.real != 0 else np.nan

@@ -7,11 +7,12 @@ from typing import Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.dependence import Derivatives
 from toolkit.description import Positive
-from toolkit.design_point import NONE, DesignPoint
-from toolkit.errors import InputError
+from toolkit.design_point import NONE
+from toolkit.flexible_bodies import design_point, elastic_coordinates, flexible_body
+from toolkit.near_ties import SAME, first_largest
 from toolkit.point import BodyPoint
 from toolkit.reduced_model import place_parameter
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
@@ -19,34 +20,6 @@ from toolkit.responses.response import Partials, Response
 from toolkit.responses.von_mises import point_slope, point_stress
 from toolkit.scene import Scene
 from toolkit.solution import Solution
-
-
-def flexible_body(scene: Scene, body: str) -> ModelBody:
-    """The flexible body of that name.
-
-    Raises
-    ------
-    InputError
-        There is no such body, or it is not flexible; lists those that are.
-    """
-    found = scene.body(body)
-    if not isinstance(found, ModelBody):
-        flexible = [name for name, each in scene.bodies.items() if isinstance(each, ModelBody)]
-        raise InputError(
-            f"body {body!r} is not flexible, so it has no stress or shape; flexible bodies: {', '.join(flexible) or 'none'}."
-        )
-    return found
-
-
-def elastic_coordinates(solution: Solution, body: str) -> slice:
-    """Where the elastic coordinates of a body are on the second axis of q."""
-    whole = solution.coordinates(body)
-    return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
-
-
-def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
-    """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
-    return flexible_body(scene, body).design_point(scene, *parts)
 
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
@@ -58,7 +31,17 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
 def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
     """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
     operator = stress_operator(scene, body)
-    return (q_f @ operator.reshape(-1, operator.shape[-1]).T).reshape(*q_f.shape[:-1], *operator.shape[:2])
+    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), operator.reshape(-1, operator.shape[-1]).T)
+    return found.reshape(*q_f.shape[:-1], *operator.shape[:2])
+
+
+def by_instant(states: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """States (n_t, k) times a matrix (k, m), one after the other: a product of all at once rounds each by how many there are.
+
+    Stress is a difference of large displacements, and a smooth maximum multiplies the last digits of that difference by its exponent: so
+    those of a window must be those of the whole run.
+    """
+    return np.stack([state @ matrix for state in states]) if len(states) else states @ matrix
 
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
@@ -142,7 +125,7 @@ class StressResponse(Response):
             by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
         where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.scene, self.body)
         value_q = np.zeros(solution.q.shape)
-        value_q[:, where] = by_component @ np.real(operator.reshape(by_component.shape[1], -1))
+        value_q[:, where] = by_instant(by_component, np.real(operator.reshape(by_component.shape[1], -1)))
         by_operator = np.real(by_component.T @ solution.q[:, where]).ravel()
         rates = design_rates(solution, self.body, "stress_operator")
         design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
@@ -193,6 +176,6 @@ class MaxStress(StressResponse):
         """Value, and weight one at the place of the maximum."""
         stress = self.considered(solution)
         weights = np.zeros(stress.shape)
-        place = np.unravel_index(np.argmax(stress.real), stress.shape)
+        place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
         weights[place] = 1
         return self.chain(solution, stress[place], weights)

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.errors import InputError
+from toolkit.near_ties import SAME, first_largest
 from toolkit.responses.aggregation import kreisselmeier_steinhauser
 from toolkit.responses.instant import Instant, TimeIntegral
 from toolkit.responses.response import Response
@@ -73,4 +74,5 @@ def _(response: KSStress, values: np.ndarray) -> tuple[Any, np.ndarray]:
 
 @combine.register
 def _(response: MaxStress, values: np.ndarray) -> tuple[Any, np.ndarray]:
-    return values.max(), (np.arange(len(values)) == np.argmax(values)).astype(float)
+    place = first_largest(np.real(values), SAME)
+    return values[place], (np.arange(len(values)) == place).astype(float)

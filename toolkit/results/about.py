@@ -40,6 +40,30 @@ class Run(BaseModel):
     wall_sensitivity: float
 
 
+class Kept(BaseModel):
+    """Whether the run's numbers were trusted."""
+
+    model_config = ConfigDict(extra="forbid")
+    trusted: bool
+    reasons: list[str]
+
+
+class Warned(BaseModel):
+    """One thing that whoever reads the numbers has to know."""
+
+    model_config = ConfigDict(extra="forbid")
+    code: str
+    text: str
+
+
+class Judged(BaseModel):
+    """The verdict of a run and what it was made of, as `Verdict.record` gives it; what was measured stands beside under its names."""
+
+    model_config = ConfigDict(extra="allow")
+    verdict: Kept
+    warnings: list[Warned]
+
+
 class About(BaseModel):
     """The fields of `Results` that are no arrays, under the same names."""
 
@@ -52,6 +76,7 @@ class About(BaseModel):
     gradients: dict[str, Numbers]
     variables: dict[str, Variable]
     run: Run
+    judged: Judged | None = None
     settings: dict[str, Any]
     writers: dict[str, str]
     bodies: list[str]

@@ -5,18 +5,20 @@ from __future__ import annotations
 import hashlib
 import platform
 from collections.abc import Mapping
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import flexible_body
 from toolkit.responses.shape_error import shape_error_history
-from toolkit.responses.stress import flexible_body, stress_field
+from toolkit.responses.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Result, evaluate_with_gradients, moving, result
+from toolkit.sensitivity.analysis import Result, again, evaluate_with_gradients, moving, result
 from toolkit.solution import Solution
 
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
@@ -68,6 +70,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
             "wall_primal": found.wall_primal,
             "wall_sensitivity": found.wall_sensitivity,
         },
+        judged=found.verdict.record(),
         settings=(solution.options or scene.solver).model_dump(),
         scene=_record(scene.model_copy(update={"solver": solution.options or scene.solver}), text, changes or {}),
         writers={"python": platform.python_version(), **{name: _version(name) for name in WRITERS}},
@@ -79,7 +82,9 @@ def _result(solution: Solution) -> Result:
     scene, names, wall = solution.system.scene, solution.system.design.names, solution.wall
     values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"
-    return result(scene, solution, values, gradients if names else {}, method, wall.get("run", 0.0), wall.get("sensitivity", 0.0))
+    repeat = partial(again, solution.system) if moving(solution) and not solution.own_start else None
+    price = wall.get("run", 0.0), wall.get("sensitivity", 0.0)
+    return result(scene, solution, values, gradients if names else {}, method, *price, repeat)
 
 
 def _body(solution: Solution, body: str) -> BodyResults:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.results.results import BodyResults, Results
 
 STATES = {"coordinates": "q", "velocities": "v", "accelerations": "a"}
@@ -74,6 +74,5 @@ def write_csv(path: Path, head: Sequence[str], rows: Iterable[Sequence[Any]]) ->
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(head)
     writer.writerows(rows)
-    with replaced(path) as temporary:
-        temporary.write_text(text.getvalue(), encoding="utf-8", newline="")
+    write_whole(path, text.getvalue().encode())
     return path

@@ -10,7 +10,9 @@ from toolkit.errors import ToolkitError
 from toolkit.hdf5 import Content
 
 SCHEMA = "ffrf-results"
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
+READABLE = (1, 2)
+"""Versions that can be read: the first kept no verdict."""
 
 STATES = {
     "times": "t",

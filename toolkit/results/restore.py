@@ -46,7 +46,7 @@ def restore_solution(results: Results, directory: str | Path | None = None) -> S
     wall = {"run": results.run["wall_primal"], "sensitivity": results.run["wall_sensitivity"]}
     report = {name: results.run[name] for name in ("drift", "correction")}
     counted = {name: int(results.run[name]) for name in ("load_steps", "newton_iterations")}
-    return Solution(system, **arrays, **report, **counted, wall=wall)  # type: ignore[arg-type]
+    return Solution(system, **arrays, **report, **counted, wall=wall, judge=lambda _: results.verdict)  # type: ignore[arg-type]
 
 
 def _check_model(path: Path, sha256: str, results: Results) -> None:

@@ -11,6 +11,8 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.validity.verdict import Caution, Verdict
+
 
 @dataclass(frozen=True)
 class BodyResults:
@@ -99,7 +101,17 @@ class Results:
     settings: dict[str, Any]  # solver settings
     scene: SceneRecord
     writers: dict[str, str]  # program -> version
+    judged: dict[str, Any] | None = None  # `Verdict.record`; None in files of older versions
     path: Path | None = field(default=None, compare=False)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether the numbers can be trusted, as it was found when they were kept."""
+        if self.judged is None:
+            return Verdict(
+                (Caution("not-judged", "the results were kept by a version that did not judge them: run the scene again."),)
+            )
+        return Verdict.from_record(self.judged)
 
     def column(self, coordinate: str) -> int:
         """Number of a coordinate, for example of "rotation of body 'body2'"."""

@@ -13,12 +13,11 @@ from typing import Any
 import h5py
 import numpy as np
 
-from toolkit.hdf5 import FORMAT, Content, reading, schema_of, write_array
-from toolkit.replaced_file import replaced
+from toolkit.hdf5 import Content, reading, schema_of, write_array, writing
 from toolkit.results import layout
 from toolkit.results.about import About
 from toolkit.results.collect import collect
-from toolkit.results.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
+from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.analysis import Result
 from toolkit.solution import Solution
@@ -47,7 +46,7 @@ def save_results(
     path = Path(path)
     refuse_foreign(path)
     results = solved if isinstance(solved, Results) else collect(solved, text, changes)
-    with replaced(path) as temporary, h5py.File(temporary, "w", libver=FORMAT) as file:
+    with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         for name in STATES:
             write_array(file, name, getattr(results, name))
@@ -121,12 +120,12 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
     schema, version = attributes.get("schema"), attributes.get("schema_version")
     if schema != SCHEMA:
         raise ResultsFileError(
-            f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is {schema!r}, not {SCHEMA!r}. "
+            f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is not {SCHEMA!r}. "
             "Give a file written by ffrf simulate, statics or sensitivity with --output."
         )
-    if version != SCHEMA_VERSION:
+    if version not in READABLE:
         raise ResultsFileError(
-            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
+            f"{str(path)!r} has schema version {version}, this program reads {' and '.join(map(str, READABLE))}. "
             "Run the scene again with this version."
         )
 

@@ -8,19 +8,36 @@ Worth it where variables are many and responses few; `sensitivity.analysis` and 
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from toolkit.errors import NeedsDirectError
 from toolkit.responses.response import Partials
+from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, moving, prepare, repeated, responses_of, result, timed
+from toolkit.sensitivity.analysis import (
+    Kind,
+    Progress,
+    Result,
+    by_name,
+    check_kind,
+    check_names,
+    moving,
+    prepare,
+    repeated,
+    responses_of,
+    result,
+    timed,
+)
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.checkpointed import checkpointed_adjoint, fits
 from toolkit.solution import Solution
 from toolkit.solvers.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.equilibrium import find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.transient import simulate
 from toolkit.system import System
 
 NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
@@ -33,16 +50,31 @@ def adjoint(
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
     """
+    check_kind(kind)
+    check_names(design)
     if not has_adjoint(scene, kind):
         raise NeedsDirectError(NO_BACKWARD_RUN)
     primal_system = prepare(scene)
     if kind == "transient" and not fits(scene, primal_system):
-        return checkpointed_adjoint(scene, design, progress)
+        return replace(checkpointed_adjoint(scene, design, progress), repeat=partial(_again_in_windows, scene, design))
     primal, solution = timed(primal_system, kind, progress)
     compiled = system or prepare(scene, design)
     extra, (found, gradient) = repeated(lambda told: adjoint_gradients(compiled, solution, told), progress)
     values = {name: partials.value for name, partials in found.items()}
-    return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra)
+    repeat = partial(again_backwards, primal_system, compiled)
+    return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra, repeat)
+
+
+def again_backwards(primal: System, system: System, options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of a motion and gradients by the adjoint with other options, of a scene compiled without and with design variables."""
+    found, gradient = adjoint_gradients(system, simulate(primal, options))
+    return {name: partials.value for name, partials in found.items()}, by_name(system.design, found, gradient.T)
+
+
+def _again_in_windows(scene: Scene, design: list[str], options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """The same where the states of the motion may not fit into memory."""
+    found = adjoint(scene.model_copy(update={"solver": options}), design, "transient")
+    return found.values, found.gradients
 
 
 def has_adjoint(scene: Scene, kind: Kind) -> bool:

@@ -3,26 +3,39 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from statistics import median
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
 from toolkit.compile_watch import watched_compilation
 from toolkit.design import Design
+from toolkit.errors import InputError
+from toolkit.responses.magnitude import largest_magnitude, largest_slopes
 from toolkit.responses.response import Response
+from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.sensitivity.step_cautions import step_cautions
+from toolkit.sensitivity.step_error import Repeat, StepError, step_error
 from toolkit.solution import Solution
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import System, compile_scene
+from toolkit.validity.judge import cautions, measures
+from toolkit.validity.motion import SUSPICIOUS
+from toolkit.validity.verdict import Caution, Verdict
 
 T = TypeVar("T")
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
 
+UNIMPORTANT = 0.02
+"""A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
+compared with such a change instead of with itself."""
 REPEATS, WORTH_REPEATING = 5, 1.0
 """A run is repeated so often, as long as all together take less than this, in s."""
 
@@ -31,7 +44,7 @@ REPEATS, WORTH_REPEATING = 5, 1.0
 class Result:
     """Values, units and gradients of the responses; `solution` is the run that they come from, wall times in s.
 
-    `reason` says why the method was chosen, if nobody named one.
+    `reason` says why the method was chosen, if nobody named one. `repeat` is the same analysis with other options: `verdict` needs it.
     """
 
     values: dict[str, Any]
@@ -42,6 +55,58 @@ class Result:
     wall_primal: float
     wall_sensitivity: float
     reason: str = ""
+    repeat: Repeat | None = field(default=None, compare=False)
+
+    @cached_property
+    def measures(self) -> dict[str, Any]:
+        """What the states tell about how exactly they were found, see `toolkit.validity.judge.measures`."""
+        return measures(self.solution)
+
+    @cached_property
+    def step_error(self) -> StepError | None:
+        """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
+        scene, solution = self.solution.system.scene, self.solution
+        if self.repeat is None or not moving(solution) or not self.values:
+            return None
+        balance, responses = self.measures["energy_balance"], responses_of(scene)
+        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
+        scales = {name: largest_magnitude(each, solution, self.values[name]) for name, each in responses.items()}
+        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
+
+    def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
+        """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
+        scene, solution = self.solution.system.scene, self.solution
+        sizes, found = variable_sizes(scene, self) if self.gradients else {}, {}
+        for f, response in responses_of(scene).items() if sizes else ():
+            largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
+            found[f] = {x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()}
+        return found
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run."""
+        if self.repeat is None or not moving(self.solution) or not self.values:
+            found = self.solution.verdict
+            return Verdict.of([*found.warnings, *self._undefined()], found.measures)
+        measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
+        about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
+        if self.step_error is not None:
+            estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}
+            measured["estimated_error"] = {**measured["estimated_error"], **estimated}
+        return Verdict.of([*cautions(self.solution, measured), *about_steps, *self._undefined()], measured)
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """All that whoever reads the numbers has to know, doubts first."""
+        return self.verdict.warnings
+
+    def _undefined(self) -> Iterator[Caution]:
+        """Values and derivatives that do not exist at this design."""
+        numbers = {f"the value of {name}": value for name, value in self.values.items()}
+        numbers |= {f"the derivative of {f} by {x}": slope for f, slopes in self.gradients.items() for x, slope in slopes.items()}
+        for what, number in numbers.items():
+            if not np.isfinite(number):
+                yield Caution("undefined", f"{what} does not exist at this design; it is nan, in JSON null.", doubt=False)
 
 
 def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:
@@ -71,9 +136,34 @@ def prepare(scene: Scene, design: list[str] | None = None) -> System:
     return compile_scene(scene, design, tuple(dict.fromkeys(markers)))
 
 
-def solve(system: System, kind: Kind, progress: Progress | None = None) -> Solution:
-    """Transient or static solution of a system."""
-    return solve_statics(system, progress=progress) if kind == "static" else simulate(system, progress=progress)
+def solve(system: System, kind: Kind, progress: Progress | None = None, options: RunOptions | None = None) -> Solution:
+    """Transient or static solution of a system; by default with the scene's own options.
+
+    Raises
+    ------
+    InputError
+        There is no analysis of that kind.
+    """
+    check_kind(kind)
+    return (solve_statics if kind == "static" else simulate)(system, options, progress=progress)
+
+
+def check_kind(kind: str) -> None:
+    """Refuse an analysis that does not exist, as `solve`."""
+    if kind not in get_args(Kind):
+        raise InputError(f"there is no analysis {kind!r}. Choose one of: {', '.join(get_args(Kind))}.")
+
+
+def check_names(design: Iterable[str]) -> None:
+    """Refuse a text where names of design variables belong: it would be taken for its letters.
+
+    Raises
+    ------
+    InputError
+        It is one text.
+    """
+    if isinstance(design, str):
+        raise InputError(f"design variables are a list of names, not the text {design!r}. Write [{design!r}].")
 
 
 def evaluate_responses(solution: Solution) -> dict[str, Any]:
@@ -99,12 +189,25 @@ def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | Non
     """Responses with gradients by direct differentiation; `system` is the scene with these design variables, if it is compiled already.
 
     The scene is solved without derivatives too, so that the price of the gradients is measured and not guessed.
+
+    Raises
+    ------
+    InputError
+        There is no analysis of that kind, or no variable of that name.
     """
+    check_kind(kind)
+    check_names(design)
     system, primal_system = system or prepare(scene, design), prepare(scene)
     primal, _ = timed(primal_system, kind)
     total, solution = timed(system, kind, progress)
     extra = solution.wall.get("sensitivity", max(total - primal, 0.0))
-    return result(scene, solution, *evaluate_with_gradients(solution), "direct", primal, extra)
+    return result(scene, solution, *evaluate_with_gradients(solution), "direct", primal, extra, partial(again, system))
+
+
+def again(system: System, options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options."""
+    values, gradients = evaluate_with_gradients(simulate(system, options))
+    return values, gradients if system.n_x else {}
 
 
 def timed(system: System, kind: Kind, progress: Progress | None = None) -> tuple[float, Solution]:
@@ -149,9 +252,17 @@ def result(
     method: str,
     primal: float,
     extra: float,
+    repeat: Repeat | None = None,
 ) -> Result:
     """Add the units."""
     units = {name: response.unit(scene.units) for name, response in responses_of(scene, moving(solution)).items()}
     return Result(
-        {name: float(np.real(value)) for name, value in values.items()}, units, gradients, method, solution, primal, extra
+        {name: float(np.real(value)) for name, value in values.items()},
+        units,
+        gradients,
+        method,
+        solution,
+        primal,
+        extra,
+        repeat=repeat,
     )

@@ -2,24 +2,41 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from toolkit.errors import InputError, ToolkitError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct
+from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct, frozen
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.round_off import Gradients, round_off
-from toolkit.sensitivity.studies import step_study, taylor_rates
+from toolkit.sensitivity.studies import (
+    Quotient,
+    best_quotients,
+    curve_of,
+    difference_quotients,
+    direction,
+    slopes_along,
+    taylor_rates,
+)
 
 MOST_DIGITS = 16.0
 TINY = float(np.finfo(float).tiny)
 
 
+QUOTIENT, UNLUCKY = 1e-5, 10.0
+"""Relative difference of a derivative along a direction to a difference quotient that truncation may leave where both neighbours agree, and
+how often such a quotient's uncertainty it may be off by."""
+
+
 class DisagreementError(ToolkitError, ArithmeticError):
     """Two methods that are exact give different gradients: one of them is wrong."""
+
+
+class NothingVerifiedError(ToolkitError, ArithmeticError):
+    """Round-off leaves no digits to compare, so that no gradient was verified."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +57,12 @@ class Certificate:
         response is linear.
     curve : list of pairs
         Relative step of central differences along one direction, and their largest relative difference to `exact`.
+    along : dict
+        Response -> its derivative along that direction by `exact`.
+    quotients : dict
+        Response -> the same by the best central difference, with its uncertainty; it shares no formula of derivatives with the others.
+    parts : dict
+        Variable -> its part of that direction.
     """
 
     exact: Result
@@ -47,6 +70,17 @@ class Certificate:
     limits: Gradients
     rates: dict[str, float]
     curve: list[tuple[float, float]]
+    along: dict[str, float] = field(default_factory=dict)
+    quotients: dict[str, Quotient] = field(default_factory=dict)
+    parts: dict[str, float] = field(default_factory=dict)
+
+    def verified(self, tolerance: float) -> int:
+        """Number of derivatives on which all methods agree to the tolerance."""
+        return sum(
+            all(found[f][x] <= tolerance for found in self.differences.values())
+            for f, limits in self.limits.items()
+            for x in limits
+        )
 
     def check(self, tolerance: float) -> None:
         """Refuse gradients on which the exact methods disagree by more than the tolerance, and by more than round-off explains.
@@ -55,6 +89,8 @@ class Certificate:
         ------
         DisagreementError
             Names method, response and variable.
+        NothingVerifiedError
+            Round-off explains every difference, so that nothing is known.
         """
         for method, found in self.differences.items():
             for response, slopes in found.items():
@@ -66,6 +102,32 @@ class Certificate:
                             f"({self.limits[response][variable]:.1e}). Tighten solver.tolerance; if that does not help, one of them is "
                             "wrong: check components of your own with toolkit.conformance, and report what remains."
                         )
+        self._check_quotients()
+        if not self.verified(tolerance):
+            raise NothingVerifiedError(
+                f"no gradient was verified: not one of them agrees to {tolerance:.1e} in all methods, and round-off may explain "
+                "it, so that nothing is known of any. Motions that part for ever (behind a snap-through, or with steps that do not "
+                "resolve it) leave no digits: try smaller steps, a shorter time, or other variables."
+            )
+
+    def _check_quotients(self) -> None:
+        """Refuse gradients whose derivative along the direction is none of the difference quotients'."""
+        for f, quotient in self.quotients.items():
+            off = abs(self.along[f] - quotient.slope)
+            if not off <= QUOTIENT * abs(self.along[f]) + UNLUCKY * quotient.uncertainty + self._blurred(f):
+                raise DisagreementError(
+                    f"the gradient of {f} is contradicted by central differences: along one direction through all variables its "
+                    f"derivative is {self.along[f]:.10g}, and {quotient.slope:.10g} by the best quotient, which is uncertain by "
+                    f"{quotient.uncertainty:.1e}. The methods that agree share the formulas of derivatives: check components of your "
+                    "own with toolkit.conformance, build reduced models again, and report what remains. A response with a kink at "
+                    "this design (a maximum) has no derivative."
+                )
+
+    def _blurred(self, response: str) -> float:
+        """What round-off of the derivatives themselves may add up to along the direction."""
+        return sum(
+            limit * abs(self.exact.gradients[response][x] * self.parts.get(x, 0.0)) for x, limit in self.limits[response].items()
+        )
 
 
 def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None) -> Certificate:
@@ -101,9 +163,19 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
     progress(2, 4)
     rates = taylor_rates(scene, design, kind, exact=exact)
     progress(3, 4)
-    curve = step_study(scene, design, kind, exact=exact)
+    quotients = difference_quotients(scene, design, kind, exact)
+    parts = direction(frozen(scene, exact.solution), exact)
     progress(4, 4)
-    return Certificate(exact, {m: _relative(exact, floors, other) for m, other in others.items()}, limits, rates, curve)
+    return Certificate(
+        exact,
+        {m: _relative(exact, floors, other) for m, other in others.items()},
+        limits,
+        rates,
+        curve_of(scene, exact, quotients),
+        slopes_along(exact, parts),
+        best_quotients(quotients),
+        parts,
+    )
 
 
 def digits(difference: float) -> float:

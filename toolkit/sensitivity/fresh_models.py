@@ -21,8 +21,8 @@ from toolkit.design import DesignVariable
 from toolkit.responses.stress import model_parameter
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result, values_of
-from toolkit.sensitivity.numerical import typical_size
 from toolkit.sensitivity.rebuilt_bodies import build_all, given_values, source, with_model
+from toolkit.sensitivity.sizes import typical_size
 
 RELATIVE_STEP = 1e-3
 """Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes, 1e-10, is magnified to 1e-7."""

@@ -10,6 +10,7 @@ With the step h:
 from __future__ import annotations
 
 import time as clock
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -17,9 +18,25 @@ import numpy as np
 from toolkit.compilation.quantities import STEP
 from toolkit.design import DesignVariable
 from toolkit.errors import InputError
+from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Progress, Result, evaluate_responses, frozen, prepare, result, timed, values_of
+from toolkit.sensitivity.analysis import (
+    Kind,
+    Progress,
+    Result,
+    again,
+    check_kind,
+    check_names,
+    evaluate_responses,
+    frozen,
+    prepare,
+    result,
+    timed,
+    values_of,
+)
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
+from toolkit.sensitivity.sizes import typical_size
+from toolkit.sensitivity.step_error import Gradients, Values
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
 
@@ -36,6 +53,8 @@ def numerical(
     """
     if method not in NUMERICAL:
         raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
+    check_kind(kind)
+    check_names(design)
     variables = scene.design_variables(design)
     system = prepare(scene)
     primal, solution = timed(system, kind)
@@ -47,7 +66,13 @@ def numerical(
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
-    return result(scene, solution, base, gradients, method, primal, clock.perf_counter() - begun)
+    extra = clock.perf_counter() - begun
+    return result(scene, solution, base, gradients, method, primal, extra, partial(_again_directly, scene, design))
+
+
+def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tuple[Values, Gradients]:
+    """By direct differentiation: what other steps change about a derivative is far more than both methods differ by."""
+    return again(prepare(scene, design), options)
 
 
 def derivative(
@@ -66,10 +91,3 @@ def derivative(
         return {name: (value - base[name]) / h for name, value in up.items()}
     down = shifted(-h)
     return {name: (value - down[name]) / (2 * h) for name, value in up.items()}
-
-
-def typical_size(scene: Scene, variable: DesignVariable) -> float:
-    """What a relative step refers to: the value, or for a zero the scene's size (points) or one."""
-    if variable.value != 0:
-        return abs(variable.value)
-    return scene.size if variable.path.startswith("points.") else 1.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from toolkit.errors import InputError
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, Result, by_name, frozen, prepare, responses_of, solve
-from toolkit.sensitivity.numerical import typical_size
+from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 Gradients = dict[str, dict[str, float]]
 EPS = float(np.finfo(float).eps)
@@ -26,44 +26,6 @@ UNSEEN = 1e-14
 SAMPLES, SAFETY = 4, 10.0
 """Runs with other last digits, and how much further apart than those two methods may be: each is one more such sample, of a
 distribution with long tails."""
-
-
-def variable_sizes(scene: Scene, exact: Result) -> dict[str, float]:
-    """What a relative step of each variable refers to.
-
-    It is the value; for a zero of a point the scene's size; for another zero the change that moves no response further than the others
-    can, or than its value (one in the scene's units could be anything, as 1 mm/s, or 1 s of damping), and no body further than the
-    scene's size or by more than 1 rad.
-    """
-    variables = list(scene.design_variables(list(next(iter(exact.gradients.values()), {}))))
-    known = {v.name: typical_size(scene, v) for v in variables if v.value != 0 or v.path.startswith("points.")}
-    scales = response_scales(exact, known)
-    sizes = {}
-    for variable in variables:
-        slopes = {f: abs(slopes[variable.name]) for f, slopes in exact.gradients.items()}
-        allowed = [scales[f] / slope for f, slope in slopes.items() if slope > EPS * scales[f]]
-        sizes[variable.name] = known.get(variable.name, min([*allowed, _reach(scene, variable.path)]))
-    return sizes
-
-
-def _reach(scene: Scene, path: str) -> float:
-    """Largest sensible change of a place, angle, velocity or time; 1 in the scene's units for what is none of these."""
-    name, time = path.split(".")[2:], scene.solver.end_time
-    if name[:1] == ["angular_velocity"]:
-        return 1.0 / time
-    if name[:1] == ["velocity"]:
-        return (1.0 if name[1] == "2" and scene.dimension == 2 else scene.size) / time
-    if name[:1] == ["position"]:
-        return scene.size
-    return time if name[-1] in ("start", "duration") else 1.0
-
-
-def response_scales(exact: Result, sizes: Mapping[str, float]) -> dict[str, float]:
-    """Response -> the largest of its value and of its changes by the variables that have a size."""
-    return {
-        f: max([abs(exact.values[f]), *(abs(slopes[x]) * size for x, size in sizes.items())], default=0.0)
-        for f, slopes in exact.gradients.items()
-    }
 
 
 def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:

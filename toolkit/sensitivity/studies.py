@@ -5,15 +5,16 @@ All variables move at once, x + h d, so that a study takes as many runs for hund
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result, direct, frozen, values_of
-from toolkit.sensitivity.round_off import can_move, response_scales, variable_sizes
+from toolkit.sensitivity.round_off import can_move
+from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
 UNSEEN = 1e-11
@@ -80,12 +81,49 @@ def _rate(steps: Sequence[float], remainders: list[float], scale: float) -> floa
     return float(np.polyfit(np.log(steps), np.log(remainders), 1)[0])
 
 
+STEPS = tuple(10.0 ** np.arange(-2, -11, -1.0))
+"""Relative steps of central differences along a direction."""
+
+
+class Quotient(NamedTuple):
+    """What central differences say about a response's derivative along one direction: the number, and by how much it is uncertain."""
+
+    slope: float
+    uncertainty: float
+
+
+def difference_quotients(
+    scene: Scene, design: list[str], kind: Kind, exact: Result, steps: Sequence[float] = STEPS
+) -> dict[float, dict[str, float]]:
+    """Relative step h -> response -> [f(x + h d) - f(x - h d)] / 2h along `direction`; a step so large that its runs fail is left out."""
+    scene = frozen(scene, exact.solution)
+    along, found = direction(scene, exact), {}
+    for h in steps:
+        try:
+            up, down = (values_of(moved(scene, along, step), kind) for step in (h, -h))
+        except FAILURES:
+            continue
+        found[h] = {f: float(np.real(up[f] - down[f])) / (2 * h) for f in exact.values}
+    return found
+
+
+def best_quotients(found: Mapping[float, Mapping[str, float]]) -> dict[str, Quotient]:
+    """Response -> the quotient at the bottom of the V of truncation and round-off.
+
+    Neighbours there differ by what both leave of it. Two numbers may agree by chance, so the larger difference to the two neighbours of
+    the quotient for which that is smallest is taken; with fewer than three quotients nothing is known.
+    """
+    best = {}
+    rows = list(found.values())
+    for f in rows[0] if len(rows) >= 3 else ():
+        triples = [(a[f], b[f], c[f]) for a, b, c in zip(rows, rows[1:], rows[2:], strict=False)]
+        _, middle, uncertainty = min((max(abs(b - a), abs(c - b)), b, max(abs(b - a), abs(c - b))) for a, b, c in triples)
+        best[f] = Quotient(middle, uncertainty)
+    return best
+
+
 def step_study(
-    scene: Scene,
-    design: list[str],
-    kind: Kind,
-    steps: Sequence[float] = tuple(10.0 ** np.arange(-2, -11, -1.0)),
-    exact: Result | None = None,
+    scene: Scene, design: list[str], kind: Kind, steps: Sequence[float] = STEPS, exact: Result | None = None
 ) -> list[tuple[float, float]]:
     """Central differences along `direction` against the gradient, over steps h: the V of truncation and round-off.
 
@@ -97,18 +135,14 @@ def step_study(
         Relative step and largest relative difference; a step so large that its runs fail is left out.
     """
     base = exact or direct(scene, design, kind)
+    return curve_of(scene, base, difference_quotients(scene, design, kind, base, steps))
+
+
+def curve_of(scene: Scene, base: Result, quotients: Mapping[float, Mapping[str, float]]) -> list[tuple[float, float]]:
+    """Step and largest relative difference of difference quotients, as `step_study`."""
     scene = frozen(scene, base.solution)
-    along = direction(scene, base)
-    slopes, scales = slopes_along(base, along), response_scales(base, variable_sizes(scene, base))
-    study = []
-    for h in steps:
-        try:
-            up, down = (values_of(moved(scene, along, step), kind) for step in (h, -h))
-        except FAILURES:
-            continue
-        errors = [
-            abs((up[f] - down[f]) / (2 * h) - slope) / max(abs(slope), NEGLIGIBLE * scales[f], np.finfo(float).tiny)
-            for f, slope in slopes.items()
-        ]
-        study.append((h, float(max(errors, default=0.0))))
-    return study
+    slopes, scales = slopes_along(base, direction(scene, base)), response_scales(base, variable_sizes(scene, base))
+    sizes = {f: max(abs(slope), NEGLIGIBLE * scales[f], np.finfo(float).tiny) for f, slope in slopes.items()}
+    return [
+        (h, max((abs(each[f] - slope) / sizes[f] for f, slope in slopes.items()), default=0.0)) for h, each in quotients.items()
+    ]

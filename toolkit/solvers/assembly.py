@@ -14,6 +14,7 @@ import numpy as np
 
 from toolkit.equations import Terms
 from toolkit.errors import ConvergenceError
+from toolkit.near_ties import first_largest
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.system import System
 
@@ -52,7 +53,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
         before, largest = largest, (system.weights * np.abs(np.real(step)))[: system.n_q].max()
     if not closed or not np.all(moved <= REACH):
         raise ConvergenceError(
-            f"the joints do not close near the given positions: {system.numbering.names[int(np.argmax(moved))]} would move by "
+            f"the joints do not close near the given positions: {system.numbering.names[first_largest(moved)]} would move by "
             f"{moved.max():.2g} of the scene's size (or rad). Give positions, a length or a curve that fit together better."
         )
     if not system.n_x:

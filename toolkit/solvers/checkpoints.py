@@ -17,6 +17,7 @@ from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.run import Run, empty_history
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.transient import advance, check_drift
+from toolkit.validity.judge import judge
 
 
 class Checkpoint(NamedTuple):
@@ -85,4 +86,5 @@ def selected(run: Run, states: tuple[np.ndarray, ...], steps: range | list[int],
         options=run.options,
         newton_iterations=int(run.outcome.counts[4]),
         run_times=run.times,
+        judge=judge,
     )

@@ -6,8 +6,14 @@ import numpy as np
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.errors import SingularSystemError
+from toolkit.linear.dense_lu import SWEEPS
 from toolkit.linear.linear_solver import linear_solver, solve_once
 from toolkit.system import System
+
+NULL, ALIKE = 1e-12, 10.0
+"""Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""
+TAKES_PART = 0.0931
+"""Part of the largest from which an unknown takes part in a motion or in forces; no ratio of lengths that people choose."""
 
 
 def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str) -> np.ndarray:
@@ -44,13 +50,16 @@ def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) ->
 
 
 def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
-    """Which unknowns a singular matrix, by its values (n_entries,), leaves undetermined: the largest entries of its null vector."""
+    """Which unknowns a singular matrix, by its values (n_entries,), leaves undetermined: the largest entries of its null vectors.
+
+    There may be several of these, and any mixture of them is one too: so unknowns are judged by all together, as long as the rows
+    of an orthonormal basis are, which no choice of the basis changes.
+    """
     matrix = np.real(system.matrix(values).toarray())
     if not np.all(np.isfinite(matrix)):
         return f"the equations hold values that are not finite, first met at {system.numbering.names[failed]}."
-    scale = 1 / np.sqrt(np.abs(matrix).max(axis=0, initial=0).clip(1e-300))
-    null = np.linalg.svd(scale[:, None] * matrix * scale)[2][-1]
-    parts = np.flatnonzero(np.abs(null) > 0.1 * np.abs(null).max())
+    moves = np.linalg.norm(_null_space(matrix), axis=1)
+    parts = np.flatnonzero(moves > TAKES_PART * moves.max())
     names = ", ".join(system.numbering.names[i] for i in parts[:8]) + (" and more" if len(parts) > 8 else "")
     if np.all(parts >= system.n_q):
         hint = hint_of_grounded(system.scene, system.numbering.joints_of(parts))
@@ -64,3 +73,19 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
         f"nothing determines {names}: the mechanism is free to move there, or is in a singular position. "
         f"Add a joint, a driver or a spring, or move the points off the singular position.{hint}"
     )
+
+
+def _null_space(matrix: np.ndarray) -> np.ndarray:
+    """Orthonormal null vectors (n, k), at least one, of a matrix that is equilibrated first, in the units of its columns then."""
+    rows, columns = np.ones(len(matrix)), np.ones(len(matrix))
+    for _ in range(SWEEPS):
+        size = np.abs(rows[:, None] * matrix * columns)
+        rows /= np.sqrt(_largest(size, 1))
+        columns /= np.sqrt(_largest(size, 0))
+    _, sizes, vectors = np.linalg.svd(rows[:, None] * matrix * columns)
+    return vectors[sizes <= max(NULL * sizes[0], ALIKE * sizes[-1])].T
+
+
+def _largest(size: np.ndarray, axis: int) -> np.ndarray:
+    largest = size.max(axis=axis)
+    return np.where(largest > 0, largest, 1.0)

@@ -77,10 +77,10 @@ def find_equilibrium(
         before, size = size, weighted.max(initial=0)
         strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
-            raise ConvergenceError(f"Newton strays from the path at {system.numbering.names[int(np.argmax(weighted))]}")
+            raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
         if (size <= reachable and size > 0.5 * before) or size <= ROUND_OFF:
             return _with_tangent(system, options, factor, q + moved, acc), iteration + 1
-    worst = system.numbering.names[int(np.argmax(weighted))]
+    worst = system.most_moved(correction)
     raise ConvergenceError(
         f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e} > {options.tolerance:.1e}, "
         f"largest in {worst}"

@@ -16,6 +16,8 @@ STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
 SLOW = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
+ROUND_OFF, STILL = 1e-13, 0.5
+"""Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
 
 
 class Control(NamedTuple):
@@ -24,6 +26,7 @@ class Control(NamedTuple):
     tolerance: float
     most: int  # iterations
     modified: bool  # whether factors are kept as long as they contract well
+    left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
 
@@ -85,16 +88,29 @@ def left_over(kept, iteration, before, size):
 
 
 @inner
+def allowed(control, scheme, kept):
+    """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
+
+    What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
+    (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
+    times e: left is that e.
+    """
+    if not kept:
+        return control.tolerance
+    return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
+
+
+@inner
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
-    """Iterate on [a; lam] until what is left moves nothing by more than the tolerance, or than round-off; returns the status.
+    """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
     With `ggl`, which is None in other formulations, on [a; lam; eta].
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
-    trusted = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1
+    trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     for iteration in range(control.most):
-        kept = trusted and memory.kept[0] > 0
+        kept, exact_before = trusted and memory.kept[0] > 0, not kept
         memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
@@ -118,6 +134,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[0]
         if kept and iteration > 0 and not size <= SLOW * before:
+            if STILL * before < size <= ROUND_OFF:
+                return CONVERGED
             trusted = False  # for the rest of this step
             if not size <= before:
                 copy(memory.guess, acc)
@@ -127,8 +145,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
-        stagnated = not kept and iteration > 0 and size <= STAGNATED and size > 0.1 * before
-        if left_over(kept, iteration, before, size) <= control.tolerance or stagnated:
+        stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
+        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
             return CONVERGED
     return NOT_CONVERGED
 

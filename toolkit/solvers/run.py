@@ -18,6 +18,8 @@ from toolkit.system import System
 from toolkit.time_grid import step_lengths, time_grid
 
 GIGABYTE = 1e9
+OVER_ALL, OF_FORCES = 100.0, 1e-3
+"""What kept factors of modified Newton may move over a whole run, and in one equilibrium without inertia, in parts of the tolerance."""
 
 
 class Run(NamedTuple):
@@ -46,11 +48,18 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     options = options or system.scene.solver
     times = time_grid(options)
     lengths = step_lengths(times)
-    control = Control(options.tolerance, options.max_iterations, options.newton == "modified", np.inf, 0.0)
+    control = Control(options.tolerance, options.max_iterations, options.newton == "modified", left_by_kept(options), np.inf, 0.0)
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
+
+
+def left_by_kept(options: RunOptions) -> float:
+    """`Control.left` of a run: a part of the scene's size over time^2, without inertia a part of the scene's size."""
+    if options.quasi_static:
+        return OF_FORCES * options.tolerance
+    return OVER_ALL * options.tolerance / options.end_time**2
 
 
 def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:

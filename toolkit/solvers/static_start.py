@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.errors import ConvergenceError, SingularSystemError
+from toolkit.near_ties import first_largest
 from toolkit.run_options import RunOptions
 from toolkit.solvers.descent import descend
 from toolkit.solvers.equilibrium import Equilibrium, inputs_at
@@ -38,7 +39,7 @@ def _refuse_open_joints(system: System, options: RunOptions, q: np.ndarray, erro
     open_by = np.real(system.evaluate(inputs_at(system, options, 0.0), q, zero, zero).applied[n_q:])
     size = np.abs(open_by) * system.weights[n_q:]
     if size.max(initial=0) > POSITION_TOLERANCE:
-        row = int(np.argmax(size))
+        row = first_largest(size)
         raise ConvergenceError(
             f"the joints cannot be closed from the given positions: {system.numbering.names[n_q + row]} is open by {open_by[row]:.3g} "
             f"({error}). Give positions, a length or a curve that fit together."

@@ -13,13 +13,17 @@ from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.adaptive import advance_adaptively
-from toolkit.solvers.drift import largest_drift
 from toolkit.solvers.half_turns import refuse_half_turns
+from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.newton import CONVERGED
+from toolkit.solvers.passed_limits import refuse_passed_limits
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.step_memory import History
 from toolkit.system import System
+from toolkit.validity.drift import largest_drift
+from toolkit.validity.judge import judge
+from toolkit.validity.physics import speed_limits
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
 PIECE = 200
@@ -56,14 +60,18 @@ def simulate(
     with watched_compilation() as compiled:
         run = prepare_run(system, options)
         start = run_start(system, run.options, q, v)
-        if run.options.local_error is None:
-            history = allocate_history(system, run.options, len(run.times), start)
-            advance(run, history, 0, progress)
-        else:
-            run, history = advance_adaptively(run, start, progress)
+        try:
+            run, history = _integrated(run, start, progress)
+        except ConvergenceError as error:
+            hint = speed_limits(system.scene)
+            if not hint:
+                raise
+            raise ConvergenceError(f"{error} {hint}") from error
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
+        if system.compiled:  # a complex step takes the steps of its real design, which have been checked
+            refuse_passed_limits(system, run.options, run.times, history.q, history.acc)
     refuse_half_turns(system, run.times, history.q)
     return Solution.from_padded(
         system,
@@ -76,7 +84,17 @@ def simulate(
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[4]),
         wall={"run": clock.perf_counter() - begun - compiled.seconds},
+        judge=judge,
     )
+
+
+def _integrated(run: Run, start: State, progress: Callable[[int, int], None] | None) -> tuple[Run, History]:
+    """The run, over the times that it chose if it chooses them, and all its states."""
+    if run.options.local_error is not None:
+        return advance_adaptively(run, start, progress)
+    history = allocate_history(run.system, run.options, len(run.times), start)
+    advance(run, history, 0, progress)
+    return run, history
 
 
 def advance(run: Run, history: History, first: int, progress: Callable[[int, int], None] | None = None) -> None:
@@ -110,7 +128,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         The joints came apart, also those left out as redundant; names joint, time and remedy.
     """
     system, options, times = run.system, run.options, run.times[first : first + len(q)]
-    found, curves = np.zeros(3), system.curves(times)[0]
+    found, curves = np.zeros(4), system.curves(times)[0]
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),

@@ -7,6 +7,7 @@ import numpy as np
 from toolkit.solution import Solution
 from toolkit.solvers.initial_conditions import closed_positions, initial_accelerations
 from toolkit.system import System
+from toolkit.validity.judge import judge
 
 
 def undeformed(system: System) -> Solution:
@@ -20,4 +21,4 @@ def undeformed(system: System) -> Solution:
     q, dq = closed_positions(system, None, 0.0)
     rest, drest = np.zeros_like(q), np.zeros_like(dq)
     acc, dacc = initial_accelerations(system, q, rest, dq, drest, np.array([1.0, 0.0, 0.0]), 0.0)
-    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)))
+    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)), judge=judge)

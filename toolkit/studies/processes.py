@@ -10,6 +10,7 @@ from multiprocessing import get_context
 from typing import TypeVar
 
 from toolkit.errors import ToolkitError
+from toolkit.own_process import refuse_namesakes, safe_spawning
 
 Key = TypeVar("Key")
 Task = TypeVar("Task")
@@ -35,15 +36,17 @@ def side_by_side(work: Callable[[Task], Found], tasks: Mapping[Key, Task], jobs:
     if jobs <= 1 or len(tasks) <= 1:
         yield from ((key, work(task)) for key, task in tasks.items())
         return
-    pool = ProcessPoolExecutor(min(jobs, len(tasks)), get_context("spawn"), _leave_interrupts)
-    try:
-        futures = {pool.submit(work, task): key for key, task in tasks.items()}
-        for future in as_completed(futures):
-            yield futures[future], future.result()
-    except BrokenProcessPool as error:
-        raise StudyError(f"a process of the study was killed, perhaps because memory ran out. {remedy}") from error
-    finally:
-        pool.shutdown(cancel_futures=True)
+    refuse_namesakes()
+    with safe_spawning():
+        pool = ProcessPoolExecutor(min(jobs, len(tasks)), get_context("spawn"), _leave_interrupts)
+        try:
+            futures = {pool.submit(work, task): key for key, task in tasks.items()}
+            for future in as_completed(futures):
+                yield futures[future], future.result()
+        except BrokenProcessPool as error:
+            raise StudyError(f"a process of the study was killed, perhaps because memory ran out. {remedy}") from error
+        finally:
+            pool.shutdown(cancel_futures=True)
 
 
 def _leave_interrupts() -> None:

@@ -37,8 +37,8 @@ def sources(scene: Scene, axis: str) -> dict[str, Path]:
     """Flexible body -> the skin file that its model is built from; all such bodies follow the axis together."""
     if not is_installed():
         raise InputError(
-            f"--axes: {axis} needs the preprocessing, which builds the models. Install it: pip install '.[preprocessing]' in the "
-            "project's folder; or leave the axis out."
+            f"--axes: {axis} needs the preprocessing, which builds the models. Install it: pip install "
+            "'ffrf-toolkit[preprocessing]'; or leave the axis out."
         )
     found = rebuildable(scene)
     if not found:

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from toolkit.reduced_model_file import is_reduced_model
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.scene import Scene
 from toolkit.sensitivity.rebuilt_bodies import build_all, given_values, source
 from toolkit.studies.store import hashed
@@ -37,8 +37,7 @@ def build(scene: Scene, body: str, keys: dict[str, Any], file: Path) -> None:
         mine.replace(file)
     finally:
         mine.unlink(missing_ok=True)
-    with replaced(tables_file(file)) as temporary:
-        temporary.write_text(json.dumps(built["tables"], indent=1), encoding="utf-8")
+    write_whole(tables_file(file), json.dumps(built["tables"], indent=1).encode())
 
 
 def tables_file(file: Path) -> Path:

@@ -15,7 +15,7 @@ from typing import Any
 from pydantic import ValidationError
 
 import toolkit
-from toolkit.replaced_file import replaced
+from toolkit.replaced_file import write_whole
 from toolkit.scene import Scene
 from toolkit.sensitivity.rebuilt_bodies import rebuildable
 from toolkit.studies.record import Record
@@ -42,8 +42,7 @@ class Store:
 
     def keep(self, record: Record) -> None:
         """Write a record in one stroke."""
-        with replaced(self.folder / f"{record.key}.json") as temporary:
-            temporary.write_text(record.model_dump_json(indent=1), encoding="utf-8")
+        write_whole(self.folder / f"{record.key}.json", record.model_dump_json(indent=1).encode())
 
 
 def hashed(*parts: Any) -> str:

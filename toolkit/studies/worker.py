@@ -11,7 +11,7 @@ from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import result
 from toolkit.sensitivity.rebuilt_bodies import rebuildable, with_model
-from toolkit.sensitivity.round_off import variable_sizes
+from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.studies.one_run import compiled, gradients_once
 from toolkit.studies.record import Record
 from toolkit.studies.setting import Setting, with_options

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
 
@@ -34,14 +35,24 @@ class Verdict:
     ----------
     warnings
         What whoever reads the numbers has to know, doubts first.
+    measures
+        Name -> what was measured to find out, also where it speaks for the numbers: "drift", "energy_balance", "estimated_error".
     """
 
     warnings: tuple[Caution, ...] = ()
+    measures: Mapping[str, Any] = field(default_factory=dict)
 
     @classmethod
-    def of(cls, cautions: Iterable[Caution]) -> Verdict:
+    def of(cls, cautions: Iterable[Caution], measures: Mapping[str, Any] | None = None) -> Verdict:
         """The verdict that follows from cautions: each is said once, doubts before remarks."""
-        return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)))
+        return cls(tuple(sorted(dict.fromkeys(cautions), key=lambda each: not each.doubt)), measures or {})
+
+    @classmethod
+    def from_record(cls, record: Mapping[str, Any]) -> Verdict:
+        """The verdict that `record` was made of."""
+        reasons = record["verdict"]["reasons"]
+        cautions = [Caution(each["code"], each["text"], each["text"] in reasons) for each in record["warnings"]]
+        return cls.of(cautions, {name: value for name, value in record.items() if name not in ("verdict", "warnings")})
 
     @property
     def trusted(self) -> bool:
@@ -58,9 +69,22 @@ class Verdict:
         said = "Trusted: no check found a reason against these numbers." if self.trusted else "NOT TO BE TRUSTED, because:"
         return "\n".join([said, *(f"{'-' if each.doubt else 'note:'} {each.text}" for each in self.warnings)])
 
+    @property
+    def codes(self) -> tuple[str, ...]:
+        """Short names of all cautions, each once."""
+        return tuple(dict.fromkeys(each.code for each in self.warnings))
+
     def record(self) -> dict[str, Any]:
-        """Keys of a JSON object: `verdict` and `warnings`."""
+        """Keys of a JSON object: what was measured, `verdict` and `warnings`; a number that does not exist is None."""
         return {
+            **_finite(self.measures),
             "verdict": {"trusted": self.trusted, "reasons": list(self.reasons)},
             "warnings": [{"code": each.code, "text": each.text} for each in self.warnings],
         }
+
+
+def _finite(value: Any) -> Any:
+    """The same with None for numbers that JSON does not know."""
+    if isinstance(value, Mapping):
+        return {key: _finite(each) for key, each in value.items()}
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.flexible_bodies import flexible_body
 from toolkit.render.paraview import mechanism
 from toolkit.render.spatial import parts
 from toolkit.render.spatial.body_shape import at_points, body_shape, has_shape
 from toolkit.render.spatial.configuration import SpatialConfiguration
-from toolkit.responses.stress import flexible_body, stress_field
+from toolkit.responses.stress import stress_field
 from toolkit.responses.von_mises import point_stress
 from toolkit.solution import Solution
 from toolkit.units import unit

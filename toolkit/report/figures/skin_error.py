@@ -6,11 +6,11 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
+from toolkit.flexible_bodies import flexible_body
 from toolkit.point import BodyPoint
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import UNDEFORMED, draw_line, draw_outlines, equal_axes, panel_height, window
 from toolkit.report.sheet import COLORS, Drawing, sheet
-from toolkit.responses.stress import flexible_body
 from toolkit.units import unit
 
 

@@ -17,8 +17,8 @@ from toolkit.sensitivity.analysis import by_name, evaluate_with_gradients, prepa
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.solution import Solution
 from toolkit.solvers.transient import simulate
-from toolkit.studies.stability.created_energy import created_energy
 from toolkit.system import System
+from toolkit.validity.created_energy import created_energy
 
 Status = Literal["ended", "failed", "refused"]
 Slopes = dict[str, dict[str, float]]

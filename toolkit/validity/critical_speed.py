@@ -16,7 +16,8 @@ from scipy.linalg import eigh
 
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.responses.stress import flexible_body
+from toolkit.flexible_bodies import flexible_body
+from toolkit.near_ties import first_largest
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 from toolkit.spatial import angular_velocity
@@ -76,7 +77,7 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
     scene = solution.system.scene
     for body in spinning_bodies(scene):
         spins = _spins(solution, body)
-        spin = spins[np.argmax(np.linalg.norm(spins, axis=1))]
+        spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
         if not _stable(scene, body, spin):
             yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
 

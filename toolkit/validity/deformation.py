@@ -14,12 +14,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.flexible_bodies import design_point, elastic_coordinates
+from toolkit.near_ties import first_largest
 from toolkit.reduced_model import MEAN_AXES
-from toolkit.responses.element_sections import Elements, Sections, sections
-from toolkit.responses.second_order import clamped_rows, mean_rows, second_order_displacement
-from toolkit.responses.stress import design_point, elastic_coordinates
 from toolkit.scene import Scene
 from toolkit.solution import Solution
+from toolkit.validity.element_sections import Elements, Sections, sections
+from toolkit.validity.second_order import clamped_rows, mean_rows, second_order_displacement
 
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
@@ -107,7 +108,7 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     instants = largest_instants(elastic)
     u = behind.displacements(elastic[instants])
     moved, error = distances(u), distances(behind.second_order(u))
-    worst = int(np.argmax(error.max(axis=1)))
+    worst = first_largest(error.max(axis=1))
     extent = np.ptp(behind.elements.nodes, axis=0).max()
     rotation, time = np.abs(u[worst, 2::3]).max(), solution.times[instants[worst]]
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))

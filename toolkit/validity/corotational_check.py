@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.errors import InputError
+from toolkit.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.preprocessing_process import run
-from toolkit.responses.deformation import Deformation, chain, deformation_of, flexible_bodies
-from toolkit.responses.stress import elastic_coordinates, flexible_body
 from toolkit.solution import Solution
+from toolkit.validity.deformation import Deformation, chain, deformation_of, flexible_bodies
 
 PROGRAM = "preprocessing.corotational_command"
 

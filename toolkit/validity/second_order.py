@@ -22,7 +22,11 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from toolkit.responses.element_sections import BENDING, Elements, Sections
+from toolkit.near_ties import first_smallest
+from toolkit.validity.element_sections import BENDING, Elements, Sections
+
+STILL = 1e-9
+"""Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
 
 
 def stiffness_matrix(elements: Elements, made_of: Sections) -> Any:
@@ -71,7 +75,7 @@ def second_order_displacement(elements: Elements, made_of: Sections, held: np.nd
 
 def clamped_rows(elements: Elements, shapes: np.ndarray) -> np.ndarray:
     """Rows (3, n) of the node that a tangent frame is tied to: the one that the shapes (n, n_f) of the basis do not move."""
-    node = int(np.argmin(np.abs(shapes).reshape(len(elements.nodes), -1).max(axis=1)))
+    node = first_smallest(np.abs(shapes).reshape(len(elements.nodes), -1).max(axis=1), STILL)
     return np.eye(3, shapes.shape[0], 3 * node)
 
 

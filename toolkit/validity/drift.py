@@ -5,11 +5,16 @@ import numpy as np
 from toolkit.bodies.poses import update_poses
 from toolkit.joints.all_joints import evaluate_any_joint, gap_of
 from toolkit.kernel import kernel
+from toolkit.near_ties import BAND
 
 
 @kernel
 def largest_drift(plan, functions, curves, weights, q, rest, found, work):
-    """Largest weighted |phi| over all times and rows: (value, time index, unknown) in `found`; `rest` is zero, (n,)."""
+    """Largest weighted |phi| over all times and rows, (value, time index, unknown, value there) in `found` (4,); `rest` is zero,
+    (n,).
+
+    The place is the first one where it is the largest but for a part `BAND` of it, see `near_ties`.
+    """
     plane, frames = plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
         update_poses(plane, frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
@@ -24,4 +29,6 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
                 row = plan.joints.row[j] + i
                 violation = weights[row] * abs(value.real)
                 if not violation <= found[0] and not np.isnan(found[0]):
-                    found[0], found[1], found[2] = violation, n, row
+                    found[0] = violation
+                if not violation <= (1 + BAND) * found[3] and not np.isnan(found[3]):
+                    found[1], found[2], found[3] = n, row, violation

@@ -1,4 +1,4 @@
-"""Energy that a run creates: what no load put in, and no round-off explains."""
+"""Energy that a run creates or loses: what no load put in or took out, and no round-off explains."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from toolkit.solution import Solution
-from toolkit.solvers.energy_balance import EnergyBalance, energy_balance
+from toolkit.validity.energy_balance import EnergyBalance, energy_balance
 
 
 def created_energy(solution: Solution) -> float:
@@ -20,14 +20,35 @@ def created_energy(solution: Solution) -> float:
     over the steps is wrong by far more than there is. E_2 is summed over every second state alone: what the sum of the work is wrong by
     was not created.
     """
+    return energy_defects(solution)[0]
+
+
+def energy_defects(solution: Solution) -> tuple[float, float]:
+    """Energy that was created, see `created_energy`, and energy that vanished, both over the largest energy or work.
+
+        lost = max over time of  E_start - E - |E_2 - E|,   E = T + U - W   with what damping took in W
+
+    A single step says nothing: both are zero.
+    """
+    if solution.steps < 2:
+        return 0.0, 0.0
     states = ("times", "q", "v", "a", "multipliers")
     every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
-    balance = energy_balance(solution)
-    surplus, coarse = _surplus(solution, balance), _surplus(every_second, energy_balance(every_second))
+    balance, coarse = energy_balance(solution), energy_balance(every_second)
     parts = (balance.kinetic + balance.strain, balance.work)
     largest = max(unresolved_energy(solution), *(np.abs(part).max() for part in parts))
-    created = (surplus[::2] - np.abs(coarse - surplus[::2])).max()
-    relative = float(created / largest) if largest != 0 else 0.0
+    created = _beyond(_surplus(solution, balance), _surplus(every_second, coarse))
+    lost = _beyond(-balance.defect, -coarse.defect)
+    return _part(created, largest), _part(lost, largest)
+
+
+def _beyond(defect: np.ndarray, coarse: np.ndarray) -> float:
+    """Largest defect (n_t,) that its sum over every second state (n_t // 2 + 1,) confirms."""
+    return float((defect[::2] - np.abs(coarse - defect[::2])).max())
+
+
+def _part(energy: float, largest: float) -> float:
+    relative = energy / largest if largest != 0 else 0.0
     return relative if np.isfinite(relative) else np.inf
 
 

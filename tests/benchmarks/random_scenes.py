@@ -1,0 +1,240 @@
+"""Verdicts of two hundred random scenes, against what their answers are.
+
+`python -m tests.benchmarks.random_scenes` runs every scene of `tests.random_scenes` as it was drawn, asks for its verdict
+(`verdict_of`), and compares its values with those of two runs with steps of a tenth, or less, by other formulations
+(`tests.random_scenes.reference`). It prints a line for each scene and then how many wrong answers left without a doubt (there should
+be none), and how many right answers were doubted (at most 5 %).
+
+    python -m tests.benchmarks.random_scenes --seeds 0:200 --folder output/random_scenes [--only 17,23] [--explain]
+
+References are kept as JSON lines in the folder, and are found again as long as the scene they are of is the same: another verdict is judged
+within seconds. The verdicts of the last call are in `judged.jsonl`, with all errors and measures.
+
+What a scene may be:
+
+    right      every value is known and within 5 % of the largest that it has during the motion
+    wrong      a value is off by more
+    refused    the toolkit raised an error of its own
+    dropped    right as far as is known, but the finer runs disagree about some value (by more than 1 %), or do not exist
+    crashed    an error that is none of the toolkit's
+
+A gradient is off if it is known and differs by more than 20 % of the largest that it has during the motion.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+import traceback
+import warnings
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from functools import partial
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, reference
+from tests.random_scenes.scene import named_scene
+from toolkit.errors import ToolkitError
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import Result, again, prepare, result, solve
+from toolkit.solution import Solution
+from toolkit.validity.energy_balance import energy_balance
+from toolkit.validity.verdict import Verdict
+
+WRONG, OFF = 0.05, 0.2
+"""Error of a value above which it is wrong, and of a gradient above which it is off."""
+OTHERS = frozenset({"large-deformation", "critical-speed", "snap-through", "stale-model"})
+"""Codes of doubts that concern something else than accuracy."""
+
+GRADIENT = "gradient-steps"
+"""Code of doubts about gradients alone."""
+
+HEAD = f"seed {'kind':15s} {'solver':40s}  steps outcome     error of               gradient   energy    local doubts"
+
+
+def verdict_of(found: Result) -> Verdict:
+    """The verdict of a run."""
+    return found.verdict
+
+
+@dataclass
+class Judged:
+    """One scene: what was found, and what is true."""
+
+    seed: int
+    kind: str
+    outcome: str = ""
+    error: float = 0.0
+    worst: str = ""
+    gradient_error: float = 0.0
+    worst_gradient: str = ""
+    codes: list[str] = field(default_factory=list)
+    texts: list[str] = field(default_factory=list)
+    solver: str = ""
+    steps: int = 0
+    values: dict[str, float] = field(default_factory=dict)
+    unknown: list[str] = field(default_factory=list)
+    measures: dict[str, Any] = field(default_factory=dict)
+    seconds: float = 0.0
+
+    @property
+    def doubted(self) -> bool:
+        """Whether a doubt about the accuracy of values was said."""
+        return bool(set(self.codes) - OTHERS - {GRADIENT})
+
+    @property
+    def alarmed(self) -> bool:
+        """Whether a doubt was said about right values, or about gradients that are right too."""
+        return self.doubted or (GRADIENT in self.codes and self.gradient_error <= WRONG)
+
+
+def judge(seed: int, folder: Path, known: dict[str, Any]) -> Judged:
+    """Run a scene and compare it with its reference, a known one if there is one for this very scene."""
+    kind, scene = named_scene(seed, folder / "models")
+    found = Judged(seed, kind, solver=_solver(scene))
+    begun = time.perf_counter()
+    try:
+        system = prepare(scene, list(scene.design))
+        solution = solve(system, "transient")
+        mine = answers(solution, sizes=False)
+        verdict = verdict_of(result(scene, solution, mine.values, mine.gradients, "direct", 0.0, 0.0, partial(again, system)))
+    except ToolkitError as error:
+        found.outcome, found.texts = "refused", [f"{type(error).__name__}: {error}"]
+        return found
+    except (ArithmeticError, AssertionError, AttributeError, LookupError, TypeError, ValueError) as error:
+        found.outcome, found.texts = "crashed", [f"{type(error).__name__}: {error}", traceback.format_exc()]
+        return found
+    found.seconds, found.steps = time.perf_counter() - begun, solution.steps
+    found.codes = [each.code for each in verdict.warnings if each.doubt]
+    found.texts = [each.text for each in verdict.warnings]
+    found.measures = {**_measures(solution), **dict(verdict.measures)}
+    true = _reference(scene, seed, solution.steps, folder, known)
+    return _compared(found, scene, mine, true)
+
+
+def _compared(found: Judged, scene: Scene, mine: Answers, true: Reference) -> Judged:
+    """Its errors and its outcome."""
+    if true.answers is None:
+        found.outcome, found.unknown = "dropped", [true.why]
+        return found
+    found.unknown = true.unknown
+    values, gradients = errors(scene, mine, true.answers)
+    found.values = {name: off for name, off in values.items() if name not in found.unknown}
+    slopes = {name: off for name, off in gradients.items() if true.gradients[name] <= AGREED and np.isfinite(off)}
+    found.worst, found.error = max(found.values.items(), key=lambda item: item[1], default=("", 0.0))
+    found.worst_gradient, found.gradient_error = max(slopes.items(), key=lambda item: item[1], default=("", 0.0))
+    found.outcome = "wrong" if found.error > WRONG else "dropped" if found.unknown else "right"
+    return found
+
+
+def _measures(solution: Solution) -> dict[str, float]:
+    """What a verdict may be made of, for its calibration."""
+    return {
+        "local_error": float("nan") if solution.local_error is None else solution.local_error,
+        "energy": energy_balance(solution).relative_defect,
+        "drift": solution.drift,
+        "correction": solution.correction,
+    }
+
+
+def _reference(scene: Scene, seed: int, steps: int, folder: Path, known: dict[str, Any]) -> Reference:
+    """That of the file, or a new one, which is added to it."""
+    written = repr(scene.model_copy(update={"directory": Path()}))
+    key = sha256(f"{steps} {written}".encode()).hexdigest()[:16]
+    if key in known:
+        record = dict(known[key])
+        given = record.pop("answers")
+        return Reference(Answers(**given) if given else None, **record)
+    true = reference(scene, steps)
+    known[key] = asdict(true)
+    with (folder / "references.jsonl").open("a") as file:
+        file.write(json.dumps({"key": key, "seed": seed, **asdict(true)}) + "\n")
+    return true
+
+
+def _solver(scene: Scene) -> str:
+    """Its options in short."""
+    options = scene.solver
+    parts = [options.scheme if options.scheme == "paper" else options.formulation, f"rho {options.rho_inf:g}"]
+    parts += ["modified"] if options.newton == "modified" else []
+    parts += ["still"] if options.quasi_static else []
+    parts += ["uneven"] if options.times else []
+    parts += [f"error {options.local_error:g}"] if options.local_error else []
+    parts += [f"tolerance {options.tolerance:g}"] if options.tolerance != 1e-10 else []
+    parts += ["baumgarte"] if options.baumgarte.damping is not None else []
+    return ", ".join(parts)
+
+
+def known_references(folder: Path) -> dict[str, Any]:
+    """Those of the file."""
+    path = folder / "references.jsonl"
+    lines = path.read_text().splitlines() if path.exists() else []
+    records = [json.loads(line) for line in lines]
+    return {record.pop("key"): {name: value for name, value in record.items() if name != "seed"} for record in records}
+
+
+def line(found: Judged) -> str:
+    """One row of the table."""
+    return (
+        f"{found.seed:4d} {found.kind:15s} {found.solver:40s} {found.steps:6d} {found.outcome:8s} {found.error:8.1e} "
+        f"{found.worst:16s} {found.gradient_error:8.1e} {found.measures.get('energy', 0):8.1e} {found.measures.get('local_error', 0):8.1e} "
+        f"{'DOUBT ' if found.doubted else ''}{','.join(found.codes)}"
+    )
+
+
+def summary(all_found: list[Judged]) -> str:
+    """The counts."""
+    of = {
+        name: [each for each in all_found if each.outcome == name] for name in ("right", "wrong", "dropped", "refused", "crashed")
+    }
+    silent = [each for each in of["wrong"] if not each.doubted]
+    alarmed = [each for each in of["right"] if each.alarmed]
+    slopes = [each for each in of["right"] if each.gradient_error > OFF and not each.codes]
+    codes = Counter(code for each in alarmed for code in each.codes)
+    return "\n".join(
+        [
+            ", ".join(f"{len(items)} {name}" for name, items in of.items()),
+            f"wrong without a doubt: {len(silent)} {[each.seed for each in silent]}",
+            f"right with a doubt: {len(alarmed)} of {len(of['right'])} {[each.seed for each in alarmed]}, {dict(codes)}",
+            f"gradients off without a doubt, values right: {len(slopes)} {[each.seed for each in slopes]}",
+            f"crashed: {[each.seed for each in of['crashed']]}",
+        ]
+    )
+
+
+def main() -> None:
+    """Judge, print and store."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--seeds", default="0:200", help="first:last")
+    parser.add_argument("--only", help="some seeds, with commas")
+    parser.add_argument("--folder", type=Path, default=Path("output/random_scenes"))
+    parser.add_argument("--explain", action="store_true", help="texts of the cautions, and all errors")
+    given = parser.parse_args()
+    first, last = map(int, given.seeds.split(":"))
+    seeds = [int(each) for each in given.only.split(",")] if given.only else range(first, last)
+    (given.folder / "models").mkdir(parents=True, exist_ok=True)
+    known, all_found = known_references(given.folder), []
+    print(
+        "seed kind            solver                                    steps outcome     error of               gradient   energy    local"
+    )
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        for seed in seeds:
+            found = judge(seed, given.folder, known)
+            all_found.append(found)
+            print(line(found), flush=True)
+            if given.explain or found.outcome == "crashed":
+                print("\n".join([f"      {text}" for text in found.texts]), f"\n      {found.values} unknown: {found.unknown}")
+    if not given.only:
+        text = "".join(json.dumps(asdict(found)) + "\n" for found in all_found)
+        (given.folder / "judged.jsonl").write_text(text)
+    print(summary(all_found))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,24 @@
+"""Cautions about an equilibrium: which limit points lie before it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.solution import Solution
+from toolkit.validity.verdict import Caution
+
+
+def limits_passed(solution: Solution) -> Iterator[Caution]:
+    """A path that was followed past limit points: a real structure may be elsewhere."""
+    path = solution.path
+    if path is None or not path.passed_limit:
+        return
+    passed = "; ".join(f"{each.percent} of the load, {each.coordinate} runs away" for each in path.limit_points)
+    others = (
+        f" It met {path.unstable_crossings} unstable equilibria under the full load before." if path.unstable_crossings else ""
+    )
+    yield Caution(
+        "snap-through",
+        f"this equilibrium lies BEYOND A SNAP-THROUGH. The path from the unloaded state turns back at limit points ({passed}); a real "
+        f"structure jumps at the first, and may come to rest elsewhere.{others}",
+    )

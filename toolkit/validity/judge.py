@@ -1,0 +1,60 @@
+"""The verdict on a solution: all checks that its states alone allow."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from toolkit.solution import Solution
+from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
+from toolkit.validity.noisy_forces import noisy_forces
+from toolkit.validity.physics import excessive_speeds, large_deformations
+from toolkit.validity.scene_cautions import cautions_of_scene
+from toolkit.validity.snap_through import snap_through
+from toolkit.validity.stale_models import stale_models
+from toolkit.validity.start_cautions import cautions_of_start
+from toolkit.validity.verdict import Caution, Verdict
+
+
+def judge(solution: Solution) -> Verdict:
+    """Whether the states of a solution can be trusted, and why not.
+
+    A motion is judged by its energy and its steps, an equilibrium by the path that leads there, both by what the model leaves out. What
+    the length of the steps does to a response is not in it: the `verdict` of a result of `sensitivity.analysis` measures it.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of `simulate` or `solve_statics`, with real numbers.
+    """
+    found = measures(solution)
+    return Verdict.of([*cautions(solution, found), *(coarse_steps(solution) if solution.steps else ())], found)
+
+
+def measures(solution: Solution) -> dict[str, Any]:
+    """What is measured to judge a solution; of an equilibrium nothing but how well its joints are closed."""
+    return measured(solution) if solution.steps else {"drift": solution.drift}
+
+
+def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
+    """All cautions but that of coarse steps, which a result measures better."""
+    scene = solution.system.scene
+    if solution.steps:
+        yield from unbalanced_energy(solution, found["energy_balance"])
+        yield from noisy_forces(solution.options or scene.solver, found["force_noise"])
+        yield from excessive_speeds(solution)
+        yield from filter(None, [snap_through(solution)])
+    else:
+        yield from limits_passed(solution)
+    yield from cautions_of_start(solution)
+    yield from cautions_of_scene(scene)
+    yield from stale_models(scene)
+    yield from left_over(solution)
+    yield from large_deformations(solution)
+    for body, names in scene.extrapolated().items():
+        yield Caution(
+            "extrapolated",
+            f"bodies.{body} follows the tangent at its nominal design in {', '.join(names)}: an error of second order in the change.",
+            doubt=False,
+        )

@@ -1,0 +1,46 @@
+"""Cautions about what the model leaves out: large deformation in a frame, and frames that spin too fast for linear bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.scene import Scene
+from toolkit.solution import Solution
+from toolkit.units import unit
+from toolkit.validity.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
+from toolkit.validity.deformation import LIMIT, deformations
+from toolkit.validity.verdict import Caution
+
+
+def large_deformations(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies that leave the range of small deformations in their frame."""
+    length = unit(solution.system.scene.units, "length")
+    for body, each in deformations(solution).items():
+        if each is not None and each.exceeded:
+            yield Caution(
+                "large-deformation",
+                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
+                f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
+                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
+                "body, or several bodies in a row instead of one, make it smaller.",
+            )
+
+
+def excessive_speeds(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose frame spins beyond their critical speed."""
+    for body, speed, critical in too_fast_in_motion(solution):
+        yield Caution(
+            "critical-speed",
+            f"{body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
+            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, or make several "
+            "bodies in a row of it.",
+        )
+
+
+def speed_limits(scene: Scene) -> str:
+    """What to know of critical speeds where a run failed; empty without flexible bodies that turn."""
+    return " ".join(
+        f"A frame that spins faster than {critical_speed(scene, body):.4g} rad/s, the critical speed of {body}, diverges in linear FFRF "
+        "with any step, because centrifugal stiffening is not in it."
+        for body in spinning_bodies(scene)
+    )
