@@ -22,8 +22,8 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.system import formulas_of
+from toolkit.validity.judge import judge
 
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
@@ -33,8 +33,7 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     system = prepare(small, ["points.P.x"] if backwards else [])
     solution = solve(system, kind)
     evaluate_responses(solution)
-    if kind == "transient":
-        energy_balance(solution)
+    judge(solution)
     if backwards and has_adjoint(small, kind):
         adjoint_gradients(system, solution)
 
