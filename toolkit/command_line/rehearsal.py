@@ -16,15 +16,14 @@ from toolkit.loads.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.point import Point
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.system import formulas_of
+from toolkit.validity.judge import judge
 
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
@@ -34,8 +33,7 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     system = prepare(small, ["points.P.x"] if backwards else [])
     solution = solve(system, kind)
     evaluate_responses(solution)
-    if kind == "transient":
-        energy_balance(solution)
+    judge(solution)
     if backwards and has_adjoint(small, kind):
         adjoint_gradients(system, solution)
 
@@ -48,7 +46,7 @@ def pendulum_like(scene: Scene) -> Scene:
     ends: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
     common: dict[str, Any] = {
         "units": "m-kg-s",
-        "responses": {"way": TimeIntegral(of=Displacement(body="rod", point="P", component="x")), **force},
+        "responses": {"way": Displacement(body="rod", point="P", component="x"), **force},
     }
     if scene.dimension == 2:
         return Scene(
