@@ -12,6 +12,7 @@ from preprocessing.source_file import source
 from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
 from toolkit.outside_files import told_outside
 from toolkit.reduced_model_file import load, save
+from toolkit.validity.material_questions import material_questions
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
@@ -49,6 +50,8 @@ def preprocess(
     if elsewhere := told_outside(skin, described.inputs):
         _remark(elsewhere)
     model = described.build(_remark, values, {})
+    for caution in material_questions(model.nominal, model.units, skin.stem):
+        _remark(f"warning: {caution.text}")
     save(model, output)
     interfaces = ", ".join(model.interfaces or {}) or "none"
     typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
@@ -97,7 +100,9 @@ def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
     lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
         _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
-    return None if lacking else model.input_hash
+    if not model.inputs:
+        _remark(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
+    return None if lacking or not model.inputs else model.input_hash
 
 
 def _remark(text: str) -> None:

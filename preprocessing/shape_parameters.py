@@ -9,7 +9,7 @@ if TYPE_CHECKING:
 
 TAKEN = (
     "youngs_modulus", "density", "thickness", "width", "poisson_ratio", "damping_mass", "damping_stiffness", "chord", "y_scale",
-    "type", "model", "frame", "position", "angle", "velocity", "extrapolation",
+    "type", "model", "frame", "position", "angle", "velocity", "angular_velocity", "extrapolation",
 )  # fmt: skip
 """Names of the other parameters that a reduced model can have, and keys of a flexible body in a scene."""
 

@@ -104,7 +104,7 @@ def all_bodies() -> dict[str, Any]:
     return {
         "rod": Rod(between=("A", "B"), area=0.8, density=1.2),
         "block": Rigid(mass=1.4, inertia=0.6, center="C"),
-        "skin": Flexible(model="beam.h5", position=(0.3, -0.2), angle=0.7, thickness=0.33),
+        "skin": Flexible(model="beam.h5", frame="grounded", position=(0.3, -0.2), angle=0.7, thickness=0.33),
         "strip": Flexible(model="beam.h5", frame="moving", position=(-0.4, 0.5), angle=-0.6, youngs_modulus=1.5),
     }
 

@@ -1,4 +1,4 @@
-"""Three scenes that contain, together, every kind of body, joint, load and time curve; and the numbers in them without effect."""
+"""Scenes that contain, together, every kind of body, joint, load and time curve; and the numbers in them without effect."""
 
 from __future__ import annotations
 
@@ -67,11 +67,11 @@ def rods(_folder: Path) -> Scene:
         units="m-kg-s",
         points=points("OABCDE"),
         bodies={
-            "crank": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
-            "link": Rod(between=("A", "B"), area=0.6, density=0.9, velocity=(-0.2, 0.1, 0.4)),
-            "block": Rigid(mass=1.4, inertia=0.6, center="C", velocity=(0.3, -0.1, 0.2)),
-            "car": Rigid(mass=0.7, inertia=0.3, center="D", velocity=(0.1, 0.5, -0.2)),
-            "tray": Rigid(mass=0.5, inertia=0.2, center="E", velocity=(0.2, -0.3, 0.1)),
+            "crank": Rod(between=("O", "A"), area=0.8, density=1.2),
+            "link": Rod(between=("A", "B"), area=0.6, density=0.9, angular_velocity=0.4),
+            "block": Rigid(mass=1.4, inertia=0.6, center="C", angular_velocity=0.2),
+            "car": Rigid(mass=0.7, inertia=0.3, center="D"),
+            "tray": Rigid(mass=0.5, inertia=0.2, center="E"),
         },
         joints={
             "hinge": Revolute(bodies=("crank", "ground"), point="O"),
@@ -112,11 +112,11 @@ def swing(_folder: Path) -> Scene:
         units="m-kg-s",
         points=points("OABCDEF"),
         bodies={
-            "rod": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
+            "rod": Rod(between=("O", "A"), area=0.8, density=1.2),
             "block": Rigid(mass=1.4, inertia=0.6, center="C", velocity=(0.3, -0.1, 0.2)),
-            "arm": Rod(between=("O", "F"), area=0.7, density=1.1, velocity=(0.1, 0.3, 0.2)),
-            "cart": Rigid(mass=0.5, inertia=0.2, center="E", velocity=(0.2, -0.3, 0.1)),
-            "tray": Rigid(mass=0.3, inertia=0.1, center="D", velocity=(0.1, 0.2, 0.3)),
+            "arm": Rod(between=("O", "F"), area=0.7, density=1.1),
+            "cart": Rigid(mass=0.5, inertia=0.2, center="E"),
+            "tray": Rigid(mass=0.3, inertia=0.1, center="D"),
         },
         joints={
             "hinge": Revolute(bodies=("rod", "ground"), point="O"),
@@ -158,14 +158,14 @@ def beams(folder: Path) -> Scene:
         directory=folder,
         points=points("A") | {name: BodyPoint(body=body, interface=place) for name, (body, place) in grips.items()},
         bodies={
-            "skin": Flexible(model="beam.h5", position=(0.3, -0.2), angle=0.7, thickness=0.6),
+            "skin": Flexible(model="beam.h5", frame="grounded", position=(0.3, -0.2), angle=0.7, thickness=0.6),
             "strip": Flexible(
                 model="beam.h5",
                 frame="moving",
                 position=(-0.46, 1.61),
                 angle=-0.6,
                 youngs_modulus=15.0,
-                velocity=(0.1, -0.3, 0.2),
+                angular_velocity=0.2,
             ),
         },
         joints={"hinge": Revolute(bodies=("strip", "skin"), point=("T", "S"))},
@@ -190,4 +190,28 @@ def beams(folder: Path) -> Scene:
     )
 
 
-SCENES = {"rods": rods, "swing": swing, "beams": beams}
+def flight(folder: Path) -> Scene:
+    """A rod and a beam that fly, tied by springs alone."""
+    return Scene(
+        units="m-kg-s",
+        directory=folder,
+        points=points("OA") | {"T": BodyPoint(body="strip", interface="middle")},
+        bodies={
+            "rod": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
+            "strip": Flexible(model="beam.h5", position=(-0.4, 1.6), angle=-0.6, velocity=(0.1, -0.3, 0.2)),
+        },
+        loads={
+            "spring": SpringDamper(bodies=("strip", "rod"), points=("T", "O"), stiffness=0.3, damping=0.2, length=1.2),
+            "coil": RotationalSpringDamper(bodies=("strip", "rod"), point=("T", "A"), stiffness=0.2, damping=0.1, rest_angle=0.1),
+        },
+        responses={
+            "turn": Rotation(body="strip", point="T"),
+            "way": Displacement(body="rod", point="A", component="x"),
+            "stress": KSStress(body="strip", aggregation=20.0, reference_stress=1.0),
+            "energy": TimeIntegral(of=KineticEnergy()),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"flight": flight, "rods": rods, "swing": swing, "beams": beams}

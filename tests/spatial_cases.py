@@ -130,11 +130,11 @@ def all_bodies() -> dict[str, Any]:
             orientation=turned,
             density_stuff=0.9,
         ),
-        "mast": SpatialFlexible(model="frame.h5", position=(0.5, 0.4, -0.3), orientation=turned, width_bar=0.5),
+        "mast": SpatialFlexible(model="frame.h5", frame="grounded", position=(0.5, 0.4, -0.3), orientation=turned, width_bar=0.5),
         "block of rubber": SpatialFlexible(
             model="solid.h5", frame="moving", position=(0.2, -0.1, 0.3), orientation=turned, youngs_modulus=1.3
         ),
-        "fixed rubber": SpatialFlexible(model="solid.h5", position=(0.2, -0.1, 0.3), orientation=turned),
+        "fixed rubber": SpatialFlexible(model="solid.h5", frame="grounded", position=(0.2, -0.1, 0.3), orientation=turned),
     }
 
 

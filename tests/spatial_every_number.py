@@ -54,11 +54,12 @@ def linkage(_folder: Path) -> Scene:
         dimension=3,
         points=points("OABCDE"),
         bodies={
-            "crank": SpatialRod(between=("O", "A"), area=0.8, density=1.2, velocity=SPEED, angular_velocity=SPIN),
-            "link": SpatialRod(between=("A", "B"), area=0.6, density=0.9, velocity=SPEED, angular_velocity=SPIN),
-            "block": SpatialRigid(mass=1.4, inertia=TENSOR, center="C", angular_velocity=(0.4, 0.1, 0.3)),
-            "car": SpatialRigid(mass=0.7, inertia=(0.3, 0.4, 0.5), center="D", frame="translating", velocity=(0.1, 0.5, -0.2)),
-            "tray": SpatialRigid(mass=0.5, inertia=TENSOR, center="E", origin="D", angular_velocity=SPIN),
+            "crank": SpatialRod(between=("O", "A"), area=0.8, density=1.2),
+            "link": SpatialRod(between=("A", "B"), area=0.6, density=0.9, angular_velocity=SPIN),
+            "block": SpatialRigid(mass=1.4, inertia=TENSOR, center="C"),
+            "car": SpatialRigid(mass=0.7, inertia=(0.3, 0.4, 0.5), center="D", frame="translating"),
+            "tray": SpatialRigid(mass=0.5, inertia=TENSOR, center="E", origin="D"),
+            "dart": SpatialRod(between=("B", "E"), area=0.7, density=1.1, velocity=SPEED),
         },
         joints={
             "hinge": SpatialRevolute(bodies=("crank", "ground"), point="O", axis=(0.3, -0.5, 1.0)),
@@ -76,6 +77,7 @@ def linkage(_folder: Path) -> Scene:
             "weight": SpatialGravity(acceleration=(0.4, -1.3, 0.7)),
             "motor": SpatialTorque(body="link", reaction="block", point="B", torque=(1.7, -0.6, 0.5), curve=FOLLOW),
             "spring": SpatialSpringDamper(bodies=("tray", "crank"), points=("E", "A"), stiffness=2.1, damping=0.6, length=0.4),
+            "string": SpatialSpringDamper(bodies=("tray", "dart"), points=("E", "B"), stiffness=1.1, damping=0.6, length=0.4),
         },
         responses={
             "energy": energy,
@@ -111,8 +113,10 @@ def frames(folder: Path) -> Scene:
                 angular_velocity=(0.04, 0.2, 0.08),
             ),
             "sled": SpatialRigid(mass=1.1, inertia=(0.3, 0.4, 0.5), center="B", frame="translating", velocity=SPEED),
-            "plate": SpatialRigid(mass=0.8, inertia=TENSOR, center="F", velocity=SPEED, angular_velocity=SPIN),
-            "mast": SpatialFlexible(model="frame.h5", position=(0.5, 0.4, -0.3), orientation=turned, thickness_bar=0.2),
+            "plate": SpatialRigid(mass=0.8, inertia=TENSOR, center="F"),
+            "mast": SpatialFlexible(
+                model="frame.h5", frame="grounded", position=(0.5, 0.4, -0.3), orientation=turned, thickness_bar=0.2
+            ),
             "strip": SpatialFlexible(
                 model="frame.h5",
                 frame="moving",
@@ -121,7 +125,7 @@ def frames(folder: Path) -> Scene:
                 velocity=SPEED,
                 angular_velocity=SPIN,
             ),
-            "rubber": SpatialFlexible(model="solid.h5", position=(0.2, -0.1, 0.3), orientation=turned),
+            "rubber": SpatialFlexible(model="solid.h5", frame="grounded", position=(0.2, -0.1, 0.3), orientation=turned),
         },
         joints={
             "slot": Prismatic(bodies=("plate", "sled"), point="B", axis=(0.8, -0.5, 0.3)),

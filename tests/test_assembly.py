@@ -41,7 +41,7 @@ def linkage(length: float | None = None, drive: bool = False, **solver: Any) -> 
         points={name: Point(x=x, y=y) for name, (x, y) in places.items()},
         bodies={
             "first": Rod(between=("O", "A"), area=1.0, density=1.0),
-            "second": Rod(between=("Q", "B"), area=0.7, density=1.0, velocity=(0.1, 0.0, 0.2)),
+            "second": Rod(between=("Q", "B"), area=0.7, density=1.0, angular_velocity=None if drive else 0.2),
         },
         joints=joints,
         loads={"weight": Gravity(acceleration=(0.0, -9.81))},

@@ -120,7 +120,7 @@ def test_gravity_changes_momentum_by_impulse_and_energy_by_work(invariants):
 def beam_scene(directory: Path, **settings) -> Scene:
     section = Section(youngs_modulus=7e10, density=2700.0, thickness=0.01, width=0.05)
     save_beam(directory / "beam.h5", np.column_stack([np.linspace(0, 1, 9), np.zeros(9)]), section, {"tip": 1.0})
-    return Scene(units="m-kg-s", bodies={"beam": Flexible(model="beam.h5", **settings)}, directory=directory)
+    return Scene(units="m-kg-s", bodies={"beam": Flexible(model="beam.h5", frame="grounded", **settings)}, directory=directory)
 
 
 @pytest.mark.parametrize("scheme", ["paper", "arnold-bruels"])

@@ -138,8 +138,8 @@ def double_pendulum() -> Scene:
         units="m-kg-s",
         points={name: Point(x=x, y=y) for name, (x, y) in places.items()},
         bodies={
-            "upper": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.18, 0.21, 0.6)),
-            "lower": Rod(between=("A", "B"), area=0.5, density=1.1, velocity=(0.5, 0.2, -0.4)),
+            "upper": Rod(between=("O", "A"), area=0.8, density=1.2, angular_velocity=0.6),
+            "lower": Rod(between=("A", "B"), area=0.5, density=1.1, angular_velocity=-0.4),
         },
         joints={
             "O": Revolute(bodies=("upper", "ground"), point="O"),

@@ -1,7 +1,6 @@
 """The command `ffrf`: purity and keys of its JSON, overrides, numbers of the reference scene, messages and exit codes."""
 
 import json
-import os
 import re
 import shutil
 import signal
@@ -14,9 +13,8 @@ import pytest
 from typer.testing import CliRunner
 
 from toolkit.cli import app
-from toolkit.command_line.announcements import compile_formulas, kernel_of
+from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.report import record_of
-from toolkit.kernel import is_on_disk
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity import certificate
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
@@ -66,8 +64,8 @@ def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_not
     found = json.loads(output)  # fails on anything before or after the object
     judged = {"verdict", "warnings", "drift"}
     if "static" not in "".join(arguments):
-        judged |= {"energy_balance", "estimated_error", "newton_correction"}
-    assert set(found) == {"responses", "gradients", "run", "deformation"} | judged
+        judged |= {"energy_balance", "estimated_error", "force_noise", "newton_correction", "start"}
+    assert set(found) == {"responses", "gradients", "gradient_units", "run", "deformation"} | judged
     assert {name: each["unit"] for name, each in found["responses"].items()} == RESPONSES
     assert all(isinstance(each["value"], float) for each in found["responses"].values())
     assert set(found["run"]) == {"method", "reason", "steps", "newton_iterations", "wall_s"}
@@ -265,18 +263,6 @@ def test_simulate_imports_no_drawing():
         assert f"'{heavy}'" not in done.stdout
 
 
-def test_code_that_is_not_compiled_yet_is_recognised(tmp_path):
-    code = (
-        "from toolkit.command_line.announcements import kernel_of; from toolkit.kernel import is_on_disk;"
-        "print(*(is_on_disk(kernel_of(kind)) for kind in ('static', 'transient')))"
-    )
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
-    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, env=environment, capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False", "False"]
-    solve(prepare(read_scene(SCENE)), "transient")
-    assert is_on_disk(kernel_of("transient"))
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
 def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
     code = (
@@ -392,8 +378,7 @@ def test_a_run_that_keeps_checkpoints_only_says_so_and_has_no_results_to_write(t
 
 def test_the_first_run_on_a_machine_compiles_with_memory_of_its_own():
     """What a scene allows its states must not stop the two states that compilation needs."""
-    scene = read_scene(SCENE, {"solver.memory": "1e-9"})
-    compile_formulas(prepare(scene, list(scene.design)), "transient")
+    compile_before(read_scene(SCENE, {"solver.memory": "1e-9"}), "transient")
 
 
 def test_certify_without_responses_says_what_is_missing(tmp_path):

@@ -336,7 +336,7 @@ def test_a_beam_below_its_critical_speed_runs_without_warning():
 
 def test_a_beam_beyond_its_critical_speed_is_warned_about():
     """It should stretch by 0.2 mm, and bends out by half its length: linear FFRF lacks centrifugal stiffening."""
-    done = run("simulate", SPINNING, "--set", "solver.end_time=0.1", "--set", "bodies.beam.velocity=[0, 0, 120]", "--json")
+    done = run("simulate", SPINNING, "--set", "solver.end_time=0.1", "--set", "bodies.beam.angular_velocity=120.0", "--json")
     assert done.exit_code == 0
     found = json.loads(done.stdout)["deformation"]["beam"]
     assert found["largest_displacement"]["value"] > 0.1
@@ -356,7 +356,7 @@ curve = { type = "smooth-step", duration = 0.4, height = 80.0 }
 
 def test_a_beam_that_comes_to_spin_too_fast_diverges_with_a_word_of_its_critical_speed(tmp_path):
     """Up to 375 rad/s on the way: the run ends where the deflection has grown beyond what Newton can resolve."""
-    text = Path(SPINNING).read_text().replace("[design]", DRIVE + "\n[design]").replace(", velocity = [0.0, 0.0, 50.0]", "")
+    text = Path(SPINNING).read_text().replace("[design]", DRIVE + "\n[design]").replace(", angular_velocity = 50.0", "")
     shutil.copy(MODELS / "rotating_beam" / "beam.h5", tmp_path / "beam.h5")
     (tmp_path / "scene.toml").write_text(text)
     done = run("simulate", str(tmp_path / "scene.toml"))

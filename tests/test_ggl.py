@@ -26,7 +26,7 @@ from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
 from toolkit.validity.energy_balance import energy_balance
 
-PENDULUM_DESIGN = [*DESIGN, "bodies.lower.velocity.2", "loads.motor.curve.phase"]
+PENDULUM_DESIGN = [*DESIGN, "bodies.lower.angular_velocity", "loads.motor.curve.phase"]
 CRANK_DESIGN = ["points.T.y", "bodies.crank.inertia", "bodies.rod.mass", "loads.spring.stiffness", "loads.force.force.x"]
 ROUND_OFF = 1e-14
 """A few roundings of positions of size 1, and of velocities of size 10."""

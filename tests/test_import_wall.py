@@ -29,6 +29,8 @@ SHARED = tuple(
         "outside_files",
         "errors",
         "units",
+        "validity.material_questions",
+        "validity.verdict",
     )
 )
 
@@ -36,6 +38,7 @@ LAYERS = [
     (
         "errors",
         "kernel",
+        "compile_watch",
         "compiled_code",
         "planar",
         "units",
@@ -71,7 +74,7 @@ LAYERS = [
     ("system", "redundant_joints"),
     ("solution", "flexible_bodies", "validity", "solvers", "conformance"),
     ("responses",),
-    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units"),
+    ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units", "gradient_units"),
     ("results",),
     ("studies", "receipt"),
     ("render",),

@@ -212,6 +212,17 @@ def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
     assert "written" in out
 
 
+def test_model_that_does_not_say_what_it_was_built_from_is_replaced(run, folder):
+    run()
+    with h5py.File(folder / "skin.h5", "a") as file:
+        for group in ("inputs", "source"):
+            del file[group]
+    code, out, err = run()
+    assert (code, "written" in out) == (0, True)
+    assert "does not say what it was built from, as those of older versions. It is built anew." in err
+    assert set(load(folder / "skin.h5").inputs) == {"skin.toml", "high_speed.dat", "low_speed.dat"}
+
+
 def test_model_of_another_schema_version_is_replaced(run, folder):
     run()
     with h5py.File(folder / "skin.h5", "a") as file:
@@ -402,5 +413,7 @@ def test_built_file_holds_only_known_groups(run, folder):
         "nominal",
         "nominal_units",
         "writers",
+        "inputs",
+        "source",
     }
     assert groups == names

@@ -19,13 +19,13 @@ from tests.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.bodies.rigid import Rod
 from toolkit.cli import app
 from toolkit.errors import InputError
+from toolkit.gradient_units import per, variable_unit
 from toolkit.joints.revolute import Revolute
 from toolkit.loads.gravity import Gravity
 from toolkit.point import Point
 from toolkit.replaced_file import replaced
 from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
-from toolkit.report.variable_unit import per, variable_unit
 from toolkit.report.viewer import viewer_data
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect

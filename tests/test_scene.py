@@ -34,7 +34,7 @@ def wing_in_python() -> Scene:
             **{name: BodyPoint(body="skin", interface=name) for name in "CEG"},
         },
         bodies={
-            "skin": Flexible(model="skin.h5"),
+            "skin": Flexible(model="skin.h5", frame="grounded"),
             "body2": Rod(between=("A", "B"), **rod),
             "body3": Rod(between=("B", "C"), **rod),
             "body4": Rod(between=("B", "D"), **rod),
@@ -127,7 +127,7 @@ def test_one_reduced_model_serves_two_bodies_at_different_places():
         for name, body in scene.bodies.items()
         if isinstance(body, Rod)
     }
-    bodies["second_skin"] = Flexible(model="skin.h5", position=tuple(map(float, shift)), angle=angle)
+    bodies["second_skin"] = Flexible(model="skin.h5", frame="grounded", position=tuple(map(float, shift)), angle=angle)
     both = scene.model_copy(
         update={
             "points": {**scene.points, **{f"second_{name}": moved(point) for name, point in scene.points.items()}},

@@ -34,8 +34,8 @@ tip = { body = "mast", interface = "end" }
 
 [bodies]
 flag = { type = "flexible", model = "frame.h5", frame = "moving", position = [0.5, 0.4, -0.3], angular_velocity = [0.0, 0.0, 0.1] }
-mast = { type = "flexible", model = "frame.h5", position = [0.5, 0.4, -0.3] }
-rubber = { type = "flexible", model = "solid.h5", position = [4.0, 0.0, 0.0] }
+mast = { type = "flexible", model = "frame.h5", frame = "grounded", position = [0.5, 0.4, -0.3] }
+rubber = { type = "flexible", model = "solid.h5", frame = "grounded", position = [4.0, 0.0, 0.0] }
 
 [joints]
 hinge = { type = "revolute", bodies = ["flag", "mast"], point = ["root", "tip"], axis = [0.0, 0.0, 1.0] }

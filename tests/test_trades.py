@@ -74,7 +74,7 @@ def test_steps_of_changing_length_keep_the_second_order(exact, formulation, rho_
         assert 1.85 < order < 3.1, name  # the next power of the step contributes, mostly to the better
 
 
-@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("rho_inf", [0.0, 0.5, 0.8])
 def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, rho_inf):
     def options(count: int) -> RunOptions:
         return RunOptions(end_time=0.8, step=0.8 / count, formulation="index-3", rho_inf=rho_inf, tolerance=1e-13)
@@ -88,7 +88,7 @@ def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, 
     "options",
     [
         {"formulation": "index-3"},
-        {"formulation": "index-3", "rho_inf": 0.9},
+        {"formulation": "index-3", "rho_inf": 0.8},
         {"newton": "modified"},
         {"times": UNEVEN},
         {"times": UNEVEN, "formulation": "index-3", "rho_inf": 0.0},
@@ -100,7 +100,7 @@ def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, 
 )
 def test_gradients_of_all_states_are_exact(options):
     """Against a complex step through the same accepted steps."""
-    scene, design = driven_pendulum(), [*DESIGN, "bodies.lower.velocity.2", "loads.motor.curve.phase"]
+    scene, design = driven_pendulum(), [*DESIGN, "bodies.lower.angular_velocity", "loads.motor.curve.phase"]
     end = UNEVEN[-1] if "times" in options else 0.8
     run_options = RunOptions(end_time=end, step=0.05, tolerance=1e-13, drift_tolerance=1e-2, **options)
     scene = scene.model_copy(update={"solver": run_options})
@@ -335,7 +335,10 @@ def test_an_error_below_round_off_is_refused():
         ({"times": (0.0, 1.0), "local_error": 1e-3}, "leave one of them out"),
         ({"scheme": "paper", "local_error": 1e-3}, "has no estimate of its local error"),
         ({"formulation": "index-3", "rho_inf": 1.0, "local_error": 1e-3}, "rho_inf of at most 0.5"),
-        ({"formulation": "index-3", "rho_inf": 0.95}, "of at most 0.9: .* errors grow while the motion still looks right"),
+        (
+            {"formulation": "index-3", "rho_inf": 0.85},
+            "of at most 0.8: .* while the motion still looks right",
+        ),
         ({"scheme": "paper", "formulation": "index-3"}, "is of index 1"),
     ],
 )

@@ -8,16 +8,20 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from toolkit.cli import app
 from toolkit.errors import InputError
+from toolkit.responses.motion import Displacement
+from toolkit.responses.response import Partials
 from toolkit.results.results_file import load_results, save_results
 from toolkit.run_options import RunOptions
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.adjoint import adjoint
 from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.step_error import step_error
 from toolkit.solution import Solution
@@ -146,3 +150,34 @@ def test_a_wrong_word_for_the_analysis_is_refused(analysis):
             analysis(scene, ["m"], word)
     with pytest.raises(InputError, match="a list of names, not the text 'm'"):
         analysis(scene, "m", "transient")
+
+
+def test_differences_betray_what_all_exact_methods_share():
+    scene = read_scene(PENDULUM, {"solver.end_time": "0.2", "solver.step": "0.02"})
+    point = {"body": "bob", "point": "P"}
+    height = Displacement(**point, component="y")
+
+    class Half(Displacement):
+        """A displacement whose real part alone is seen."""
+
+        kind = "half-blind-displacement-of-a-test"
+
+        def at(self, solution: Solution, step: int) -> Partials:
+            """No partial derivatives."""
+            return Partials(np.real(super().at(solution, step).value) + 0 * solution.q[step, 0])
+
+    blind = scene.model_copy(update={"responses": {"seen": height, "unseen": Half(**point, component="y")}})
+    found = certify(blind, ["g_y"], "transient")
+    assert found.differences["complex-step"]["unseen"]["g_y"] == 0  # zero by all of them
+    with pytest.raises(DisagreementError, match="gradient of unseen is contradicted by central differences"):
+        found.check(1e-8)
+    assert found.quotients["seen"].slope == pytest.approx(found.along["seen"], rel=1e-8)
+
+
+def test_a_certificate_that_verifies_nothing_is_a_failure():
+    """ "0 gradients agree to - digits", with exit code 0, before."""
+    exact: Any = SimpleNamespace(gradients={"f": {"x": 1.0}})
+    lost = Certificate(exact, {"adjoint": {"f": {"x": 0.3}}}, {"f": {"x": 1.0}}, {"f": 2.0}, [])
+    with pytest.raises(NothingVerifiedError, match="no gradient was verified"):
+        lost.check(1e-8)
+    Certificate(exact, {"adjoint": {"f": {"x": 1e-9}}}, {"f": {"x": 1.0}}, {"f": 2.0}, []).check(1e-8)

@@ -153,7 +153,7 @@ def sensitivity(
     described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("gradients", described, kind, names, quiet) as progress:
+    with at_work("gradients", described, kind, names, quiet, method.value) as progress:
         found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
@@ -179,11 +179,13 @@ def modes(
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
-        frequencies = solve_modes(state, count).frequencies.tolist()
+        found = solve_modes(state, count)
+    frequencies = found.frequencies.tolist()
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}})
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
     else:
         print_frequencies(frequencies)
+        typer.echo(str(found.verdict))
 
 
 @app.command()

@@ -51,13 +51,6 @@ def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
     return dispatcher
 
 
-def is_on_disk(function: CPUDispatcher) -> bool:
-    """Whether a kernel has been compiled before, by any process, from these formulas."""
-    if not isinstance(function, CPUDispatcher):
-        return True
-    return function._cache.is_kept()  # type: ignore[attr-defined]
-
-
 @cache
 def formulas_stamp() -> str:
     """Hash of all files with kernels.

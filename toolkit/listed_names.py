@@ -16,3 +16,9 @@ def listed(names: Iterable[str]) -> str:
         members = list(family)
         shown += members if len(members) < 4 else [f"{members[0]} ... {members[-1]}"]
     return ", ".join(shown) or "none"
+
+
+def quoted(names: Iterable[str]) -> str:
+    """Names in quotes with an "and" before the last."""
+    *others, last = [repr(name) for name in names]
+    return f"{', '.join(others)} and {last}" if others else last

@@ -99,6 +99,8 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
     for name, value in texts.items():
         if not isinstance(value, str):
             _refuse(path, name, f"is {value!r} instead of a text")
+    if foreign := set(model.source) - set(model.inputs):
+        _refuse(path, f"source/{min(foreign)}", "is not among its inputs")
     for name, value in model.changes.items():
         if not isinstance(value, (int, float)):
             _refuse(path, f"changes/{name}", f"is {value!r} instead of a number")

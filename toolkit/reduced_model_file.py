@@ -195,7 +195,7 @@ def _read_object(kind: Any, content: Content, group: str) -> Any:
 def save(model: ReducedModel, path: str | Path) -> None:
     """Write the file in one stroke: an interrupted run leaves the old file or none."""
     path = Path(path)
-    model = replace(model, inputs=_seen_from(path.parent, model))
+    model = _seen_from(path.parent, model)
     check(model, path)
     with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
@@ -205,15 +205,14 @@ def save(model: ReducedModel, path: str | Path) -> None:
                 _write(file, item.name, getattr(model, item.name))
 
 
-def _seen_from(folder: Path, model: ReducedModel) -> dict[str, str]:
-    """The inputs by their places relative to a folder; as they are where no path leads from there to them."""
+def _seen_from(folder: Path, model: ReducedModel) -> ReducedModel:
+    """The model with the names of its inputs relative to a folder; as they are where no path leads from there to them."""
     if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
-        return model.inputs
-    start = folder.resolve()
+        return model
+    origin = model.inputs_from.resolve()
     try:
-        return {
-            Path(os.path.relpath(model.inputs_from.resolve() / name, start)).as_posix(): stamp
-            for name, stamp in model.inputs.items()
-        }
+        names = {name: Path(os.path.relpath(origin / name, folder.resolve())).as_posix() for name in model.inputs}
     except ValueError:  # another drive
-        return model.inputs
+        return model
+    renamed: dict[str, Any] = {name: {names[k]: v for k, v in getattr(model, name).items()} for name in ("inputs", "source")}
+    return replace(model, **renamed, inputs_from=folder)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import null_space
 
+from toolkit.compilation.frame_hints import hint_of_grounded
 from toolkit.compilation.redundant_rows import Rows, independent_rows, null_vectors
 from toolkit.equations import Terms
 from toolkit.errors import InputError
@@ -46,12 +47,14 @@ def without_redundant_rows(system: System) -> System:
         raise InputError(
             f"{', '.join(names[n_q + row] for row in rows.almost[:4])} nearly repeat what other joints hold, but not exactly: they jam. "
             "Give points and axes that fit to the last digit, or remove the joint that is too much."
+            + hint_of_grounded(system.scene, system.numbering.joints_of(n_q + rows.almost))
         )
     joints = system.scene.joints.items()
     driven = {system.numbering.row[name] + len(joint.row_names) - 1 for name, joint in joints if joint.time_curve}
     if repeated := driven & {n_q + int(row) for row in rows.repeating}:
         raise InputError(
             f"{names[min(repeated)]} drives what other joints already determine. Remove the driver, or the joint that holds what it drives."
+            + hint_of_grounded(system.scene, system.scene.joints)
         )
     _refuse_variables_that_jam(system, q, jacobian, rows)
     return replace(system, plan=system.plan._replace(dropped=n_q + rows.repeating))

@@ -7,10 +7,11 @@ from typing import Any
 
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.rigid import Rigid, RigidBody, Rod
+from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.bodies.spatial.body import SpatialBody
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.bodies.start_velocity import StartVelocity
 from toolkit.description import Description
 from toolkit.dimensions import LABELLED, NONE, Dimension, dimension_of_label
 from toolkit.errors import InputError
@@ -54,10 +55,10 @@ _ROD: _Fields = {"area": LABELLED["area"], "density": LABELLED["density"]}
 FIELDS: dict[type, _Fields] = {
     Point: {"x": _LENGTH, "y": _LENGTH, "z": _LENGTH},
     BodyPoint: {"arc_length": _LENGTH},
-    RigidBody: {"velocity": _VELOCITY},
+    StartVelocity: {"velocity": _VELOCITY, "angular_velocity": _RATE},
     Rigid: {"mass": LABELLED["mass"], "inertia": _INERTIA},
     Rod: _ROD,
-    Flexible: {"position": _LENGTH, "angle": NONE, "velocity": _VELOCITY},
+    Flexible: {"position": _LENGTH, "angle": NONE},
     SpatialBody: {"axis": NONE, "velocity": _LENGTH.times(_RATE), "angular_velocity": _RATE},
     SpatialRigid: {"mass": LABELLED["mass"], "inertia": _INERTIA},
     SpatialRod: _ROD,

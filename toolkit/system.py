@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -76,18 +77,33 @@ class System:
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-        design = design and self.n_x > 0
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, design, terms, work)
+        if self.compiled:  # exactly what the kernel is compiled for
+            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
+            curves, curves_x, levels = (
+                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
+            )
+            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        self._evaluation(self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
         return terms
+
+    @cached_property
+    def _evaluation(self) -> Callable:
+        """`evaluate_all` as it is compiled for this plan, without a look at the types of its arguments: that takes four times as long."""
+        if not self.compiled or not isinstance(evaluate_all, CPUDispatcher):
+            return partial(self.run, evaluate_all)
+        if self._signature() is None:
+            (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
+        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
+        return found
 
     @cached_property
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
-        if isinstance(evaluate_all, CPUDispatcher) and self._signature() is None:
-            q, v, *_ = self.start()
-            self.evaluate(self.inputs(0.0, np.zeros(3)), q, v, np.zeros(self.n))
+        _ = self._evaluation  # compiled by now
         return first_class(evaluate_all, self._signature())
 
     def _signature(self) -> Any:
@@ -101,7 +117,7 @@ class System:
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
     def most_moved(self, change: np.ndarray) -> str:
-        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad)."""
+        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
         return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -133,6 +149,17 @@ class System:
         return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
 
 
+def _formulas(scene: Scene) -> tuple[list, list]:
+    """The different formulas of the scene's joints, and of its loads; there is always one."""
+    return families(list(scene.joints.values())) or [revolute], families(loads_of(scene)) or [torque]
+
+
+def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    joints, loads = _formulas(scene)
+    return slots(joints, JOINT_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
     """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
 
@@ -149,12 +176,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     plan = build_plan(scene, numbering, values, changes, dtype)
-    joint_formulas = families(list(scene.joints.values())) or [revolute]
-    load_formulas = families(loads_of(scene)) or [torque]
-    if dtype is float:
-        functions = slots(joint_formulas, JOINT_SIGNATURE), slots(load_formulas, LOAD_SIGNATURE)
-    else:
-        functions = tuple(plain(f) for f in joint_formulas), tuple(plain(f) for f in load_formulas)
+    functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

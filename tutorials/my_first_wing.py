@@ -1,6 +1,6 @@
 """My first wing: simulate a wing whose nose changes its shape, and ask what the design does to it.
 
-Run it as a script, or cell by cell in an editor that knows `# %%`. The first run compiles the formulas, which takes a minute.
+Run it as a script, or cell by cell in an editor that knows `# %%`. The first run compiles the formulas, which takes two minutes.
 """
 
 # %% [markdown]

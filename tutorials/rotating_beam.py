@@ -37,8 +37,8 @@ save(polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}), folder / "beam.h5")
 
 
 # %% [markdown]
-# Then the scene: the beam hangs on a hinge at its hub and starts with the rate Omega. `frame = "moving"` gives it a floating
-# frame with three coordinates, x, y and the angle; 60 more describe how it is bent and stretched in that frame.
+# Then the scene: the beam hangs on a hinge at its hub and starts with the rate Omega. It has a floating frame with
+# three coordinates, x, y and the angle; 60 more describe how it is bent and stretched in that frame.
 
 
 # %%
@@ -48,7 +48,7 @@ def spinning(rate: float) -> Scene:
         units="m-kg-s",
         directory=folder,
         points={"hub": BodyPoint(body="beam", interface="hub")},
-        bodies={"beam": Flexible(model="beam.h5", frame="moving", velocity=(0.0, 0.0, rate))},
+        bodies={"beam": Flexible(model="beam.h5", angular_velocity=rate)},
         joints={"hub": Revolute(bodies=("beam", "ground"), point="hub")},
         responses={"stress": MaxStress(body="beam", when="end")},
         solver=RunOptions(end_time=1.0, step=0.001, rho_inf=0.8),

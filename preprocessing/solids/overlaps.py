@@ -40,9 +40,9 @@ def refuse_overlaps(mesh: SolidMesh) -> None:
     if len(pairs):
         one, other = pairs[np.argmin(pairs.min(axis=1))]
         raise InputError(
-            f"{len(np.unique(pairs))} of the {sides.count} elements of the mesh lie in one another, so that their mass would count twice: "
-            f"the {_named(mesh, one)} and the {_named(mesh, other)} are the first. Delete one of the two meshes of that region, or cut its "
-            "parts along common faces before meshing (gmsh: BooleanFragments, then Coherence)."
+            f"{len(np.unique(pairs))} of the {sides.n_elements} elements of the mesh lie in one another, so that their mass would count "
+            f"twice: the {_named(mesh, one)} and the {_named(mesh, other)} are the first. Delete one of the two meshes of that "
+            "region, or cut its parts along common faces before meshing (gmsh: BooleanFragments, then Coherence)."
         )
 
 
@@ -74,8 +74,8 @@ def _inside_others(sides: Sides, simplices: Simplices) -> Iterator[np.ndarray]:
     corners = simplices.corners[outer]
     points, owner = (1 - INSIDE) * corners[:, 1:].mean(axis=1) + INSIDE * corners[:, 0], simplices.element[outer]
     order = np.argsort(simplices.element, kind="stable")
-    first = np.searchsorted(simplices.element[order], np.arange(sides.count + 1))
-    point, element = _near(points, owner, *_boxes(simplices, sides.count))
+    first = np.searchsorted(simplices.element[order], np.arange(sides.n_elements + 1))
+    point, element = _near(points, owner, *_boxes(simplices, sides.n_elements))
     for some in np.array_split(np.arange(len(point)), 1 + len(point) // AT_ONCE):
         own = np.diff(first)[element[some]]
         pair = np.repeat(some, own)

@@ -24,7 +24,7 @@ class Sides(NamedTuple):
     element: np.ndarray  # (n,) number of the element
     key: np.ndarray  # (n, 4) corners in rising order, filled up with -1
     turn: np.ndarray  # (n,) +1 or -1: which way round the corners follow one another, seen from outside the element
-    count: int  # of the elements
+    n_elements: int
 
 
 class Simplices(NamedTuple):
@@ -46,7 +46,7 @@ def cut(nodes: np.ndarray, blocks: Mapping[str, np.ndarray]) -> tuple[Sides, Sim
             apexes = np.broadcast_to(centre[:, None, None], (*outer.shape[:2], 1, nodes.shape[1]))
             each = np.concatenate([apexes, outer], axis=2)
             own = [np.repeat(first + np.arange(len(block)), outer.shape[1]) for first in (elements, n_sides)]
-            simplices.append(Simplices(*own, each.reshape(-1, *each.shape[2:])))
+            simplices.append(Simplices(own[0], own[1], each.reshape(-1, *each.shape[2:])))
             n_sides += len(block)
         elements += len(block)
     element, key, turn = (np.concatenate(parts) for parts in list(zip(*sides, strict=True))[:3])

@@ -24,7 +24,7 @@ FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "gg
 
 def disturbed(speed: float, formulation: str, end_time: float) -> Solution:
     """A beam that is bent by a nanometre at its tip, and spins freely."""
-    system = compile_scene(read_scene(BEAM, {"bodies.beam.velocity": f"[0, 0, {speed!r}]"}))
+    system = compile_scene(read_scene(BEAM, {"bodies.beam.angular_velocity": repr(speed)}))
     q, v, x = np.zeros(system.n_q), np.zeros(system.n_q), np.linspace(0, 1, 21)[1:]
     v[2], q[4::3], q[5::3] = speed, DISTURBANCE * x**2, 2 * DISTURBANCE * x
     return simulate(system, RunOptions(end_time=end_time, step=5e-4, rho_inf=0.8, formulation=formulation), q, v)

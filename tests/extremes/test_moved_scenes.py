@@ -74,7 +74,7 @@ def moved(scene: Scene, angle: float, shift: np.ndarray) -> Scene:
             x, y = placed((item.x, item.y))
             return Point(x=x, y=y)
         update: dict[str, Any] = {}
-        if hasattr(item, "velocity"):
+        if getattr(item, "velocity", None) is not None:
             update["velocity"] = (*turned(item.velocity[:2]), item.velocity[2])
         if isinstance(item, Flexible):
             update |= {"position": placed(item.position), "angle": item.angle + angle}

@@ -32,7 +32,7 @@ def skin(thickness: float, force: float) -> Scene:
         units="mm-t-s",
         directory=MODELS,
         points={"G": BodyPoint(body="skin", interface="G")},
-        bodies={"skin": Flexible(model="skin.h5", thickness=thickness)},
+        bodies={"skin": Flexible(model="skin.h5", frame="grounded", thickness=thickness)},
         loads={"push": PointForce(body="skin", point="G", force=(0.0, force))},
     )
 

@@ -87,7 +87,7 @@ def scene(folder: Path, units: str) -> Scene:
         points={name: Point(x=m * x, y=m * y) for name, (x, y) in at.items()}
         | {"R": BodyPoint(body="beam", interface="root"), "T": BodyPoint(body="beam", interface="tip")},
         bodies={
-            "rod": Rod(between=("O", "A"), area=1e-3 * m**2, density=7800 * kg / m**3, velocity=(-0.01 * m, 0.05 * m, 0.2)),
+            "rod": Rod(between=("O", "A"), area=1e-3 * m**2, density=7800 * kg / m**3, angular_velocity=0.2),
             "beam": Flexible(model="beam.h5", frame="moving", position=(0.5 * m, 0.1 * m), angle=-0.2),
             "block": Rigid(mass=2.0 * kg, inertia=0.1 * kg * m**2, center="C"),
         },

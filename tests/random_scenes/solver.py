@@ -41,7 +41,7 @@ def random_options(d: Draft) -> RunOptions:
             given["formulation"] = "index-1"
     given["rho_inf"] = draw.one((0.0, 0.3, 0.5, 0.5, 0.8, 0.9, 1.0))
     if given.get("formulation") == "index-3":
-        given["rho_inf"] = min(given["rho_inf"], 0.5 if chosen or "times" in given else 0.9)
+        given["rho_inf"] = min(given["rho_inf"], 0.5 if chosen or "times" in given else 0.8)
     if draw.chance(0.3):
         given["newton"] = "modified"
     if draw.chance(0.15):

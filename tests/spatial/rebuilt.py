@@ -16,6 +16,7 @@ from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRigidBody
+from toolkit.bodies.start_velocity import StartVelocity
 from toolkit.description import Positive
 from toolkit.joints.distance import Distance
 from toolkit.joints.driver import AngleDriver
@@ -92,16 +93,22 @@ def in_space(scene: Scene, models: dict[str, str] | None = None, **changes: Any)
 
 def body_in_space(body: Body, models: dict[str, str]) -> Body:
     if isinstance(body, Flexible):
-        v_x, v_y, omega = body.velocity
         return SpatialFlexible(
             model=models[body.model], frame=body.frame, position=(*body.position, 0.0), orientation=(0.0, 0.0, body.angle),
-            velocity=(v_x, v_y, 0.0), angular_velocity=(0.0, 0.0, omega), **body.model_values(),
+            **motion_in_space(body), **body.model_values(),
         )  # fmt: skip
     assert isinstance(body, (Rigid, Rod))
-    motion = {"velocity": (*body.velocity[:2], 0.0), "angular_velocity": (0.0, 0.0, body.velocity[2])}
+    motion = motion_in_space(body)
     if isinstance(body, Rod):
         return FlatRod(between=body.between, area=body.area, density=body.density, **motion)
     return SpatialRigid(mass=body.mass, inertia=(body.inertia,) * 3, center=body.center, **motion)
+
+
+def motion_in_space(body: StartVelocity) -> dict[str, Any]:
+    """What is written of the start in the plane, and no more."""
+    v_x, v_y, omega = map(float, body.frame_velocity())
+    written = {"velocity": (v_x, v_y, 0.0)} if body.velocity is not None else {}
+    return written | ({"angular_velocity": (0.0, 0.0, omega)} if body.written_velocities() else {})
 
 
 def joints_in_space(scene: Scene) -> dict[str, Joint]:

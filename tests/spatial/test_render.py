@@ -87,7 +87,10 @@ def gallows(folder, **more):
         dimension=3,
         directory=folder,
         points={"T": BodyPoint(body="frame", interface="tip"), "E": at(0.7, 0.1, 0.4), "W": at(0.8, -0.4, 0.5)},
-        bodies={"frame": SpatialFlexible(model="frame.h5"), "rod": SpatialRod(between=("T", "E"), area=4e-4, density=7850.0)},
+        bodies={
+            "frame": SpatialFlexible(model="frame.h5", frame="grounded"),
+            "rod": SpatialRod(between=("T", "E"), area=4e-4, density=7850.0),
+        },
         joints={"hinge": SpatialRevolute(bodies=("rod", "frame"), point="T", axis=(0.0, 1.0, 0.0))},
         loads={
             "gravity": SpatialGravity(acceleration=(0.0, 0.0, -9.81)),

@@ -90,6 +90,13 @@ class Body(Registered):
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates and velocities at the start."""
 
+    def written_velocities(self) -> dict[int, str]:
+        """Coordinates whose velocity at the start is written, so that it holds -> key of the body's table that says so.
+
+        The velocities of all others, whatever `initial_state` gives them, are where the search for velocities that fit begins.
+        """
+        return {}
+
     @abstractmethod
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """Displacement that a unit of each coordinate stands for; nan for angles."""

@@ -6,47 +6,49 @@ from collections.abc import Iterator
 from typing import Any, Literal
 
 import numpy as np
-from pydantic import model_validator
+from pydantic import ConfigDict, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.start_velocity import StartVelocity
 from toolkit.description import Number, Pair
 from toolkit.planar import rotation
 from toolkit.reduced_model import Invariants, generalized_lengths
 
 
-class Flexible(ModelBody):
-    """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
+class Flexible(ModelBody, StartVelocity):
+    """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
+    ground: then no frame coordinates exist, and no joint can move the body as a whole.
 
     Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
 
     Attributes
     ----------
     frame
-        Whether the reference condition is fixed to the ground or moves.
+        Whether the reference condition moves or is fixed to the ground.
     position
         Where the origin of the reduced model lies at the start, in units of length.
     angle
         Rotation of the reduced model's axes at the start, in rad.
-    velocity
-        v_x, v_y of the moving frame's origin and omega at the start, in length/time and rad/time.
     """
 
     kind = "flexible"
-    frame: Literal["grounded", "moving"] = "grounded"
+    model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
+
+    frame: Literal["moving", "grounded"] = "moving"
     position: Pair = (0.0, 0.0)
     angle: Number = 0.0
-    velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:
-        if self.frame == "grounded" and any(self.velocity):
+        if self.frame == "grounded" and any(self.frame_velocity()):
             raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
         return self
 
     def numbers(self) -> Iterator[tuple[str, Any]]:
         """All numbers that mean something: a grounded body has no velocity."""
-        return ((path, value) for path, value in super().numbers() if self.has_frame or not path.startswith("velocity."))
+        moving = ("velocity", "angular_velocity")
+        return ((path, value) for path, value in super().numbers() if self.has_frame or path.split(".")[0] not in moving)
 
     @property
     def has_frame(self) -> bool:
@@ -73,7 +75,7 @@ class Flexible(ModelBody):
         elastic = np.zeros(scene.model(self.model).n_f)
         if not self.has_frame:
             return elastic, elastic
-        return np.concatenate([[*self.position, self.angle], elastic]), np.concatenate([self.velocity, elastic])
+        return np.concatenate([[*self.position, self.angle], elastic]), np.concatenate([self.frame_velocity(), elastic])
 
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """RMS displacement of the body per unit elastic coordinate."""

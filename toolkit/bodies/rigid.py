@@ -7,20 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import Body, ConstantNumbers, MarkerNumbers, Placed
-from toolkit.description import Number, Positive
+from toolkit.bodies.body import ConstantNumbers, MarkerNumbers, Placed
+from toolkit.bodies.start_velocity import StartVelocity
+from toolkit.description import Positive
 
 
-class RigidBody(Body):
-    """Base of rigid bodies: mass, centre of mass, moment of inertia about it.
-
-    Attributes
-    ----------
-    velocity
-        v_x, v_y of the centre of mass and omega at the start, in length/time and rad/time.
-    """
-
-    velocity: tuple[Number, Number, Number] = (0.0, 0.0, 0.0)
+class RigidBody(StartVelocity):
+    """Base of rigid bodies: mass, centre of mass, moment of inertia about it."""
 
     @abstractmethod
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
@@ -32,7 +25,7 @@ class RigidBody(Body):
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed position, given velocity."""
-        return np.append(self.mass_properties(scene)[1], 0.0), np.array(self.velocity)
+        return np.append(self.mass_properties(scene)[1], 0.0), self.frame_velocity()
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
         """Two displacements and an angle."""

@@ -13,36 +13,53 @@ from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColum
 from rich.progress import Progress as Bar
 
 if TYPE_CHECKING:
-    from numba.core.registry import CPUDispatcher
-
     from toolkit.scene import Scene
-    from toolkit.system import System
 
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
+BACKWARDS = ("auto", "adjoint")
+"""Methods that may run backwards."""
 
 
 @contextmanager
-def at_work(title: str, scene: Scene, kind: Kind, design: Sequence[str] = (), quiet: bool = False) -> Iterator[Progress]:
+def at_work(
+    title: str, scene: Scene, kind: Kind, design: Sequence[str] = (), quiet: bool = False, method: str = "direct"
+) -> Iterator[Progress]:
     """Show a bar that moves with the calls (done, in all) of the function given back; it vanishes at the end.
 
-    Formulas that were never compiled on this machine are compiled before, and it is said so.
+    All that the analysis of the scene calls is compiled before, if it never was on this machine, and it is said so; `method` is that of
+    gradients by the variables in `design`.
     """
     from toolkit.compiled_code import CompiledCodeWarning
-    from toolkit.kernel import is_on_disk
-    from toolkit.sensitivity.analysis import prepare
 
     with warnings.catch_warnings():
         if quiet:
             warnings.simplefilter("ignore", CompiledCodeWarning)
-        if not is_on_disk(kernel_of(kind)):
-            system = prepare(scene, list(design))
-            if not quiet:
-                typer.echo("compiling the formulas for this machine, once, up to a minute ...", err=True)
-            with bar("compiling", quiet):
-                compile_formulas(system, kind)
+        compile_before(scene, kind, bool(design) and kind == "transient" and method in BACKWARDS, quiet)
         with bar(title, quiet) as progress:
             yield progress
+
+
+def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: bool = False) -> None:
+    """Rehearse an analysis, so that nothing is compiled in it, and say so if that compiles anything."""
+    from toolkit.command_line.rehearsal import rehearse
+    from toolkit.compile_watch import watched_compilation
+
+    def announce() -> None:
+        if not quiet:
+            typer.echo(f"compiling the formulas for this machine, once, {EXPECTED[scene.dimension]} ...", err=True)
+
+    with watched_compilation(announce) as watch:
+        rehearse(scene, kind, backwards)
+    if watch.functions and not quiet:
+        typer.echo(f"{watch.functions} functions compiled in {watch.seconds:.0f} s; they are kept on the disk.", err=True)
+
+
+EXPECTED = {2: "up to three minutes on a free core", 3: "up to five minutes on a free core"}
+"""How long it takes at most to compile all that one command calls, by the dimension of space.
+
+Measured, in processor time of a common server: in the plane 95 functions in 74 s for an equilibrium, 34 more in 37 s for a motion, 7 in
+12 s for its adjoint, 14 in 34 s for stabilised index 2; in space 115 in 137 s, 25 in 61 s, 7 in 16 s and 13 in 76 s."""
 
 
 @contextmanager
@@ -54,30 +71,3 @@ def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
     with Bar(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as shown:
         task = shown.add_task(title, total=None)
         yield lambda done, total: shown.update(task, completed=done, total=total)
-
-
-def compile_formulas(system: System, kind: Kind) -> None:
-    """Compile what an analysis calls, by one equilibrium or one time step."""
-    from toolkit.run_options import RunOptions
-    from toolkit.solvers.statics import solve_statics
-    from toolkit.solvers.transient import simulate
-    from toolkit.validity.energy_balance import energy_balance
-
-    options = system.scene.solver
-    if kind == "static":
-        solve_statics(system, options)
-    else:
-        plain = {"times": None, "local_error": None, "memory": RunOptions().memory}  # two states fit anywhere
-        short = options.model_copy(update={"end_time": options.step, **plain})
-        energy_balance(simulate(system, short))
-
-
-def kernel_of(kind: Kind) -> CPUDispatcher:
-    """The compiled function that an analysis calls, with everything below it."""
-    if kind == "static":
-        from toolkit.equations import evaluate_all
-
-        return evaluate_all
-    from toolkit.solvers.generalized_alpha import integrate
-
-    return integrate

@@ -43,7 +43,7 @@ def certify(
     described = read(scene, changes, quiet)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
-    with at_work("comparing", described, kind, names, quiet) as progress:
+    with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
     if as_json:

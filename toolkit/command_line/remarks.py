@@ -40,6 +40,7 @@ def chosen_steps(result: Result) -> list[str]:
 def remarks(result: Result) -> list[str]:
     """Remarks of the responses, drift of the joints, iterations, wall times."""
     from toolkit.responses.stress import KSStress
+    from toolkit.validity.start_state import start_lines
 
     solution = result.solution
     lines = [
@@ -58,7 +59,7 @@ def remarks(result: Result) -> list[str]:
             f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, energy balance by "
             f"{max(balance.values()):.1e} of the largest energy or work."
         )
-        lines += chosen_steps(result) + accuracy(result)
+        lines += chosen_steps(result) + accuracy(result) + start_lines(solution)
     else:
         lines.append(f"Equilibrium under the loads at t = {solution.times[-1]:g}, reached in {solution.load_steps} load steps.")
         left_out = [name for name in solution.system.scene.responses if name not in result.values]

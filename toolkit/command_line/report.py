@@ -72,6 +72,10 @@ def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: b
 
 def record_of(result: Result) -> dict[str, Any]:
     """The JSON object of a run; a number that does not exist is None."""
+    from toolkit.gradient_units import gradient_units
+    from toolkit.validity.start_state import start_record
+
+    scene = result.solution.system.scene
     return {
         "responses": {
             name: {"value": finite_or_none(value), "unit": result.units[name]} for name, value in result.values.items()
@@ -80,6 +84,8 @@ def record_of(result: Result) -> dict[str, Any]:
             name: {variable: finite_or_none(slope) for variable, slope in slopes.items()}
             for name, slopes in result.gradients.items()
         },
+        "gradient_units": gradient_units(scene, result.gradients),
+        **({"start": start_record(result.solution)} if result.solution.steps else {}),
         "run": {
             "method": result.method,
             "reason": result.reason,
@@ -119,11 +125,24 @@ def print_tables(result: Result) -> None:
     variables = next(iter(result.gradients.values()), {})
     if variables:
         wide = len(variables) > MOST_COLUMNS
-        gradients = table("gradient by", *(result.gradients if wide else variables))
-        for name in variables if wide else result.gradients:
+        of, by = [_in_unit(name, result.units[name]) for name in result.gradients], _variables_in_units(result, list(variables))
+        gradients = table("gradient by", *(of if wide else by))
+        for name, label in zip(variables if wide else result.gradients, by if wide else of, strict=True):
             slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
-            gradients.add_row(name, *(f"{slope:.6g}" for slope in slopes))
+            gradients.add_row(label, *(f"{slope:.6g}" for slope in slopes))
         console.print(gradients)
+
+
+def _in_unit(name: str, unit: str) -> str:
+    return f"{name}, {unit}" if unit else name
+
+
+def _variables_in_units(result: Result, names: list[str]) -> list[str]:
+    """Design variables with their units: a gradient is in that of its response over that of its variable."""
+    from toolkit.gradient_units import variable_unit
+
+    scene = result.solution.system.scene
+    return [_in_unit(name, variable_unit(scene, scene.path_of(scene.design.get(name, name)))) for name in names]
 
 
 def print_frequencies(frequencies: list[float]) -> None:

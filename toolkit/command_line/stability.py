@@ -55,7 +55,7 @@ def stability(
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)
-    with at_work("runs", described, "transient", names, quiet) as progress:
+    with at_work("runs", described, "transient", names, quiet, "adjoint") as progress:
         found = study(described, names, chosen, limits, most_steps, jobs or os.cpu_count() or 1, progress)
     if not quiet:
         print_notes(found)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.announcements import at_work, bar
+from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
 from toolkit.command_line.report import print_json, print_verdict, warn
 from toolkit.command_line.tradeoff_tables import print_tradeoff, record_of
@@ -68,8 +68,11 @@ def tradeoff(
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
     folder = prepare_folder(output)
-    with at_work("preparing", described, "transient", names, quiet):
-        pass  # formulas are compiled once, before several processes would do it
+    for formulation in sorted({each.solver.get("formulation") or described.solver.formulation for each in planned.settings}):
+        solver = described.solver.model_copy(
+            update={"formulation": formulation}
+        )  # compiled once, before several processes would do it
+        compile_before(described.model_copy(update={"solver": solver}), "transient", bool(names), quiet)
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
     _keep(found, folder, quiet)
     verdict = _model_verdict(described)

@@ -54,6 +54,22 @@ class Numbering:
         """Number of the marker of a body at a point."""
         return self.markers.index(grip)
 
+    def bodies_of(self, unknowns: np.ndarray) -> list[str]:
+        """Bodies that some of the unknowns are coordinates of."""
+        return _owners(self.first, self.n_q, unknowns)
+
+    def joints_of(self, unknowns: np.ndarray) -> list[str]:
+        """Joints that some of the unknowns are forces of."""
+        return _owners(self.row, min(self.length.values(), default=self.n), unknowns)
+
+
+def _owners(first: dict[str, int], end: int, unknowns: np.ndarray) -> list[str]:
+    """Names whose unknowns, from their first to the next one's, hold some of the given ones."""
+    edges = [*first.values(), end]
+    return [
+        name for name, low, high in zip(first, edges, edges[1:], strict=False) if np.any((low <= unknowns) & (unknowns < high))
+    ]
+
 
 def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     """The markers of a component: (body, point), and its path if they have axes of its own."""

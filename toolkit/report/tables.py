@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.gradient_units import per, variable_unit
 from toolkit.report.material import Material
-from toolkit.report.variable_unit import per, variable_unit
 from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress import KSStress
 from toolkit.results.csv_tables import write_csv

@@ -11,6 +11,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
+from toolkit.compile_watch import watched_compilation
 from toolkit.design import Design
 from toolkit.errors import InputError
 from toolkit.responses.magnitude import largest_magnitude, largest_slopes
@@ -218,10 +219,14 @@ def timed(system: System, kind: Kind, progress: Progress | None = None) -> tuple
 
 
 def repeated(work: Callable[[Progress | None], T], progress: Progress | None = None) -> tuple[float, T]:
-    """Time of some work, measured as `timed` does, and what it returned; its first repetition reports progress."""
-    first, found = _clocked(work, progress)
+    """Time of some work, measured as `timed` does, and what it returned; its first repetition reports progress.
+
+    A repetition that had to compile anything does not count.
+    """
+    with watched_compilation() as compiled:
+        first, found = _clocked(work, progress)
     times: list[float] = []
-    while len(times) < REPEATS and first + sum(times) < WORTH_REPEATING:
+    while (compiled.functions and not times) or (len(times) < REPEATS and first + sum(times) < WORTH_REPEATING):
         seconds, found = _clocked(work, None)
         times.append(seconds)
     return median(times or [first]), found

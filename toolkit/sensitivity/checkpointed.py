@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from toolkit.compile_watch import watched_compilation
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene import Scene
@@ -54,11 +55,13 @@ def checkpointed_adjoint(scene: Scene, design: list[str], progress: Progress | N
     """
     tell = progress or (lambda *_: None)
     begun = clock.perf_counter()
-    forwards = run_forwards(scene, tell)
+    with watched_compilation() as first:
+        forwards = run_forwards(scene, tell)
     turned = clock.perf_counter()
-    system = prepare(scene, design)
-    gradients = by_name(system.design, forwards.values, run_backwards(scene, system, forwards, tell).T)
-    primal, extra = turned - begun, clock.perf_counter() - turned
+    with watched_compilation() as second:
+        system = prepare(scene, design)
+        gradients = by_name(system.design, forwards.values, run_backwards(scene, system, forwards, tell).T)
+    primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
     return result(scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
 
 

@@ -38,7 +38,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     SingularSystemError
         Joints are redundant.
     """
-    system, is_q = _stiffened(system), np.arange(system.n) < system.n_q
+    system, is_q = stiffened(system), np.arange(system.n) < system.n_q
     q, acc, largest, before = given.copy(), np.zeros_like(given), np.inf, np.inf
     far = (system.weights * np.abs(np.real(given)))[: system.n_q].max()
     for _ in range(MOST):
@@ -63,7 +63,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 
-def _stiffened(system: System) -> System:
+def stiffened(system: System) -> System:
     """The same system with M + (1 s)^2 K in the place of M."""
     part = system.plan.constant
     stiffened = part._replace(mass=part.mass + part.stiffness, design_mass=part.design_mass + part.design_stiffness)

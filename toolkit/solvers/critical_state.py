@@ -7,10 +7,11 @@ from scipy.linalg import eigvals, eigvalsh
 from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
-from toolkit.errors import CriticalStateError
+from toolkit.errors import CriticalStateError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.equilibrium import Equilibrium, inputs_at, static_matrix
 from toolkit.solvers.modes import ROUND_OFF, free_motions, is_symmetric, made_of
+from toolkit.solvers.saddle import factorised
 from toolkit.system import System
 
 NEAREST = 1e-6
@@ -27,16 +28,26 @@ ITERATIONS = 8
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
     """Whether the stiffness is positive against all motions that the joints allow (no divergence; following forces may still flutter)."""
-    n_q, matrix = system.n_q, _matrix(system, options, state.q, state.acc, factor).toarray()
+    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray())
+
+
+def has_negative_stiffness(system: System, matrix: np.ndarray) -> bool:
+    """Whether the static matrix (n, n) has a negative stiffness, by more than round-off, against a motion that the joints allow."""
+    try:
+        if factorised(system, matrix).negative == 0:
+            return False
+    except SingularSystemError:
+        pass  # a stiffness that is zero to round-off is not negative
+    n_q = system.n_q
     free = free_motions(matrix[:n_q, n_q:].T, system.weights[:n_q])
     if not free.shape[1]:
-        return True
+        return False
     stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], free).max()
     if is_symmetric(stiffness, largest):
-        return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] > -ROUND_OFF * largest)
+        return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
     values = eigvals(stiffness)
     real = values.real[np.abs(values.imag) <= 1e-9 * np.abs(values)]
-    return bool(real.min(initial=0) > -ROUND_OFF * largest)
+    return bool(real.min(initial=0) <= -ROUND_OFF * largest)
 
 
 def refuse_gradients_of_critical(system: System, options: RunOptions, state: Equilibrium) -> None:

@@ -5,17 +5,23 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import eigvalsh
 
-from toolkit.errors import ConvergenceError
+from toolkit.compilation.frame_hints import hint_of_floating
+from toolkit.equations import Terms
+from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.modes import free_motions
+from toolkit.solvers.saddle import factorised, free_count
+from toolkit.solvers.softness import softest
 from toolkit.system import System
 
 LONGEST, NEAR, MOST = 0.2, 1e-3, 300
 """Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
 ROUND_OFF = 1e-12
 """Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
+PLAIN = 1e3
+"""A stiffness this much above round-off is positive beyond doubt."""
 STANDSTILL = 1e-12
 """A step this short where the energy falls off to some side is the top of a hill, not the bottom of a valley."""
 
@@ -52,12 +58,21 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
         "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+        + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
     )
+
+
+def _moving(system: System, correction: np.ndarray) -> np.ndarray:
+    """Coordinates that a correction moves about as much as any."""
+    moved = system.weights[: system.n_q] * np.abs(np.real(correction[: system.n_q]))
+    return np.flatnonzero(moved > 0.1 * moved.max(initial=0))
 
 
 def _shift(system: System, terms) -> float:
     """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
     n_q = system.n_q
+    if _plainly_stable(system, terms):
+        return 0.0
     stiffness = np.real(system.matrix(terms.I_q + terms.A_q).toarray())[:n_q, :n_q]
     free = free_motions(np.real(system.matrix(terms.I_acc).toarray())[:n_q, n_q:].T, system.weights[:n_q])
     if not free.shape[1]:
@@ -72,6 +87,20 @@ def _shift(system: System, terms) -> float:
     if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0
     return max(-2.0 * lowest, pull)
+
+
+def _plainly_stable(system: System, terms: Terms) -> bool:
+    """Whether K is positive definite by so much that no closer look is needed."""
+    n_q, residual = system.n_q, np.real(terms.inertial + terms.applied)[: system.n_q]
+    matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
+    try:
+        saddle = factorised(system, matrix)
+    except SingularSystemError:
+        return False
+    soft = softest(saddle, free_count(system), n_q).values
+    largest = np.abs(matrix[:n_q, :n_q] * saddle.scale[:n_q] * saddle.scale[:n_q, None]).max(initial=0)
+    pull = np.linalg.norm(residual * saddle.scale[:n_q]) / LONGEST
+    return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > PLAIN * ROUND_OFF * max(largest, pull))
 
 
 def _metric(system: System) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.errors import SingularSystemError
 from toolkit.linear.dense_lu import SWEEPS
 from toolkit.linear.linear_solver import linear_solver, solve_once
@@ -61,14 +62,16 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
     parts = np.flatnonzero(moves > TAKES_PART * moves.max())
     names = ", ".join(system.numbering.names[i] for i in parts[:8]) + (" and more" if len(parts) > 8 else "")
     if np.all(parts >= system.n_q):
+        hint = hint_of_grounded(system.scene, system.numbering.joints_of(parts))
         return (
             f"the constraints {names} repeat or contradict each other, so their forces are not determined. "
             "Remove one of these joints, replace a rigid joint by a revolute or slider (in space a revolute by a spherical), or let "
-            'solver.redundant = "least-squares" leave out what others imply.'
+            f'solver.redundant = "least-squares" leave out what others imply.{hint}'
         )
+    hint = hint_of_floating(system.scene, system.numbering.bodies_of(parts))
     return (
         f"nothing determines {names}: the mechanism is free to move there, or is in a singular position. "
-        "Add a joint, a driver or a spring, or move the points off the singular position."
+        f"Add a joint, a driver or a spring, or move the points off the singular position.{hint}"
     )
 
 

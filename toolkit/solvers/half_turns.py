@@ -12,6 +12,11 @@ from toolkit.kernel import kernel
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.system import System
 
+HALF_TURN = (
+    "in space its angle is one of (-pi, pi], and its torque would change sign. Use it for smaller angles, or model the "
+    "scene in the plane."
+)
+
 
 @kernel
 def turned_angles(plan, first, second, q, rest, work, out):
@@ -33,6 +38,13 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
     ConvergenceError
         The angle of one jumps from one side of half a turn to the other; names it and the time.
     """
+    found = half_turn(system, q)
+    if found:
+        raise ConvergenceError(f"{found[0]} at t = {times[found[1]]:g}: {HALF_TURN}")
+
+
+def half_turn(system: System, q: np.ndarray) -> tuple[str, int] | None:
+    """The first spring in space that turns beyond half a turn in states q (n_t, n), in words, and the state after."""
     for name, load in system.scene.loads.items():
         if isinstance(load, SpatialRotationalSpringDamper):
             first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
@@ -41,7 +53,5 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
             system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
             jumps = np.flatnonzero(np.abs(np.diff(np.real(angles))) > np.pi)
             if len(jumps):
-                raise ConvergenceError(
-                    f"the rotational spring {name!r} turns beyond half a turn at t = {times[jumps[0] + 1]:g}: in space its angle is one of "
-                    "(-pi, pi], and its torque would change sign. Use it for smaller angles, or model the scene in the plane."
-                )
+                return f"the rotational spring {name!r} turns beyond half a turn", int(jumps[0]) + 1
+    return None

@@ -1,4 +1,4 @@
-"""Consistent start: positions checked, velocities projected on the constraints, accelerations and multipliers solved for."""
+"""Consistent start: positions checked, velocities found, accelerations and multipliers solved for."""
 
 from __future__ import annotations
 
@@ -11,6 +11,8 @@ from toolkit.errors import InputError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.assembly import assemble
 from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.start_velocities import carried_along, project_velocities
+from toolkit.solvers.written_velocities import refuse_own_velocities, written_velocities
 from toolkit.system import System
 
 POSITION_TOLERANCE = 1e-8
@@ -38,30 +40,48 @@ def consistent_start(
 ) -> State:
     """The state at the start; `q` and `v` (n_q,) replace the scene's own start, then without design derivatives of it.
 
-    Velocities are projected with the mass matrix as metric, M (v - v_given) + phi_q^T mu = 0, phi_q v + phi_t = 0: the
-    motion right after an impact of the joints. Positions are projected too if `options.assemble` (by default the scene's), see
-    `assembly`.
+    Velocities that the scene writes hold, the others are found, see `start_velocities`; a given `v` has to fit the joints as it is.
+    Positions are moved to where the joints are closed if `options.assemble` (by default the scene's), see `assembly`.
 
     Raises
     ------
     InputError
-        A joint is violated at the start, or moving a design variable would violate it.
+        A joint is violated at the start, or moving a design variable would violate it; or velocities contradict the joints.
     ConvergenceError
         The joints do not close near the given positions.
     SingularSystemError
         Joints are redundant, so that accelerations or multipliers are not unique.
     """
-    position, velocity, dq, dv = system.start()
+    position, dq = closed_positions(system, q, time, options)
+    velocity, dv = _velocities(system, position, dq, v, time)
+    acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
+    return State(position, velocity, acc, dq, dv, dacc)
+
+
+def closed_positions(
+    system: System, q: np.ndarray | None, time: float, options: RunOptions | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions that satisfy every joint, (n,), and their design derivatives (n, n_x); parameters and errors as `consistent_start`."""
+    position, _, dq, _ = system.start()
     if q is not None:
         position, dq = _padded(system, q), np.zeros_like(dq)
-    if v is not None:
-        velocity, dv = _padded(system, v), np.zeros_like(dv)
     if (options or system.scene.solver).assemble:
         position, dq = assemble(system, position, dq, time)
     check_positions(system, position, dq, time)
-    velocity, dv = project_velocities(system, position, velocity, dq, dv, time)
-    acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
-    return State(position, velocity, acc, dq, dv, dacc)
+    return position, dq
+
+
+def _velocities(
+    system: System, q: np.ndarray, dq: np.ndarray, own: np.ndarray | None, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities that satisfy every joint, (n,), and their design derivatives (n, n_x)."""
+    if own is None:
+        v, dv = carried_along(system, q, *system.start()[1::2], dq)
+        return project_velocities(system, q, v, dq, dv, time, written_velocities(system))
+    given = _padded(system, own)
+    found, dfound = project_velocities(system, q, given, dq, np.zeros_like(dq), time)
+    refuse_own_velocities(system, given, found)
+    return found, dfound
 
 
 def _padded(system: System, given: np.ndarray) -> np.ndarray:
@@ -96,38 +116,6 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
             "Choose a variable that moves the points with it (a point, or leave the length to follow the points), or let "
             "solver.assemble = true move the bodies with it."
         )
-
-
-def project_velocities(
-    system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Velocities that satisfy the joints, nearest to the given ones, (n,), and their design derivatives, (n, n_x).
-
-    Raises
-    ------
-    SingularSystemError
-        Joints are redundant.
-    """
-    if not (np.any(v) or np.any(dv) or np.any(system.plan.joints.curve >= 0)):
-        return v, dv
-    inputs, zero, n_q = system.inputs(time, np.array([0, 1.0, 0])), np.zeros_like(q), system.n_q
-    terms = system.evaluate(inputs, q, v, zero, design=True)
-    change = system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x
-    if not np.any(terms.applied[n_q:]) and not np.any(change[n_q:]):
-        return v, dv
-    below = np.repeat(np.arange(system.n), np.diff(system.plan.indptr)) >= n_q
-    values = terms.I_acc + np.where(below, terms.A_v, 0)
-    rhs = np.where(np.arange(system.n) < n_q, 0, -terms.applied)
-    impulse = solve_linear(system, values, rhs, "projection of the initial velocities")
-    v = v + np.where(np.arange(system.n) < n_q, impulse, 0)
-    if not system.n_x:
-        return v, dv
-    terms = system.evaluate(inputs, q, v, impulse, design=True)
-    change = system.matrix(terms.A_q) @ dq + system.matrix(terms.A_v) @ dv + terms.A_x
-    change[:n_q] = (system.matrix(terms.I_q) @ dq + terms.I_x)[:n_q]
-    dimpulse = solve_linear(system, values, -change, "projection of the initial velocities")
-    dimpulse[n_q:] = 0
-    return v, dv + dimpulse
 
 
 def initial_accelerations(

@@ -10,6 +10,8 @@ from scipy.linalg import LinAlgError, eig, eigh, null_space
 from toolkit.errors import SingularSystemError
 from toolkit.mode_shapes import told_apart
 from toolkit.solution import Solution
+from toolkit.validity.spin import cautions_of_spin
+from toolkit.validity.verdict import Verdict
 
 ROUND_OFF = 1e-14
 """Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
@@ -22,10 +24,12 @@ class Modes(NamedTuple):
     """Frequencies in cycles per time, ascending, and mode shapes.
 
     A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
+    The verdict holds what speaks against them: that the scene spins, for example, while these are modes about a state at rest.
     """
 
     frequencies: np.ndarray  # (n_modes,)
     shapes: np.ndarray  # (n_q, n_modes)
+    verdict: Verdict = Verdict()
 
 
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
@@ -58,7 +62,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], system.weights[:n_q])
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
-    return Modes(frequencies[:count], shapes[:, :count])
+    return Modes(frequencies[:count], shapes[:, :count], Verdict.of(cautions_of_spin(solution, frequencies)))
 
 
 def made_of(stiffness: np.ndarray, motions: np.ndarray) -> np.ndarray:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from toolkit.compile_watch import watched_compilation
 from toolkit.equations import allocate_work
 from toolkit.errors import ConvergenceError
 from toolkit.run_options import RunOptions
@@ -15,6 +16,7 @@ from toolkit.solvers.adaptive import advance_adaptively
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.initial_conditions import State
 from toolkit.solvers.newton import CONVERGED
+from toolkit.solvers.passed_limits import refuse_passed_limits
 from toolkit.solvers.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.run_start import run_start
 from toolkit.solvers.step_memory import History
@@ -55,18 +57,21 @@ def simulate(
         Newton failed, the joints drifted apart, or a spring in space turned too far: names time, equation and remedy.
     """
     begun = clock.perf_counter()
-    run = prepare_run(system, options)
-    start = run_start(system, run.options, q, v)
-    try:
-        run, history = _integrated(run, start, progress)
-    except ConvergenceError as error:
-        hint = speed_limits(system.scene)
-        if not hint:
-            raise
-        raise ConvergenceError(f"{error} {hint}") from error
+    with watched_compilation() as compiled:
+        run = prepare_run(system, options)
+        start = run_start(system, run.options, q, v)
+        try:
+            run, history = _integrated(run, start, progress)
+        except ConvergenceError as error:
+            hint = speed_limits(system.scene)
+            if not hint:
+                raise
+            raise ConvergenceError(f"{error} {hint}") from error
     if run.options.quasi_static:
         history.acc[:, : system.n_q] = 0  # the loop's unknowns there are no accelerations
         history.dacc[:, : system.n_q] = 0
+        if system.compiled:  # a complex step takes the steps of its real design, which have been checked
+            refuse_passed_limits(system, run.options, run.times, history.q, history.acc)
     refuse_half_turns(system, run.times, history.q)
     return Solution.from_padded(
         system,
@@ -78,7 +83,7 @@ def simulate(
         options=run.options,
         own_start=q is not None or v is not None,
         newton_iterations=int(run.outcome.counts[4]),
-        wall={"run": clock.perf_counter() - begun},
+        wall={"run": clock.perf_counter() - begun - compiled.seconds},
         judge=judge,
     )
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.solution import Solution
-from toolkit.solvers.initial_conditions import consistent_start
+from toolkit.solvers.initial_conditions import closed_positions, initial_accelerations
 from toolkit.system import System
 from toolkit.validity.judge import judge
 
@@ -18,5 +18,7 @@ def undeformed(system: System) -> Solution:
     InputError, SingularSystemError
         As `consistent_start`.
     """
-    start = consistent_start(system, np.array([1.0, 0.0, 0.0]), v=np.zeros(system.n_q))
-    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in start), judge=judge)
+    q, dq = closed_positions(system, None, 0.0)
+    rest, drest = np.zeros_like(q), np.zeros_like(dq)
+    acc, dacc = initial_accelerations(system, q, rest, dq, drest, np.array([1.0, 0.0, 0.0]), 0.0)
+    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)), judge=judge)

@@ -52,7 +52,7 @@ def _likely_axes(scene: Scene, body: str) -> list[np.ndarray]:
     found = scene.bodies[body]
     if not isinstance(found, SpatialFlexible):
         return [ACROSS]
-    spin = found.unit_axis if found.frame == "turning" else np.real(np.array(found.angular_velocity))
+    spin = found.unit_axis if found.frame == "turning" else np.real(found.spin)
     return [found.placement.T @ spin] if np.any(spin) else list(np.eye(3))
 
 
@@ -65,9 +65,9 @@ def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
     for body in spinning_bodies(scene):
         found = scene.bodies[body]
         if isinstance(found, SpatialFlexible):
-            spin = np.real(found.placement.T @ np.array(found.angular_velocity))
+            spin = np.real(found.placement.T @ found.spin)
         else:
-            spin = float(np.real(found.velocity[2])) * ACROSS  # type: ignore[attr-defined]
+            spin = float(np.real(found.frame_velocity()[2])) * ACROSS  # type: ignore[attr-defined]
         if not _stable(scene, body, spin):
             yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
 

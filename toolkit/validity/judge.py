@@ -8,8 +8,11 @@ from typing import Any
 from toolkit.solution import Solution
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
+from toolkit.validity.noisy_forces import noisy_forces
 from toolkit.validity.physics import excessive_speeds, large_deformations
+from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.stale_models import stale_models
+from toolkit.validity.start_cautions import cautions_of_start
 from toolkit.validity.verdict import Caution, Verdict
 
 
@@ -38,9 +41,12 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     scene = solution.system.scene
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
+        yield from noisy_forces(solution.options or scene.solver, found["force_noise"])
         yield from excessive_speeds(solution)
     else:
         yield from limits_passed(solution)
+    yield from cautions_of_start(solution)
+    yield from cautions_of_scene(scene)
     yield from stale_models(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)

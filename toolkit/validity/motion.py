@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.validity.created_energy import energy_defects
+from toolkit.validity.noisy_forces import force_noise
 from toolkit.validity.verdict import Caution
 
 ENERGY, SUSPICIOUS = 0.04, 0.01
@@ -43,13 +44,15 @@ def measured(solution: Solution) -> dict[str, Any]:
     -------
     measures : dict
         "drift" and "newton_correction" as `Solution` has them; "energy_balance" with "created" and "lost", parts of the largest energy or
-        work, empty where the states are not kept; "estimated_error" with "local", the largest error of one step.
+        work, and "force_noise" of `noisy_forces`, both empty where the states are not kept; "estimated_error" with "local", the largest
+        error of one step.
     """
     created, lost = (0.0, 0.0) if solution.run_times is not None else energy_defects(solution)
     return {
         "drift": solution.drift,
         "newton_correction": solution.correction,
         "energy_balance": {} if solution.run_times is not None else {"created": created, "lost": lost},
+        "force_noise": {} if solution.run_times is not None else force_noise(solution),
         "estimated_error": {} if solution.local_error is None else {"local": solution.local_error},
     }
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import os
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
@@ -62,7 +63,7 @@ def _changes(model: ReducedModel) -> Iterator[str]:
 
 
 def _place(model: ReducedModel, name: str) -> Path:
-    return (model.inputs_from or Path()) / name
+    return Path(os.path.normpath((model.inputs_from or Path()) / name))
 
 
 def _caution(bodies: list[str], model: ReducedModel, changes: list[str]) -> Caution:

@@ -42,13 +42,16 @@ class SpatialBody(Body):
     Attributes
     ----------
     frame
-        Coordinates that the frame has: "moving" three and a quaternion, "translating" three, "turning" one angle about `axis`.
+        Coordinates that the frame has: "moving" three and a quaternion, "translating" three, "turning" one angle about `axis`,
+        "grounded" none: then no joint can move the body as a whole.
     axis
         Axis through the frame's origin that a turning frame turns about, in the undeformed configuration, of any length.
     velocity
-        Velocity of the frame's origin at the start, in length/time.
+        Velocity of the frame's origin at the start, in length/time. What is written holds; left out, the origin starts as the joints ask,
+        and rests if they ask for nothing.
     angular_velocity
-        Angular velocity at the start, in the undeformed configuration's axes, in rad/time; of a turning frame along its axis.
+        Angular velocity at the start, in the undeformed configuration's axes, in rad/time; of a turning frame along its axis. What is
+        written holds; left out, the body turns as the joints ask.
     """
 
     dimension: ClassVar[int] = 3
@@ -56,8 +59,8 @@ class SpatialBody(Body):
 
     frame: Literal["moving", "translating", "turning", "grounded"] = "moving"
     axis: Triple | None = None
-    velocity: Triple = (0.0, 0.0, 0.0)
-    angular_velocity: Triple = (0.0, 0.0, 0.0)
+    velocity: Triple | None = None
+    angular_velocity: Triple | None = None
 
     @model_validator(mode="after")
     def _fits_its_frame(self) -> SpatialBody:
@@ -65,11 +68,11 @@ class SpatialBody(Body):
             raise ValueError('`axis` belongs to frame = "turning" and to no other')
         if self.axis is not None and not any(self.axis):
             raise ValueError("an axis needs a direction, for example [0, 0, 1]")
-        if any(self.velocity) and not self.moves:
+        if any(self.velocity or ()) and not self.moves:
             raise ValueError(f'the origin of a frame = "{self.frame}" does not move: leave `velocity` out')
-        if any(self.angular_velocity) and not self.turns:
+        if any(self.angular_velocity or ()) and not self.turns:
             raise ValueError(f'a frame = "{self.frame}" does not turn: leave `angular_velocity` out')
-        if self.axis is not None and np.abs(np.cross(self.axis, self.angular_velocity)).max() > 1e-9 * max(map(abs, self.axis)):
+        if self.axis is not None and np.abs(np.cross(self.axis, self.spin)).max() > 1e-9 * max(map(abs, self.axis)):
             raise ValueError("`angular_velocity` of a turning frame is along its axis")
         return self
 
@@ -103,6 +106,16 @@ class SpatialBody(Body):
         """Direction of the axis of a turning frame, (3,)."""
         return axes_along(self.axis)[:, 2] if self.axis is not None else np.zeros(3)
 
+    @property
+    def spin(self) -> np.ndarray:
+        """Written angular velocity (3,), or zero."""
+        return np.zeros(3) if self.angular_velocity is None else np.array(self.angular_velocity)
+
+    def written_velocities(self) -> dict[int, str]:
+        """Keys of the velocities, those of the rotation first: they tell most."""
+        turning = {} if self.angular_velocity is None else {self.moves + k: "angular_velocity" for k in range(self.turns)}
+        return turning | ({} if self.velocity is None else {k: f"velocity.{k}" for k in range(self.moves)})
+
     def frame_names(self) -> list[str]:
         """Names of the frame's coordinates."""
         return [*"xyz"[: self.moves], *({4: ORIENTATION, 1: ("rotation",)}.get(self.turns, ()))]
@@ -115,10 +128,11 @@ class SpatialBody(Body):
         """Coordinates and velocities of the frame at the start; omega in the frame's axes."""
         turned: dict[int, Any] = {
             4: (quaternion, quaternion_rate(quaternion, omega)),
-            1: ([0.0], [self.unit_axis @ np.array(self.angular_velocity)]),
+            1: ([0.0], [self.unit_axis @ self.spin]),
         }
         orientation, rate = turned.get(self.turns, ([], []))
-        return np.array([*origin[: self.moves], *orientation]), np.array([*self.velocity[: self.moves], *rate])
+        velocity = (self.velocity or (0.0, 0.0, 0.0))[: self.moves]
+        return np.array([*origin[: self.moves], *orientation]), np.array([*velocity, *rate])
 
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:

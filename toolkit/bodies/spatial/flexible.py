@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 from pydantic import ConfigDict
 
@@ -16,7 +14,8 @@ from toolkit.spatial_model import SpatialInvariants, all_second_moments, spatial
 
 
 class SpatialFlexible(ModelBody, SpatialBody):
-    """A flexible body. `frame = "grounded"`: the reference condition is fixed to the ground, no frame coordinates exist.
+    """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
+    ground: then no frame coordinates exist, and no joint can move the body as a whole.
 
     Any parameter of the reduced model (density, youngs_modulus, ...) can be given by name and replaces its nominal value.
 
@@ -31,7 +30,6 @@ class SpatialFlexible(ModelBody, SpatialBody):
     kind = "flexible"
     model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
-    frame: Literal["moving", "translating", "turning", "grounded"] = "grounded"
     position: Triple = (0.0, 0.0, 0.0)
     orientation: Triple = (0.0, 0.0, 0.0)
 
@@ -47,7 +45,7 @@ class SpatialFlexible(ModelBody, SpatialBody):
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed at its place, given velocity of the frame."""
         elastic = np.zeros(scene.model(self.model).n_f)
-        omega = self.placement.T @ np.array(self.angular_velocity)
+        omega = self.placement.T @ self.spin
         q, v = self.frame_state(np.array(self.position), quaternion_of(np.array(self.orientation)), omega)
         return np.concatenate([q, elastic]), np.concatenate([v, elastic])
 

@@ -47,7 +47,7 @@ class SpatialRigidBody(SpatialBody):
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed position, given velocity."""
-        return self.frame_state(self.frame_origin(scene), np.array([1.0, 0, 0, 0]), self.angular_velocity)
+        return self.frame_state(self.frame_origin(scene), np.array([1.0, 0, 0, 0]), self.spin)
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
         """Displacements and angles."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from toolkit.gradient_units import per, variable_unit
 from toolkit.report.figures.skin_error import mark_points, targeted
 from toolkit.report.material import Material
 from toolkit.report.sheet import Drawing, sheet, style
-from toolkit.report.variable_unit import per, variable_unit
 from toolkit.units import unit
 
 

@@ -1,0 +1,77 @@
+"""A run of the smallest scene there is, so that all that an analysis calls is compiled before it begins.
+
+What is compiled depends on the dimension of space, on the formulation of the joints and on the analysis, but on no number of the scene; the
+formulas of its own kinds of joints and loads come apart.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from toolkit.bodies.rigid import Rod
+from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.point import Point
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.joint_force import JointForce
+from toolkit.responses.motion import Displacement
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
+from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
+from toolkit.solvers.energy_balance import energy_balance
+from toolkit.system import formulas_of
+
+
+def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
+    """Call everything compiled that an analysis of the scene calls, with `backwards` its adjoint too."""
+    formulas_of(scene)
+    small = pendulum_like(scene)
+    system = prepare(small, ["points.P.x"] if backwards else [])
+    solution = solve(system, kind)
+    evaluate_responses(solution)
+    if kind == "transient":
+        energy_balance(solution)
+    if backwards and has_adjoint(small, kind):
+        adjoint_gradients(system, solution)
+
+
+def pendulum_like(scene: Scene) -> Scene:
+    """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
+    options = RunOptions(end_time=1e-3, step=1e-3, formulation=scene.solver.formulation, load_steps=1)
+    bodies = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
+    force = {"force": JointForce(joint="hinge", component="x")} if any(isinstance(each, JointForce) for each in bodies) else {}
+    ends: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
+    common: dict[str, Any] = {
+        "units": "m-kg-s",
+        "responses": {"way": TimeIntegral(of=Displacement(body="rod", point="P", component="x")), **force},
+    }
+    if scene.dimension == 2:
+        return Scene(
+            **common,
+            points={"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
+            bodies={"rod": Rod(**ends)},
+            joints={"hinge": Revolute(bodies=("rod", "ground"), point="O")},
+            loads={"weight": Gravity(acceleration=(0.0, -9.81))},
+            solver=options,
+        )
+    return Scene(
+        **common,
+        dimension=3,
+        points={"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},
+        bodies={"rod": SpatialRod(**ends)},
+        joints={"hinge": SpatialRevolute(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0))},
+        loads={"weight": SpatialGravity(acceleration=(0.0, 0.0, -9.81)), **_coil(scene)},
+        solver=options,
+    )
+
+
+def _coil(scene: Scene) -> dict[str, SpatialRotationalSpringDamper]:
+    """A rotational spring, whose turns are counted by compiled code, if the scene has one."""
+    if not any(isinstance(load, SpatialRotationalSpringDamper) for load in scene.loads.values()):
+        return {}
+    return {"coil": SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)}

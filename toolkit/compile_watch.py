@@ -1,0 +1,49 @@
+"""Whether formulas are being compiled: how many and for how long, as it happens."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from numba.core import event
+
+KIND = "numba:compile"
+"""What numba announces the compilation of a function as; one that is loaded from the disk is none."""
+
+
+class CompileWatch(event.Listener):
+    """Counts the functions that were compiled and the time that it took; functions compiled on the way to others count, their time once."""
+
+    def __init__(self, on_first: Callable[[], None] | None = None) -> None:
+        self.functions = 0
+        self.seconds = 0.0
+        self._on_first = on_first
+        self._depth = 0
+        self._begun = 0.0
+
+    def on_start(self, event: event.Event) -> None:
+        """A function begins to be compiled."""
+        if self._on_first and not self.functions and not self._depth:
+            self._on_first()
+        if not self._depth:
+            self._begun = clock.perf_counter()
+        self._depth += 1
+
+    def on_end(self, event: event.Event) -> None:
+        """It is done, or has failed."""
+        self._depth -= 1
+        self.functions += 1
+        if not self._depth:
+            self.seconds += clock.perf_counter() - self._begun
+
+
+@contextmanager
+def watched_compilation(on_first: Callable[[], None] | None = None) -> Iterator[CompileWatch]:
+    """A watch over everything that is compiled in its block; `on_first` is called before the first function is."""
+    watch = CompileWatch(on_first)
+    event.register(KIND, watch)
+    try:
+        yield watch
+    finally:
+        event.unregister(KIND, watch)
