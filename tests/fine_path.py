@@ -33,7 +33,7 @@ class Outcome:
 
 
 class FinePath:
-    """Arc-length steps `length` long, where a path that moves by `size` (in parts of the scene's size) under the full load has length 1."""
+    """Arc-length steps `length` long, where a path that moves by `size` (parts of the scene's size) to full load has length 1."""
 
     def __init__(self, system: System, size: float, length: float) -> None:
         self.system, self.options, self.length = system, system.scene.solver, length
@@ -79,7 +79,10 @@ class FinePath:
         """Real negative eigenvalues of the stiffness against allowed motions."""
         matrix, w = self.residual(z)[1], self.system.weights[: self.n_q]
         free = null_space(matrix[: self.n_q, self.n_q :].T / w) / w[:, None] if self.n > self.n_q else np.diag(1 / w)
-        values = np.linalg.eigvals(free.T @ matrix[: self.n_q, : self.n_q] @ free)
+        stiffness = free.T @ matrix[: self.n_q, : self.n_q] @ free
+        if np.abs(stiffness - stiffness.T).max(initial=0) < 1e-10 * np.abs(stiffness).max(initial=0):
+            return int(np.count_nonzero(np.linalg.eigvalsh(stiffness) < 0))
+        values = np.linalg.eigvals(stiffness)
         return int(np.count_nonzero((values.real < 0) & (np.abs(values.imag) <= 1e-9 * np.abs(values))))
 
     def follow(self, most: int = 20_000) -> Outcome:

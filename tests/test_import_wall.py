@@ -38,8 +38,8 @@ LAYERS = [
     (
         "errors",
         "kernel",
-        "compile_watch",
         "compiled_code",
+        "compile_watch",
         "planar",
         "units",
         "dimensions",

@@ -11,9 +11,24 @@ from preprocessing.section import Section
 from preprocessing.source_file import source
 from tests.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.test_preprocess_cli import arrays
+from toolkit.bodies.flexible import Flexible
+from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.entry_scales import entry_scales
+from toolkit.joints.revolute import Revolute
+from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.loads.gravity import Gravity
+from toolkit.loads.torque import Torque
 from toolkit.near_ties import first_largest, first_smallest
+from toolkit.point import BodyPoint, Point
 from toolkit.reduced_model_file import load, save
+from toolkit.responses.stress import MaxStress
+from toolkit.run_options import RunOptions
+from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import direct
+from toolkit.solvers.modes import solve_modes
+from toolkit.solvers.transient import simulate
+from toolkit.system import compile_scene
 
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 
@@ -96,3 +111,58 @@ def test_of_near_ties_the_first_is_named():
         assert first_smallest(sizes - sizes.min()) == 2
     assert first_largest(np.array([1.0, np.nan, 2.0])) == 1
     assert first_largest(np.array([1.0, 1.0 + 1e-5])) == 1
+
+
+@pytest.mark.processors
+def test_of_joints_that_repeat_each_other_the_later_ones_are_left_out():
+    """All rows are equally long, so that only their last digits differ: one kind of pivoting would follow these."""
+    rng = np.random.default_rng(0)
+    rows = np.array([[1.0, 0, 0, 0], [0, 1, 0, 0], [1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 1], [0, 0, 1, 1], [1, 1, 0, 0]])
+    for _ in range(50):
+        found = independent_rows(rows * (1 + 1e-15 * rng.normal(size=rows.shape)), np.ones(4), np.zeros(0, int))
+        assert (found.kept.tolist(), found.repeating.tolist(), found.almost.tolist()) == ([0, 1, 4], [2, 3, 5, 6], [])
+
+
+@pytest.mark.processors
+@pytest.mark.parametrize("y", [0.1, 0.13, 0.23, 0.4, 0.63, 0.93])
+def test_a_balance_has_the_frequency_zero(y):
+    """m g x - m g x is no stiffness, and none that is negative: what is left of it is round-off of the joint forces times their levers."""
+    points = {"O": Point(x=0.0, y=0.0), "A": Point(x=0.3 + y / 7, y=y), "B": Point(x=-0.3 - y / 7, y=-y)}
+    ends = {name: Rigid(mass=3.1, inertia=0.01, center=name) for name in "AB"}
+    scene = Scene(
+        units="m-kg-s",
+        points=points,
+        bodies={"arm": Rod(between=("A", "B"), area=1e-3, density=7800.0), **ends},
+        joints={
+            "O": Revolute(bodies=("arm", "ground"), point="O"),
+            **{name: RigidJoint(bodies=("arm", name), point=name) for name in "AB"},
+        },
+        loads={"weight": Gravity(acceleration=(0.0, -9.81))},
+        solver=RunOptions(end_time=0.01, step=0.01),
+    )
+    assert solve_modes(simulate(compile_scene(scene))).frequencies.tolist() == [0.0]
+
+
+@pytest.mark.processors
+@pytest.mark.parametrize("n_elements", [4, 5, 7, 9])
+def test_of_points_of_equal_stress_the_first_is_the_largest(n_elements, tmp_path):
+    """A moment at the tip bends all elements alike; the maximum has the derivative of the first one, and of no other.
+
+    sigma = 6 M / (b t^2), so that d sigma / d t_0 = -2 sigma / t.
+    """
+    nodes = np.column_stack([np.linspace(0, 1, n_elements + 1), np.zeros(n_elements + 1)])
+    save(polygon_beam(nodes, STEEL, {"tip": 1.0}, separate=("thickness",)), tmp_path / "beam.h5")
+    scene = Scene(
+        units="m-kg-s",
+        points={"T": BodyPoint(body="beam", interface="tip")},
+        bodies={"beam": Flexible(model="beam.h5", frame="grounded")},
+        loads={"moment": Torque(body="beam", point="T", torque=10.0)},
+        responses={"stress": MaxStress(body="beam", measure="absolute")},
+        directory=tmp_path,
+    )
+    found = direct(scene, [f"bodies.beam.thickness_{k}" for k in range(n_elements)], "static")
+    stress = 6 * 10.0 / (STEEL.width * STEEL.thickness**2)
+    assert found.values["stress"] == pytest.approx(stress, rel=1e-8)  # condition of a thin beam's stiffness
+    first, *others = found.gradients["stress"].values()
+    assert first == pytest.approx(-2 * stress / STEEL.thickness, rel=1e-8)
+    assert np.abs(others).max() < 1e-8 * abs(first)

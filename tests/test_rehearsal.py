@@ -27,7 +27,7 @@ from toolkit.command_line.announcements import BACKWARDS, compile_before
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.energy_balance import energy_balance
+from toolkit.validity.energy_balance import energy_balance
 
 def loaded():
     ours = [vars(module).values() for name, module in list(sys.modules.items()) if name.startswith("toolkit")]

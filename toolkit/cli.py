@@ -31,7 +31,7 @@ from toolkit.command_line.inspection import describe, describe_scene, print_desc
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result
+from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result, print_verdict, warn
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
@@ -174,18 +174,20 @@ def modes(
     from toolkit.sensitivity.analysis import prepare, solve
     from toolkit.solvers.modes import solve_modes
     from toolkit.solvers.undeformed import undeformed
+    from toolkit.validity.verdict import Verdict
 
     described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
         system = prepare(described)
         state = undeformed(system) if about_start else solve(system, "static", progress)
         found = solve_modes(state, count)
-    frequencies = found.frequencies.tolist()
+    frequencies, verdict = found.frequencies.tolist(), Verdict.of([*found.verdict.warnings, *state.verdict.warnings])
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **verdict.record()})
+        warn(verdict, quiet)
     else:
         print_frequencies(frequencies)
-        typer.echo(str(found.verdict))
+        print_verdict(verdict)
 
 
 @app.command()

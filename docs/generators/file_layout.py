@@ -7,15 +7,15 @@ from dataclasses import fields, is_dataclass
 from docs.generators.comments import meanings, words
 from docs.generators.key_tables import cell
 from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import MAPS, PARTS, SCHEMA, SCHEMA_VERSION
+from toolkit.reduced_model_file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION
 
 
 def layout() -> str:
     """Attributes, then one section per group."""
     meaning = meanings(ReducedModel)
-    single = [item.name for item in fields(ReducedModel) if item.name not in (*PARTS, *MAPS, "path")]
+    single = [item.name for item in fields(ReducedModel) if item.compare and item.name not in (*PARTS, *MAPS, *ORIGIN)]
     attributes = {"schema": f'"{SCHEMA}"', "schema_version": str(SCHEMA_VERSION)} | {n: meaning.get(n, "") for n in single}
-    groups = {f"{name}/": meaning.get(name, "") for name in MAPS}
+    groups = {f"{name}/": meaning.get(name, "") for name in (*MAPS, *ORIGIN)}
     return "\n\n".join(
         [
             f"### Attributes of the file\n\n{_table(attributes)}",

@@ -17,7 +17,7 @@ BESIDE = {
         "scene", "scene_file", "point", "profile", "design", "run_options", "time_grid", "units", "scene_names", "description",
         "validation_messages", "replaced_file", "errors",
     ),
-    "Reduced model": ("reduced_model", "reduced_model_file", "reduced_model_check"),
+    "Reduced model": ("reduced_model", "reduced_model_file", "reduced_model_check", "entry_scales", "mode_shapes"),
     "Equations": ("system", "equations", "solution", "component", "planar", "kernel"),
     "Command line": ("cli",),
 }  # fmt: skip

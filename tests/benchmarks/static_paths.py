@@ -1,8 +1,8 @@
-"""Statics against fine paths on random scenes: `python -m tests.benchmarks.static_paths [scenes of each kind]`.
+"""Statics against fine paths on random scenes: `python -m tests.benchmarks.static_paths [scenes of each kind [kinds]]`.
 
 Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own
-(`tests.fine_path`). Both
-must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is judged by one with half its steps.
+(`tests.fine_path`). Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is
+judged by one with half its steps.
 """
 
 from __future__ import annotations
@@ -78,7 +78,7 @@ def judged(
 
 if __name__ == "__main__":
     count = int(sys.argv[1]) if len(sys.argv) > 1 else 40
-    for kind in KINDS:
+    for kind in sys.argv[2:] or KINDS:
         outcomes, errors, times = Counter(), 0, []
         for seed in range(count):
             judge, wrong, spent = judged(random_scene(kind, seed))

@@ -23,8 +23,8 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
-from toolkit.solvers.energy_balance import energy_balance
 from toolkit.system import formulas_of
+from toolkit.validity.energy_balance import energy_balance
 
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:

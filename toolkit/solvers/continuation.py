@@ -17,6 +17,7 @@ from toolkit.solvers.corrector import first_point
 from toolkit.solvers.critical_state import is_stable, soft_motion
 from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium
 from toolkit.solvers.limit_points import FULL, Place, ends, full_load, limit_point
+from toolkit.solvers.path_box import parts
 from toolkit.solvers.path_equations import PathEquations
 from toolkit.solvers.path_steps import Arc, arcs
 from toolkit.static_path import LimitPoint, StaticPath
@@ -24,6 +25,9 @@ from toolkit.system import System
 
 NEAR = 1e-6
 """How far, in parts of the scene's size (or rad), Newton may move a point of the path that is under the full load to round-off."""
+
+LEVEL = 1e-6
+"""Part of the path's way by which the load grows at least; its square is the part of the load by which a limit point is missed."""
 
 
 class Arrival(NamedTuple):
@@ -102,6 +106,8 @@ def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilib
     except (ConvergenceError, SingularSystemError) as error:
         raise _critical_full_load(system, place, error) from error
     trail.iterations += count
+    if _turns_here(equations, trail, state):
+        raise _critical_full_load(system, place, "the smallest load more would move it far")
     if is_stable(system, options, state, 1.0):
         return state
     trail.unstable += 1
@@ -131,7 +137,15 @@ def _end_of_path(limit: LimitPoint) -> LimitPointError:
     )
 
 
-def _critical_full_load(system: System, place: Place, error: Exception) -> CriticalPointError:
+def _turns_here(equations: PathEquations, trail: Trail, state: Equilibrium) -> bool:
+    """Whether the load grows by nothing but round-off along the path, compared with the way so far."""
+    points, n_q = np.array(trail.points)[:, : equations.n_q], equations.n_q
+    way = np.real(np.ptp([*points, np.real(state.q[:n_q])], axis=0))
+    weights = equations.system.weights[:n_q]
+    return bool(LEVEL * parts(weights * np.real(state.tangent[:n_q]), weights * way) >= 1)
+
+
+def _critical_full_load(system: System, place: Place, error: Exception | str) -> CriticalPointError:
     coordinate = system.most_moved(place.slope)
     return CriticalPointError(
         f"the full load is that of a limit point or bifurcation to round-off, where nothing holds {coordinate} ({error}). Use a little "

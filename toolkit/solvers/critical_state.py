@@ -28,21 +28,22 @@ ITERATIONS = 8
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
     """Whether the stiffness is positive against all motions that the joints allow (no divergence; following forces may still flutter)."""
-    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray())
+    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray(), state.acc)
 
 
-def has_negative_stiffness(system: System, matrix: np.ndarray) -> bool:
-    """Whether the static matrix (n, n) has a negative stiffness, by more than round-off, against a motion that the joints allow."""
+def has_negative_stiffness(system: System, matrix: np.ndarray, acc: np.ndarray) -> bool:
+    """Whether the static matrix (n, n) at [a; lam] has a negative stiffness, by more than round-off, against a motion that joints allow."""
     try:
         if factorised(system, matrix).negative == 0:
             return False
     except SingularSystemError:
         pass  # a stiffness that is zero to round-off is not negative
     n_q = system.n_q
-    free = free_motions(matrix[:n_q, n_q:].T, system.weights[:n_q])
+    weights, phi_q = system.weights[:n_q], matrix[:n_q, n_q:].T
+    free = free_motions(phi_q, weights)
     if not free.shape[1]:
         return False
-    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], free).max()
+    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], phi_q, acc[n_q:], weights, free).max()
     if is_symmetric(stiffness, largest):
         return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
     values = eigvals(stiffness)
@@ -79,26 +80,27 @@ def load_to_critical(system: System, options: RunOptions, state: Equilibrium) ->
         return np.inf, np.zeros(system.n)  # the joints leave no motion
     moved = system.weights[:n_q] * np.abs(np.real(state.tangent[:n_q]))
     step = REACH / max(moved.max(initial=0), REACH)  # at most the whole load
-    here, motion = _softest(system, _matrix(system, options, state.q, state.acc, 1.0))
+    here, motion = softest_motion(system, _matrix(system, options, state.q, state.acc, 1.0))
     of_q = np.arange(system.n) < n_q
     sides = []
     for change in (step, -step):
         q, acc = (part + change * np.where(mask, state.tangent, 0) for part, mask in ((state.q, of_q), (state.acc, ~of_q)))
-        sides.append(_softest(system, _matrix(system, options, q, acc, 1.0 + change))[0])
+        sides.append(softest_motion(system, _matrix(system, options, q, acc, 1.0 + change))[0])
     rate = (sides[0] - sides[1]) / (2 * step)
     return (abs(here / rate) if rate else np.inf), motion
 
 
 def soft_motion(system: System, options: RunOptions, state: Equilibrium, factor: float) -> np.ndarray:
     """The motion (n,) against which the stiffness is nearest to zero."""
-    return _softest(system, _matrix(system, options, state.q, state.acc, factor))[1]
+    return softest_motion(system, _matrix(system, options, state.q, state.acc, factor))[1]
 
 
-def _softest(system: System, matrix: csc_array) -> tuple[float, np.ndarray]:
-    """Stiffness nearest to zero and its motion, by inverse iteration; zero if the matrix is singular to the last digit.
+def softest_motion(system: System, matrix: np.ndarray | csc_array) -> tuple[float, np.ndarray]:
+    """Stiffness of a static matrix nearest to zero and its motion, by inverse iteration; zero if it is singular to the last digit.
 
     Then a shift that no digit of the motion feels makes it regular, unless joints repeat each other.
     """
+    matrix = csc_array(matrix)
     metric = np.where(np.arange(system.n) < system.n_q, system.weights**2, 0.0)
     motion = np.random.default_rng(0).normal(size=system.n) / system.weights
     try:

@@ -20,7 +20,7 @@ LONGEST, NEAR, MOST = 0.2, 1e-3, 300
 """Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
 ROUND_OFF = 1e-12
 """Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
-PLAIN = 1e3
+PLAIN = 10
 """A stiffness this much above round-off is positive beyond doubt."""
 STANDSTILL = 1e-12
 """A step this short where the energy falls off to some side is the top of a hill, not the bottom of a valley."""

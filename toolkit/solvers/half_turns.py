@@ -13,8 +13,7 @@ from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpri
 from toolkit.system import System
 
 HALF_TURN = (
-    "in space its angle is one of (-pi, pi], and its torque would change sign. Use it for smaller angles, or model the "
-    "scene in the plane."
+    "its angle in space is one of (-pi, pi], so that its torque would change sign. Use smaller angles, or a scene in the plane."
 )
 
 

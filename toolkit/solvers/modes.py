@@ -52,24 +52,35 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
     dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q")}
     mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
-    free = free_motions(dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q])
+    phi_q, weights, multipliers = dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q], solution.multipliers[-1]
+    free = free_motions(phi_q, weights)
     if not free.shape[1]:
         raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
-    squares, vectors = _eigen(free.T @ stiffness @ free, free.T @ mass @ free, made_of(stiffness, free).max())
+    squares, vectors = _eigen(
+        free.T @ stiffness @ free, free.T @ mass @ free, made_of(stiffness, phi_q, multipliers, weights, free).max()
+    )
     shapes = free @ vectors
-    zero = np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), np.diag(made_of(stiffness, shapes)))
+    terms_of = np.diag(made_of(stiffness, phi_q, multipliers, weights, shapes))
+    zero = np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), terms_of)
     squares = np.where(zero, 0.0, squares)
     order = np.argsort(squares, kind="stable")
-    squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], system.weights[:n_q])
+    squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     return Modes(frequencies[:count], shapes[:, :count], Verdict.of(cautions_of_spin(solution, frequencies)))
 
 
-def made_of(stiffness: np.ndarray, motions: np.ndarray) -> np.ndarray:
-    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured
-    by."""
+def made_of(
+    stiffness: np.ndarray, phi_q: np.ndarray, multipliers: np.ndarray, weights: np.ndarray, motions: np.ndarray
+) -> np.ndarray:
+    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured by.
+
+    They are entries of the stiffness, and joint forces at levers of the scene's size: those of a balance, which has no stiffness, cancel in
+    each entry already.
+    """
     sizes: np.ndarray = np.abs(motions)
-    return sizes.T @ np.abs(stiffness) @ sizes
+    lever = (np.abs(phi_q.T) @ np.abs(np.real(multipliers)) / weights).max(initial=0)
+    moves = (weights[:, None] * sizes).max(axis=0)
+    return sizes.T @ np.abs(stiffness) @ sizes + lever * np.outer(moves, moves)
 
 
 def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -109,7 +109,8 @@ def _refuse_unstable(system: System, times: np.ndarray, z: np.ndarray) -> None:
     equations = PathEquations(system, system.scene.solver, PassingTime(system, 0.0, times[-1]))
 
     def unstable(n: int) -> bool:
-        return has_negative_stiffness(system, equations.linearised(np.append(z[n], times[n] / times[-1]))[1])
+        matrix = equations.linearised(np.append(z[n], times[n] / times[-1]))[1]
+        return has_negative_stiffness(system, matrix, equations.padded(z[n])[1])
 
     low = 0
     for n in np.unique(np.linspace(0, len(times) - 1, LOOKED_AT).astype(int)):
