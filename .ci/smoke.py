@@ -17,7 +17,7 @@ MODELS = Path(__file__).resolve().parents[1] / "models"
 FORMULAS = """
 import numpy as np
 from numba import types
-from toolkit.kernel import call, inlined, inner, is_on_disk, kernel, plain, slots
+from toolkit.kernel import call, inlined, inner, kernel, plain, slots
 
 @inner
 def half(x):
@@ -40,7 +40,6 @@ x = np.zeros(3)
 call(by, slots([filled], types.void(types.float64[::1])), x)
 assert (x == 2.0).all(), x
 assert plain(quarter)(8j) == 2j
-assert is_on_disk(by) and is_on_disk(filled)
 hits = sum(filled.stats.cache_hits.values())
 """
 

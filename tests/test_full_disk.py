@@ -16,6 +16,8 @@ import pytest
 
 from toolkit.errors import InputError
 from toolkit.replaced_file import replaced, write_whole
+from toolkit.results.layout import ResultsFileError
+from toolkit.results.results_file import refuse_foreign
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 WITHIN_LIMITS = """
@@ -125,6 +127,12 @@ def test_a_new_file_has_the_permissions_that_the_user_gives_to_all(tmp_path):
     finally:
         os.umask(before)
     assert (tmp_path / "run.h5").stat().st_mode & 0o777 == 0o640
+
+
+def test_a_pipe_is_no_place_for_results_and_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "run.h5")
+    with pytest.raises(ResultsFileError, match=r"run\.h5' exists and is not a results file; it is left as it is"):
+        refuse_foreign(tmp_path / "run.h5")
 
 
 @pytest.mark.parametrize("make", [os.mkfifo, os.mkdir], ids=["pipe", "folder"])

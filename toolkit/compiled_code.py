@@ -52,10 +52,6 @@ class CompiledCode(NullCache):
     def __init__(self, function: Callable, stamp: str) -> None:
         self.function, self.stamp = function, stamp
 
-    def is_kept(self) -> bool:
-        """Whether there is code, for arguments of any types."""
-        return any(next(folder.glob(f"{self._name}-*.nbc"), None) for folder in self._folders)
-
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
         """The code for types of arguments; None if there is none, or only what is damaged."""
         target.refresh()

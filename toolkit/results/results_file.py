@@ -67,7 +67,7 @@ def refuse_foreign(path: Path) -> None:
         raise ResultsFileError(f"there is no folder {str(path.parent)!r} for the results. Make it, or give another path.")
     if path.suffix != ".h5":
         raise ResultsFileError(f"{str(path)!r} does not end in .h5, as the name of a results file must. Add it.")
-    if path.exists() and schema_of(path) != SCHEMA:
+    if path.exists() and not (path.is_file() and schema_of(path) == SCHEMA):  # a pipe would be waited for
         raise ResultsFileError(f"{str(path)!r} exists and is not a results file; it is left as it is. Give another path.")
 
 
