@@ -16,7 +16,6 @@ from toolkit.errors import ToolkitError
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
-from toolkit.solvers import statics
 
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "models").glob("*/scene.toml"))
@@ -38,12 +37,6 @@ def file(tmp_path_factory) -> Path:
     return tmp_path_factory.mktemp("scenes") / "scene.toml"
 
 
-@pytest.fixture(autouse=True)
-def no_long_paths(monkeypatch):
-    """Statics gives up early."""
-    monkeypatch.setattr(statics, "SMALLEST_STEP", 0.2)
-
-
 def use(scene: Scene) -> None:
     """Everything that is done with a scene that was accepted, in few steps."""
     describe_scene(scene)
@@ -52,6 +45,7 @@ def use(scene: Scene) -> None:
             "end_time": min(scene.solver.end_time, 3 * scene.solver.step),
             "load_steps": min(scene.solver.load_steps, 2),
             "max_iterations": min(scene.solver.max_iterations, 10),
+            "path_steps": min(scene.solver.path_steps, 20),  # statics gives up early
         }
     )
     short = scene.model_copy(update={"solver": options})

@@ -16,8 +16,8 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
-from toolkit.sensitivity.certificate import step_study, taylor_rates
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.studies import step_study, taylor_rates
 
 AGREEMENT = 1e-9  # round-off of the state (1e-14 of the scene's size) times the wing's ratio of stretching to bending stiffness
 

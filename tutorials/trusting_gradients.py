@@ -13,8 +13,8 @@ from pathlib import Path
 
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.sensitivity.certificate import step_study, taylor_rates
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.studies import step_study, taylor_rates
 
 MODELS = Path(__file__).parents[1] / "models"
 short = {"solver.end_time": "1.0", "solver.step": "0.02"}  # 50 steps, for one of the ways is slow

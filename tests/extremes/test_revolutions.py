@@ -87,8 +87,8 @@ def test_a_beam_that_has_turned_a_million_times_moves_as_one_that_has_not(beam):
     options = RunOptions(end_time=0.2, step=1e-3, rho_inf=0.8)
     here, far = (simulate(beam, options, np.where(np.arange(beam.n_q) == 2, angle, q), v) for angle in (0.0, TURN * MILLION))
     np.testing.assert_allclose(
-        far.q[:, 3:], here.q[:, 3:], rtol=0, atol=1e-12 * np.abs(here.q[:, 3:]).max()
-    )  # they do not know it
+        far.q[:, 3:], here.q[:, 3:], rtol=0, atol=1e-9 * np.abs(here.q[:, 3:]).max()
+    )  # they do not know it but by directions, which are off by 1e-9 rad
     np.testing.assert_allclose(far.q[:, 2] - TURN * MILLION, here.q[:, 2], rtol=0, atol=1e-7)  # 200 roundings of 5e-10
     np.testing.assert_allclose(far.multipliers, here.multipliers, rtol=0, atol=1e-7 * np.abs(here.multipliers).max())
 

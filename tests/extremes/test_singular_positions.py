@@ -42,11 +42,11 @@ def test_five_singular_positions_are_passed_with_the_exact_angle(formulation, rh
 
 
 def chain_at(angle: float) -> Scene:
-    """The links at an angle to the line of the bearings; every bar moves across this line with 1 rad/s of the links."""
+    """The links at an angle to the line of the bearings; every bar moves with -1 rad/s of the links."""
     x, y = np.cos(angle), np.sin(angle)
     places = {f"A{i}": (float(i), 0.0) for i in range(3)} | {f"B{i}": (i + x, y) for i in range(3)}
     scene = read_scene(CHAIN)
-    speeds = {name: (0.0, -0.5, -1.0) if name.startswith("link") else (0.0, -1.0, 0.0) for name in scene.bodies}
+    speeds = {name: (y / 2, -x / 2, -1.0) if name.startswith("link") else (y, -x, 0.0) for name in scene.bodies}
     bodies = {
         name: body.model_copy(update={"velocity": speeds[name], "angular_velocity": None}) for name, body in scene.bodies.items()
     }

@@ -169,5 +169,6 @@ def test_wing_has_the_planar_frequencies_among_its_own(wings):
         solve_modes(solve_statics(compile_scene(scene), RunOptions(end_time=1.0, tolerance=1e-13))).frequencies for scene in wings
     )
     for frequency in planar[:4]:
-        # the strip is 1e5 times stiffer across its plane than in it, which costs so many digits of the soft modes
-        assert np.abs(spatial / frequency - 1).min() < 1e-7
+        # the strip is 1e5 times stiffer across its plane than in it, which costs so many digits of the soft modes; and its
+        # elements, 1e9 times stiffer in tension than in bending, leave 1e-7 of round-off of their own
+        assert np.abs(spatial / frequency - 1).min() < 5e-7

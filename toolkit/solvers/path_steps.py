@@ -165,8 +165,6 @@ def _attempt(equations: PathEquations, box: Box, begin: PathPoint, before: Arc |
 
     Raises
     ------
-    _TooLong
-        It does not show what lies in it.
     ConvergenceError, SingularSystemError
         Newton finds no equilibrium there.
     """
