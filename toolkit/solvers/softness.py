@@ -18,7 +18,9 @@ ITERATIONS, AGAIN = 6, 2
 class Softness(NamedTuple):
     """Stiffnesses k (m,) and their motions with the forces of the joints, [phi; mu] (n, m).
 
-    K phi + phi_q^T mu = k W phi,   phi_q phi = 0,   W = diag(w^2),   phi^T W phi = 1
+        K phi + phi_q^T mu = k W phi,   phi_q phi = 0,   W = diag(w^2),   phi^T W phi = 1
+
+    with the weights w of the system.
     """
 
     values: np.ndarray
