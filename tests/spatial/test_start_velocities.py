@@ -90,6 +90,16 @@ def test_a_crank_starts_with_what_it_is_given_and_the_joints_find_the_rest():
     assert record["rod"]["velocity"]["written"] is None
 
 
+def test_a_body_without_coordinates_starts_without_velocities():
+    """It stands before a body that has some."""
+    scene = slider_crank(crank={"angular_velocity": spin(6.0)})
+    anchor = SpatialRigid(mass=1.0, inertia=(1.0, 1.0, 1.0), center="O", frame="grounded")
+    run = simulate(compile_scene(scene.model_copy(update={"bodies": {"anchor": anchor, **scene.bodies}})))
+    assert start_record(run)["anchor"] == {}
+    assert moved_bodies(run)["anchor"] == (0.0, 0.0)
+    assert list(cautions_of_start(run)) == []
+
+
 def test_velocities_of_several_bodies_that_fit_hold():
     guide = tuple(map(float, slides(6.0) * GUIDE / np.linalg.norm(GUIDE)))
     scene = slider_crank(crank={"angular_velocity": spin(6.0)}, slider={"velocity": guide, "angular_velocity": (0.0, 0.0, 0.0)})

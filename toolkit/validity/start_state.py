@@ -52,8 +52,10 @@ def start_state(solution: Solution) -> list[BodyStart]:
 
 
 def _of(solution: Solution, name: str) -> BodyStart:
-    system, at = solution.system, solution.coordinates(name)
-    body, q, v = system.scene.bodies[name], np.real(solution.q[0, at]), np.real(solution.v[0, at])
+    system = solution.system
+    body, first = system.scene.bodies[name], system.numbering.first[name]
+    at = slice(first, first + len(body.coordinate_names(system.scene)))
+    q, v = np.real(solution.q[0, at]), np.real(solution.v[0, at])
     given, wish = (np.real(state[at]) for state in system.start()[:2])
     keys = {key.split(".")[0] for key in body.written_velocities().values()} if not solution.own_start else set()
     if "velocity" in keys and system.scene.dimension == 2:
