@@ -110,4 +110,4 @@ def test_the_command_says_it_in_words_and_in_json():
     assert "the scene spins: 'beam' with 50 rad/s" in words.stdout
     record = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)
     assert record["verdict"]["trusted"] is False
-    assert [each["code"] for each in record["warnings"]] == ["spins"]
+    assert [each["code"] for each in record["warnings"]] == ["spins", "at-rest"]

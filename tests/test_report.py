@@ -137,8 +137,10 @@ def test_the_page_needs_nothing_but_itself(wing):
 
 def test_tables_and_json_hold_the_same_numbers(wing):
     numbers = json.loads((wing / "numbers.json").read_text())
-    assert {path.stem for path in (wing / "tables").iterdir()} == set(numbers)
-    for name, table in numbers.items():
+    tables = {name: each for name, each in numbers.items() if isinstance(each, dict) and "head" in each}
+    assert {path.stem for path in (wing / "tables").iterdir()} == set(tables)
+    assert numbers["verdict"]["trusted"] is False  # it leaves the range of small deformations
+    for name, table in tables.items():
         head, *lines = rows(wing / "tables" / f"{name}.csv")
         assert head == table["head"]
         assert lines == [[str(value) for value in row] for row in table["rows"]]
@@ -156,7 +158,7 @@ def test_all_methods_agree_to_their_own_accuracy(wing):
     head, *lines = rows(wing / "tables" / "gradients.csv")
     assert len(lines) == 25
     # truncation and round-off of the differences; the complex step leaves round-off and the Newton tolerance
-    for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 1e-9)):
+    for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 2e-9)):
         column = head.index(f"relative difference to {method}")
         assert max(float(line[column]) for line in lines) < tolerance, method
     assert "MPa / mm" in lines[0]
@@ -223,7 +225,8 @@ def test_a_report_of_results_runs_nothing_and_says_what_it_lacks(wing, tmp_path,
         monkeypatch.setattr(f"toolkit.sensitivity.analysis.{name}", forbidden)
     done = run("report", wing / "results.h5", "--models", MODELS, "-o", tmp_path, "--json")
     assert done.exit_code == 0, done.stderr
-    assert json.loads(done.stdout) == {"report": str(tmp_path / "report.html")}
+    record = json.loads(done.stdout)
+    assert (record["report"], record["verdict"]["trusted"]) == (str(tmp_path / "report.html"), False)
     assert (tmp_path / "figures" / "skin_error_skin.svg").read_bytes() == (wing / "figures" / "skin_error_skin.svg").read_bytes()
     assert "not compared with other methods" in (tmp_path / "report.html").read_text(encoding="utf-8")
     assert rows(tmp_path / "tables" / "monitors.csv") == rows(wing / "tables" / "monitors.csv")

@@ -117,7 +117,8 @@ def described_by(path: str | Path) -> list[str]:
             found = {name: content.attributes(name) if content.has(name) else {} for name in ORIGIN}
     except ModelFileError:
         return []
-    return [name for name in found["inputs"] if Path(name).name in found["source"]]
+    texts = {Path(name).name for name in found["source"]}
+    return [name for name in found["inputs"] if Path(name).name in texts]
 
 
 def hash_of(path: str | Path) -> str:

@@ -23,6 +23,7 @@ from toolkit.scene import Scene
 from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
 from toolkit.system import formulas_of
+from toolkit.validity.energy_balance import energy_balance
 from toolkit.validity.judge import judge
 
 
@@ -34,6 +35,8 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
     solution = solve(system, kind)
     evaluate_responses(solution)
     judge(solution)
+    if len(solution.times) > 1:
+        energy_balance(solution)  # a verdict asks for it where there are more steps than one
     if backwards and has_adjoint(small, kind):
         adjoint_gradients(system, solution)
 

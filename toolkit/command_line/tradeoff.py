@@ -6,7 +6,7 @@ import json
 import os
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -74,10 +74,11 @@ def tradeoff(
         )  # compiled once, before several processes would do it
         compile_before(described.model_copy(update={"solver": solver}), "transient", bool(names), quiet)
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
-    _keep(found, folder, quiet)
     verdict = _model_verdict(described)
+    record = {**record_of(found), **verdict.record()}
+    _keep(found, record, folder, quiet)
     if as_json:
-        print_json({**record_of(found), **verdict.record()})
+        print_json(record)
         warn(verdict, quiet)
     else:
         print_tradeoff(found)
@@ -98,11 +99,11 @@ def _model_verdict(scene: Scene) -> Verdict:
     return Verdict.of([*large_deformations(solution), *excessive_speeds(solution)])
 
 
-def _keep(found: Tradeoff, folder: Path, quiet: bool) -> None:
+def _keep(found: Tradeoff, record: dict[str, Any], folder: Path, quiet: bool) -> None:
     """Write the JSON file, and the picture where it can be drawn."""
     from toolkit.replaced_file import write_whole
 
-    write_whole(folder / "tradeoff.json", json.dumps(record_of(found), indent=1, allow_nan=False).encode())
+    write_whole(folder / "tradeoff.json", json.dumps(record, indent=1, allow_nan=False).encode())
     files = [folder / "tradeoff.json", *_draw(found, folder, quiet)]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)

@@ -38,6 +38,8 @@ def softest(saddle: Saddle, n_free: int, n_q: int, known: Softness | None = None
     if not count:
         return Softness(np.zeros(0), np.zeros((n, 0)))
     scale, forces = saddle.scale[:n_q, None], np.zeros((n - n_q, count))
+    if not np.all(scale > 0):
+        return Softness(np.zeros(0), np.zeros((n, 0)))
     block = np.random.default_rng(0).normal(size=(n_q, count)) if known is None else known.motions[:n_q] / scale
     for _ in range(ITERATIONS if known is None else AGAIN):
         block = qr(block, mode="economic")[0]
