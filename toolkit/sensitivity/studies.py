@@ -111,14 +111,15 @@ def best_quotients(found: Mapping[float, Mapping[str, float]]) -> dict[str, Quot
     """Response -> the quotient at the bottom of the V of truncation and round-off.
 
     Neighbours there differ by what both leave of it. Two numbers may agree by chance, so the larger difference to the two neighbours of
-    the quotient for which that is smallest is taken; with fewer than three quotients nothing is known.
+    the quotient for which that is smallest is taken. A step that moves no digit of the response says nothing; with fewer than three that
+    do, nothing is known.
     """
     best = {}
-    rows = list(found.values())
-    for f in rows[0] if len(rows) >= 3 else ():
-        triples = [(a[f], b[f], c[f]) for a, b, c in zip(rows, rows[1:], rows[2:], strict=False)]
-        _, middle, uncertainty = min((max(abs(b - a), abs(c - b)), b, max(abs(b - a), abs(c - b))) for a, b, c in triples)
-        best[f] = Quotient(middle, uncertainty)
+    for f in next(iter(found.values()), {}):
+        told = [each[f] for each in found.values() if each[f] != 0]
+        known = [Quotient(b, max(abs(b - a), abs(c - b))) for a, b, c in zip(told, told[1:], told[2:], strict=False)]
+        if known:
+            best[f] = min(known, key=lambda each: each.uncertainty)
     return best
 
 
