@@ -35,16 +35,17 @@ class Softness(NamedTuple):
 def softest(saddle: Saddle, n_free: int, n_q: int, known: Softness | None = None) -> Softness:
     """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by; none if the matrix is not symmetric."""
     n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
+    nothing = Softness(np.zeros(0), np.zeros((n, 0)))
     if not count:
-        return Softness(np.zeros(0), np.zeros((n, 0)))
+        return nothing
     scale, forces = saddle.scale[:n_q, None], np.zeros((n - n_q, count))
-    if not np.all(scale > 0):
-        return Softness(np.zeros(0), np.zeros((n, 0)))
     block = np.random.default_rng(0).normal(size=(n_q, count)) if known is None else known.motions[:n_q] / scale
     for _ in range(ITERATIONS if known is None else AGAIN):
         block = qr(block, mode="economic")[0]
         solved = saddle.solve(np.vstack([block / scale, forces]))
         flexibility, turn = eigh(block.T @ (solved[:n_q] / scale))
+        if not np.all(flexibility):
+            return nothing  # round-off has swallowed a motion of a scene whose sizes differ by too much
         solved = solved @ turn / flexibility
         block = solved[:n_q] / scale
     return Softness(1 / flexibility, solved / np.sqrt((block**2).sum(axis=0)))
