@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from toolkit.errors import InputError
+from toolkit.regular_file import read_start
 
 LARGEST_FILE = 1_000_000
 """Bytes; the most rows that are accepted have some 100 kB."""
@@ -34,7 +35,7 @@ def read_text(path: Path) -> str:
         The file cannot be read, or is no text.
     """
     try:
-        content = read_start(path)
+        content = read_start(path, LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(f"cannot be read: {error.strerror}. Check the path {str(path)!r}.") from error
     if len(content) > LARGEST_FILE:
@@ -47,12 +48,6 @@ def read_text(path: Path) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
         return content.decode("latin-1")
-
-
-def read_start(path: Path) -> bytes:
-    """The whole file, or one byte more than any airfoil file has."""
-    with path.open("rb") as file:
-        return file.read(LARGEST_FILE + 1)
 
 
 def split_table(text: str) -> Table:

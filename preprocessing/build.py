@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.airfoil_table import read_start
+from preprocessing.airfoil_table import LARGEST_FILE
 from preprocessing.assembly import assemble
 from preprocessing.at_key import at_key
 from preprocessing.changed_design import changed
@@ -30,6 +30,7 @@ from preprocessing.spatial_skin import spatial_skin
 from toolkit.errors import InputError
 from toolkit.reduced_model import Mesh, ReducedModel, Shape
 from toolkit.reduced_model_file import SCHEMA_VERSION
+from toolkit.regular_file import read_start
 
 WRITER_VERSION = "0.1.0"
 """Version of this distribution; part of the input hash, so that a new version builds its files again."""
@@ -105,7 +106,7 @@ def _measured(content: bytes) -> bytes:
 
 def _airfoil_bytes(path: Path) -> bytes:
     try:
-        return read_start(path)
+        return read_start(path, LARGEST_FILE + 1)
     except OSError as error:
         raise InputError(
             f"the airfoil file {str(path)!r} cannot be read ({error.strerror}). Mend the path; it is relative to the TOML file."

@@ -228,7 +228,7 @@ def lines_only(folder: Path) -> None:
         (moved(4, (0.0, -0.1)), "flat or folded over"),
         (damaged, "cannot be read by meshio"),
         (lines_only, "holds no triangles and no quadrilaterals"),
-        (lambda folder: (folder / "body.vtu").unlink(), r"there is no mesh file '.*body\.vtu'"),
+        (lambda folder: (folder / "body.vtu").unlink(), r"there is no file '.*body\.vtu'"),
     ],
 )
 def test_meshes_that_cannot_be_used_are_refused(spoil, message, tmp_path):

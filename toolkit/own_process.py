@@ -9,10 +9,9 @@ from contextlib import contextmanager
 from importlib.machinery import PathFinder
 from pathlib import Path
 
-import toolkit
 from toolkit.errors import InputError
 
-HOME = Path(toolkit.__file__ or "").resolve().parents[1]
+HOME = Path(__file__).resolve().parents[1]
 """Folder that holds both halves of the program."""
 SAFE = "PYTHONSAFEPATH"
 """Environment variable that keeps Python from looking for modules in the current folder first."""

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from toolkit.errors import InputError
+from toolkit.regular_file import read_start
 
 LARGEST_FILE = 10_000_000
 """Bytes; a scene of a thousand bodies has a hundredth of it."""
@@ -26,11 +27,9 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         The file is missing, too large, or no TOML.
     """
     try:
-        with path.open("rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-    except (OSError, ValueError) as error:  # ValueError: a zero byte in the path
-        reason = error.strerror if isinstance(error, OSError) else error
-        raise InputError(f"{str(path)!r} cannot be read ({reason}). Give the path of {what}.") from error
+        content = read_start(path, LARGEST_FILE + 1)
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}.") from error
     if len(content) > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has more than {LARGEST_FILE} bytes. Give the path of {what}.")
     try:

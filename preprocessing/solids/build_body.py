@@ -14,6 +14,7 @@ from preprocessing.at_key import at_key
 from preprocessing.basis_choice import BasisChoice
 from preprocessing.build import WRITER_VERSION
 from preprocessing.discretisation import STEP
+from preprocessing.foreign_files.bounds import LARGEST_FILE
 from preprocessing.input_files import origin
 from preprocessing.reduction import clamped_in_tangent_frame
 from preprocessing.solids.body_change import BodyChange, rate_of
@@ -32,6 +33,7 @@ from preprocessing.stored_entries import ROUND_OFF, derivatives, polynomials_wit
 from toolkit.errors import InputError
 from toolkit.reduced_model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
 from toolkit.reduced_model_file import SCHEMA_VERSION
+from toolkit.regular_file import read_whole
 from toolkit.units import unit
 
 
@@ -95,7 +97,7 @@ def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = No
     digest = hashlib.sha256(f"body, schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
     for each in (path, *body_inputs(path, file)):
         try:
-            content = each.read_bytes()
+            content = read_whole(each, LARGEST_FILE)
         except OSError as error:
             raise InputError(
                 f"{str(each)!r} cannot be read ({error.strerror}). Mend the path in {path.name}; it is relative to that file."

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
-from scipy import io, sparse
+from scipy import sparse
 
-from toolkit.errors import InputError, without_content
+from preprocessing.foreign_files.apart import read_apart
+from toolkit.errors import InputError
+from toolkit.units import LARGEST
 
-MATRIX_MARKET = b"%%MatrixMarket"
-FAILURES = (OSError, ValueError, KeyError, IndexError, TypeError, AttributeError, EOFError, BadZipFile)
-"""What readers raise on files that are not what their names say."""
 ASYMMETRIC = 1e-9
 """Largest relative difference of entries that should be equal; programs write 6 to 16 digits."""
+EXTREME = 1e60
+"""No entry of a matrix is larger in any unit system, and the largest is not smaller than its inverse: products still are numbers."""
+AGAIN = "Export it again."
 
 
 def read_square(path: Path, n: int, dimension: int = 2) -> Any:
@@ -26,15 +25,18 @@ def read_square(path: Path, n: int, dimension: int = 2) -> Any:
     Raises
     ------
     InputError
-        The file cannot be read, has another size, is not symmetric, or holds numbers that are not finite.
+        The file cannot be read, has another size, is not symmetric, holds no entry but zeros, or numbers that are not finite.
     """
     matrix = read_matrix(path, n, dimension)
     if matrix.shape != (n, n):
         raise InputError(
             f"the matrix {str(path)!r} has shape {matrix.shape}; its nodes have {n} coordinates. Give both of one model."
         )
+    largest = abs(matrix).max() if matrix.nnz else 0.0
+    if not largest >= 1 / EXTREME:
+        raise InputError(f"the matrix {str(path)!r} holds no entry larger than {largest:g}. {AGAIN}")
     difference = abs(matrix - matrix.T).max()
-    if not difference <= ASYMMETRIC * abs(matrix).max():
+    if not difference <= ASYMMETRIC * largest:
         raise InputError(
             f"the matrix {str(path)!r} is not symmetric (by {difference:g}). If it holds one triangle only, say so in its first line "
             "(%%MatrixMarket matrix coordinate real symmetric)."
@@ -44,18 +46,21 @@ def read_square(path: Path, n: int, dimension: int = 2) -> Any:
 
 def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
     """A sparse matrix of n columns, the coordinates of nodes in space of a dimension; raises as `read_square`."""
-    with _reading(path, "a matrix in Matrix Market, Abaqus' or SciPy's .npz format"):
-        if path.suffix == ".npz":
-            found = sparse.csr_array(sparse.load_npz(path))
-        elif _starts_with(path, MATRIX_MARKET):
-            found = sparse.csr_array(io.mmread(path))
-        else:
-            found = _abaqus(path, n, dimension)
-    if found.shape[1] != n or found.dtype.kind not in "iuf" or not np.all(np.isfinite(found.data)):
+    how = "as a matrix in Matrix Market, Abaqus' or SciPy's .npz format"
+    found = read_apart("matrix", path, how, AGAIN, str(n), str(dimension))
+    (rows, columns), row, column, value = found["shape"], found["row"], found["column"], found["value"]
+    numbers = value.dtype.kind in "iuf" and bool(np.all(np.isfinite(value)))
+    if columns != n or not numbers:
         raise InputError(
-            f"the matrix {str(path)!r} of shape {found.shape} needs {n} columns of finite real numbers. Export it again."
+            f"the matrix {str(path)!r} of shape {(rows, columns)} needs {n} columns of finite real numbers. Export it again."
         )
-    return found.astype(float)
+    if not (row.ndim == column.ndim == value.ndim == 1 and len(row) == len(column) == len(value)) or rows > n + len(value):
+        raise InputError(f"the matrix {str(path)!r} claims {rows} rows for {len(value)} entries. {AGAIN}")
+    if len(row) and (row.min() < 0 or row.max() >= rows or column.min() < 0 or column.max() >= n):
+        raise InputError(f"the matrix {str(path)!r} has entries outside of its shape {(rows, columns)}. {AGAIN}")
+    if len(value) and float(np.abs(value.astype(float)).max()) > EXTREME:
+        raise InputError(f"the matrix {str(path)!r} has entries beyond {EXTREME:g}. Mend their unit.")
+    return sparse.csr_array(sparse.coo_array((value.astype(float), (row, column)), shape=(rows, n)))
 
 
 def read_nodes(path: Path) -> np.ndarray:
@@ -64,11 +69,13 @@ def read_nodes(path: Path) -> np.ndarray:
     Raises
     ------
     InputError
-        The file cannot be read, or does not hold two or three finite numbers for each node.
+        The file cannot be read, does not hold two or three finite numbers for each node, or has all nodes at one place.
     """
     nodes = read_array(path, "the coordinates of nodes, x, y or x, y, z on every line")
     if nodes.ndim != 2 or nodes.shape[1] not in (2, 3) or not len(nodes):
         raise InputError(f"{str(path)!r} has shape {nodes.shape}; give finite numbers x and y, or x, y and z, for each node.")
+    if float(np.abs(nodes).max()) > LARGEST or not np.ptp(nodes, axis=0).max() > 1 / LARGEST:
+        raise InputError(f"the nodes of {str(path)!r} are all at one place, or beyond {LARGEST:g}. Mend their coordinates.")
     return nodes
 
 
@@ -80,39 +87,7 @@ def read_array(path: Path, what: str) -> np.ndarray:
     InputError
         The file cannot be read as `what` it should hold, or holds other things than finite numbers.
     """
-    with _reading(path, what):
-        if path.suffix in (".npy", ".npz"):
-            loaded = np.load(path, allow_pickle=False)
-            found = np.asarray(loaded if path.suffix == ".npy" else loaded[loaded.files[0]])
-        else:
-            found = np.loadtxt(path, delimiter=",", ndmin=2)
+    found = read_apart("table", path, f"as {what}", AGAIN)
     if found.dtype.kind not in "iuf" or not np.all(np.isfinite(found)):
         raise InputError(f"{str(path)!r} holds other things than finite real numbers. Give {what}.")
     return found.astype(float)
-
-
-def _abaqus(path: Path, n: int, d: int) -> Any:
-    """Lines `node, direction, node, direction, value`, of one triangle or of both."""
-    rows = np.loadtxt(path, delimiter=",", ndmin=2, comments="*")
-    if rows.shape[1] != 5 or np.any(rows[:, :4] < 1) or np.any(rows[:, [1, 3]] > d) or np.any(rows[:, [0, 2]] > n // d):
-        raise ValueError(f"lines of Abaqus are node, direction 1 to {d}, node, direction, value, with nodes from 1 to {n // d}")
-    where = d * (rows[:, [0, 2]].astype(int) - 1) + rows[:, [1, 3]].astype(int) - 1
-    found = sparse.coo_array((rows[:, 4], where.T), shape=(n, n)).tocsr()
-    below, above = sparse.tril(found, -1), sparse.triu(found, 1)
-    return found + found.T - sparse.diags_array(found.diagonal()) if not below.nnz or not above.nnz else found
-
-
-def _starts_with(path: Path, start: bytes) -> bool:
-    with path.open("rb") as file:
-        return file.read(len(start)) == start
-
-
-@contextmanager
-def _reading(path: Path, what: str) -> Iterator[None]:
-    """Failures of readers as errors of the input."""
-    if not path.is_file():
-        raise InputError(f"there is no file {str(path)!r}. Mend the path; it is relative to the TOML file.")
-    try:
-        yield
-    except FAILURES as error:
-        raise InputError(f"{str(path)!r} cannot be read as {what} ({without_content(str(error))}). Export it again.") from error

@@ -12,9 +12,12 @@ from typing import Any
 from toolkit.bodies.model_body import ModelBody
 from toolkit.listed_names import listed
 from toolkit.reduced_model import ReducedModel
+from toolkit.regular_file import read_whole
 from toolkit.scene import Scene
 from toolkit.validity.verdict import Caution
 
+LARGEST_INPUT = 2 * 10**9
+"""Bytes of a file from which a model was built; a larger one, or what is no file any more, says nothing."""
 MOST = 4
 """Keys that are named."""
 GONE = "left out"
@@ -50,10 +53,10 @@ def _changes(model: ReducedModel) -> Iterator[str]:
     for name, stamp in model.inputs.items():
         file = _place(model, name)
         try:
-            content = file.read_bytes() if file.is_file() else None
+            content = read_whole(file, LARGEST_INPUT)
         except OSError:
             continue
-        if content is None or hashlib.sha256(content).hexdigest() == stamp:
+        if hashlib.sha256(content).hexdigest() == stamp:
             continue
         keys = list(_changed_keys(model.source.get(name, ""), content))
         if keys:

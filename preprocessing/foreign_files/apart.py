@@ -1,0 +1,116 @@
+"""One guard around every reader of foreign files: a process of its own, and one error in words whatever happens there."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from preprocessing.foreign_files.bounds import LARGEST_FILE, Bounds
+from preprocessing.foreign_files.wire import receive
+from toolkit.errors import InputError, without_content
+from toolkit.own_process import command, environment, refuse_namesakes
+from toolkit.regular_file import size_of
+
+CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
+ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}
+"""Threads take address space, which is bounded, and readers need none."""
+
+
+class Ended(NamedTuple):
+    """How the process ended."""
+
+    code: int | None  # negative: the signal that ended it; None: it was waited for in vain
+    output: bytes
+
+
+def read_apart(reader: str, path: Path, how: str, remedy: str, *more: str, drawn: Sequence[Path] = ()) -> Any:
+    """What one of the readers of `child` finds in a file.
+
+    Parameters
+    ----------
+    how, remedy : for the error: as what or by whom the file cannot be read, and what to do then
+    more : further arguments of the reader
+    drawn : files that the reader will draw on besides, which count for the bounds
+
+    Raises
+    ------
+    InputError
+        A file is no regular one or too large, its reader refuses it, fails, crashes, or takes more memory or time than any file of its
+        size should.
+    """
+    bounds = Bounds.of(sum(bounded_size(each) for each in (path, *drawn)))
+    ended = run(reader, path, bounds, *more)
+    try:
+        found = receive(ended.output) if ended.code == 0 else {}
+    except ValueError:
+        found = {}
+    if "found" in found:
+        return found["found"]
+    raise InputError(f"{str(path)!r} cannot be read {how} ({_why(ended, found, bounds)}). {_remedy(found) or remedy}")
+
+
+def bounded_size(path: Path) -> int:
+    """Bytes of a file.
+
+    Raises
+    ------
+    InputError
+        It is missing, no regular file, or larger than any file that is meant.
+    """
+    try:
+        size = size_of(path)
+    except FileNotFoundError as error:
+        raise InputError(f"there is no file {str(path)!r}. Mend the path; it is relative to the TOML file.") from error
+    except OSError as error:
+        raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Mend the path, or give a regular file.") from error
+    if size > LARGEST_FILE:
+        raise InputError(f"{str(path)!r} has {size} bytes, and more than {LARGEST_FILE} are not read. Give a smaller file.")
+    return size
+
+
+def run(reader: str, path: Path, bounds: Bounds, *more: str) -> Ended:
+    """Run a reader in its process, and keep what it sends."""
+    refuse_namesakes()
+    arguments = (reader, str(path), str(bounds.memory), str(bounds.seconds), *more)
+    try:
+        done = subprocess.run(
+            command(CHILD, *arguments),
+            env=environment() | ONE_THREAD,
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            timeout=bounds.patience,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        return Ended(None, b"")
+    return Ended(done.returncode, done.stdout)
+
+
+def _why(ended: Ended, found: dict[str, Any], bounds: Bounds) -> str:
+    """What happened, in words."""
+    if "reason" in found:
+        return without_content(found["reason"]) or "it says nothing about why"
+    if "lacks" in found:
+        return f"reading this format needs {found['lacks']}, which cannot be loaded"
+    if "memory" in found:
+        return f"it claims more than it can hold: its reader needs more than {bounds.memory / 2**20:.0f} MiB"
+    if ended.code is None or -ended.code == getattr(signal, "SIGXCPU", None):
+        return f"its reader comes to no end within {bounds.seconds} s of work or {bounds.patience} s of waiting"
+    if -ended.code == getattr(signal, "SIGKILL", None):
+        return "the system ended its reader, as it does where memory is short"
+    if ended.code < 0:
+        return f"its reader crashed, {signal.Signals(-ended.code).name}"
+    return "its reader failed"
+
+
+def _remedy(found: dict[str, Any]) -> str:
+    """What helps where a package is missing; empty otherwise."""
+    if "lacks" not in found:
+        return ""
+    if found["lacks"] in ("meshio", "scipy", "numpy"):
+        return "Install it with: pip install 'ffrf-toolkit[preprocessing]'."
+    return "Install that package, or export another format."
