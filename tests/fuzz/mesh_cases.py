@@ -1,0 +1,111 @@
+"""Meshes in every format that can be written here, spoilt."""
+
+from __future__ import annotations
+
+import io
+import shutil
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import redirect_stderr, redirect_stdout
+from functools import cache
+from pathlib import Path
+
+import meshio
+import numpy as np
+
+from tests.fuzz.case import Case
+from tests.fuzz.mutations import spoilt
+from tests.solid_bodies import box, rectangle
+
+BODY = """
+units = "m-kg-s"
+mesh = {{ file = "{file}", scale = {scale} }}
+material = {{ youngs_modulus = 2e11, density = 7800.0, poisson_ratio = 0.3 }}
+{section}
+clamp = {{ {clamp} }}
+interface_points = {{ tip = {{ {tip} }} }}
+basis = {{ kind = "static" }}
+"""
+FORMATS = {
+    "gmsh22-text": ("msh", {"file_format": "gmsh22", "binary": False}), "gmsh22-binary": ("msh", {"file_format": "gmsh22"}),
+    "gmsh41-text": ("msh", {"file_format": "gmsh", "binary": False}), "gmsh41-binary": ("msh", {"file_format": "gmsh"}),
+    "abaqus": ("inp", {}), "nastran": ("bdf", {}), "vtk-binary": ("vtk", {}), "vtk-text": ("vtk", {"binary": False}),
+    "vtk42": ("vtk", {"file_format": "vtk42"}),
+    "vtk42-text": ("vtk", {"file_format": "vtk42", "binary": False}), "vtu": ("vtu", {}), "vtu-text": ("vtu", {"binary": False}),
+    "xdmf-hdf": ("xdmf", {}), "xdmf-xml": ("xdmf", {"data_format": "XML"}), "xdmf-binary": ("xdmf", {"data_format": "Binary"}),
+    "su2": ("su2", {}), "medit": ("mesh", {}), "medit-binary": ("meshb", {}), "ply": ("ply", {}), "off": ("off", {}), "obj": ("obj", {}),
+    "stl": ("stl", {}), "tecplot": ("dat", {}), "tetgen": ("ele", {}), "ugrid": ("ugrid", {}), "avs": ("avs", {}),
+    "dolfin": ("xml", {}), "netgen": ("vol", {}), "permas": ("post", {}), "med": ("med", {}), "cgns": ("cgns", {}), "h5m": ("h5m", {}),
+    "hmf": ("hmf", {}), "mdpa": ("mdpa", {}), "flac3d": ("f3grid", {}), "exodus": ("e", {}), "wkt": ("wkt", {}),
+    "fluent": ("msh", {"file_format": "ansys"}),
+}  # fmt: skip
+"""Name -> ending and options of meshio.write."""
+GROUPS = ("abaqus", "gmsh22-text", "gmsh22-binary")
+
+
+@cache
+def good() -> dict[tuple[str, str], dict[str, bytes]]:
+    """Format and kind of elements -> the files of a mesh, as far as this format can be written."""
+    found = {}
+    for kind in ("triangle", "quad", "quad8", "tetra", "hexahedron", "hexahedron20", "wedge"):
+        plane = kind.startswith(("t", "q")) and not kind.startswith("tetra")
+        solid = rectangle(kind, (3, 2), 1.0, 0.4) if plane else box(kind, (2, 1, 1), (1.0, 0.4, 0.4))
+        points = np.column_stack([solid.nodes, np.zeros((len(solid.nodes), 3 - solid.dimension))])
+        for name, (ending, options) in FORMATS.items():
+            if name == "tetgen" and kind != "tetra":  # written without elements, which is read without end
+                continue
+            mesh = meshio.Mesh(points, [(kind, solid.blocks[kind])])
+            if name in GROUPS:
+                mesh.point_sets = {key: nodes for key, nodes in solid.groups.items()} if name == "abaqus" else {}
+            with tempfile.TemporaryDirectory() as folder, redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+                try:
+                    meshio.write(Path(folder) / f"body.{ending}", mesh, **options)
+                    meshio.read(Path(folder) / f"body.{ending}", file_format="gmsh" if ending == "msh" else None)
+                except (Exception, SystemExit):  # noqa: BLE001, S112 (not every format has every kind, or a writer that works)
+                    continue
+                found[name, kind] = {each.name: each.read_bytes() for each in Path(folder).iterdir()}
+    return found
+
+
+def body(file: str, plane: bool, rng: np.random.Generator, groups: bool = False) -> str:
+    """body.toml of such a mesh."""
+    low, high = ("-0.1, -1, 0.01, 1", "0.99, -1, 1.1, 1") if plane else ("-0.1, -1, -1, 0.01, 1, 1", "0.99, -1, -1, 1.1, 1, 1")
+    return BODY.format(
+        file=file,
+        scale=rng.choice(["1.0"] * 40 + ["1e-19", "1e19", "1e300"]),
+        section="section = { width = 0.1 }" if plane else "",
+        clamp='group = "left"' if groups else f"box = [{low}]",
+        tip='group = "right"' if groups else f"box = [{high}]",
+    )
+
+
+def cases(rng: np.random.Generator) -> Iterator[Case]:
+    """One of the files of a mesh is spoilt each time."""
+    keys = sorted(good())
+    formats = sorted({name for name, _ in keys})
+    while True:
+        name = formats[int(rng.integers(len(formats)))]
+        kind = str(rng.choice([kind for other, kind in keys if other == name]))
+        files = dict(good()[name, kind])
+        victim = str(rng.choice(sorted(files)))
+        others = [each for key in keys if key[0] == name for each in good()[key].values()]
+        how, files[victim] = spoilt(files[victim], others[int(rng.integers(len(others)))], rng)
+        main = f"body.{FORMATS[name][0]}"
+        plane = kind.startswith(("tri", "quad"))
+        text = body(main, plane, rng, name == "abaqus" and rng.random() < 0.5)
+        yield Case(f"{name} {kind} {how}", ("ffrf-preprocess", "body.toml", "--output", "out.h5"), files_of(text, files))
+
+
+def files_of(text: str, files: dict[str, bytes]) -> Callable[[Path], None]:
+    def write(folder: Path) -> None:
+        (folder / "body.toml").write_text(text)
+        for name, content in files.items():
+            (folder / name).write_bytes(content)
+
+    return write
+
+
+def copied(source: Path, folder: Path) -> None:
+    """All files of a folder."""
+    for each in source.iterdir():
+        shutil.copy(each, folder)

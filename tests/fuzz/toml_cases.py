@@ -1,0 +1,88 @@
+"""Scenes, skins, bodies and airfoils with the mistakes of the fast tests, through the commands."""
+
+from __future__ import annotations
+
+import shutil
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from hypothesis import HealthCheck, given, seed, settings
+from hypothesis import strategies as st
+
+from tests.fuzz.case import Case
+from tests.fuzz.toml_mutations import document, spoilt
+from tests.test_fuzz_airfoils import spoilt_rows
+from toolkit.toml_file import read_toml
+
+MODELS = Path(__file__).parents[2] / "models"
+AT_ONCE = 200
+"""Examples that are drawn together."""
+SHORT = {"end_time": 0.02, "step": 0.01, "load_steps": 2, "path_steps": 10, "max_iterations": 10}
+
+
+def drawn(strategy: st.SearchStrategy[Any], rng: np.random.Generator) -> Iterator[Any]:
+    """Examples of a strategy, without end."""
+    while True:
+        found: list[Any] = []
+
+        @seed(int(rng.integers(2**32)))
+        @settings(max_examples=AT_ONCE, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+        @given(strategy)
+        def collect(example: Any, into: list[Any] = found) -> None:
+            into.append(example)
+
+        collect()
+        yield from found
+
+
+def scenes(rng: np.random.Generator) -> Iterator[Case]:
+    """Spoilt scenes, inspected or solved."""
+    tables = []
+    for path in sorted(MODELS.glob("*/scene.toml")):
+        table = tomllib.loads(path.read_text())
+        for each in table["bodies"].values():
+            if "model" in each:
+                each["model"] = str(path.parent / each["model"])
+        table["solver"] = {**table.get("solver", {}), **SHORT}
+        tables.append(table)
+    for k, table in enumerate(drawn(spoilt(tables), rng)):
+        command = ("ffrf", "statics", "scene.toml") if k % 3 == 0 else ("ffrf", "inspect", "scene.toml", "--no-measure")
+        yield Case(f"scene {k}", command, _written({"scene.toml": document(table)}))
+
+
+def skins(rng: np.random.Generator) -> Iterator[Case]:
+    """Spoilt skins and frames."""
+    wing = MODELS / "morphing_wing"
+    airfoils = {name: (wing / name).read_text() for name in ("high_speed.dat", "low_speed.dat")}
+    for k, table in enumerate(drawn(spoilt([tomllib.loads((wing / "skin.toml").read_text())]), rng)):
+        yield Case(f"skin {k}", ("ffrf-preprocess", "skin.toml"), _written({"skin.toml": document(table), **airfoils}))
+
+
+def bodies(rng: np.random.Generator) -> Iterator[Case]:
+    """Spoilt descriptions of bodies with a mesh."""
+    table = read_toml(MODELS / "bracket" / "body.toml", "")
+    for k, found in enumerate(drawn(spoilt([table]), rng)):
+        write = _written({"body.toml": document(found)}, MODELS / "bracket" / "bracket.msh")
+        yield Case(f"body {k}", ("ffrf-preprocess", "body.toml"), write)
+
+
+def airfoils(rng: np.random.Generator) -> Iterator[Case]:
+    """Spoilt sections, built into a skin."""
+    wing = MODELS / "morphing_wing"
+    skin, target = (wing / "skin.toml").read_text(), (wing / "low_speed.dat").read_text()
+    for k, text in enumerate(drawn(spoilt_rows(), rng)):
+        files = {"skin.toml": skin, "low_speed.dat": target, "high_speed.dat": text}
+        yield Case(f"airfoil {k}", ("ffrf-preprocess", "skin.toml"), _written(files))
+
+
+def _written(files: dict[str, str], *copied: Path) -> Any:
+    def write(folder: Path) -> None:
+        for name, text in files.items():
+            (folder / name).write_text(text, encoding="utf-8", errors="replace", newline="")
+        for each in copied:
+            shutil.copy(each, folder)
+
+    return write
