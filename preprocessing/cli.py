@@ -9,7 +9,7 @@ import typer
 
 from preprocessing.output_file import refuse_output
 from preprocessing.source_file import source
-from toolkit.errors import InputError, ModelFileError, ToolkitError, refusal
+from toolkit.errors import InputError, ModelFileError, ToolkitError, out_of_memory, refusal
 from toolkit.outside_files import told_outside
 from toolkit.reduced_model_file import load, save
 from toolkit.validity.material_questions import material_questions
@@ -67,11 +67,19 @@ def main() -> None:
     except OSError as error:
         typer.echo(refusal(error), err=True)
         raise SystemExit(1) from None
+    except MemoryError as error:
+        typer.echo(out_of_memory(error), err=True)
+        raise SystemExit(1) from None
 
 
 def _extrude(skin: Path, target: Path, layers: int) -> None:
-    from preprocessing.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
-
+    try:
+        from preprocessing.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
+    except ImportError as error:
+        raise InputError(
+            f"a solid needs meshio and scikit-fem, which cannot be loaded ({error}). Install them with: pip install "
+            "'ffrf-toolkit[preprocessing]'."
+        ) from error
     mesh, described = extrude(skin, target, layers, _remark)
     typer.echo(f"{mesh} and {described} written. Next: ffrf-preprocess {described}")
 

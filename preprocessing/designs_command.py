@@ -15,7 +15,7 @@ import sys
 from pathlib import Path
 
 from preprocessing.source_file import source, tables_changed
-from toolkit.errors import ToolkitError
+from toolkit.errors import ToolkitError, refusal
 from toolkit.reduced_model_file import save
 
 
@@ -29,6 +29,9 @@ def main(skin: Path) -> None:
             tables = tables_changed(described, values, keys)
         except ToolkitError as error:
             print(error, file=sys.stderr)
+            raise SystemExit(1) from None
+        except OSError as error:
+            print(refusal(error), file=sys.stderr)
             raise SystemExit(1) from None
         print(json.dumps({"file": wanted["file"], "tables": tables}), flush=True)
 

@@ -19,6 +19,9 @@ from toolkit.replaced_file import write_whole
 REFERENCE_CHORD = 550.0
 """Chord of the reference wing in mm; a wing of another chord is a scaled copy, with the same stresses."""
 
+CHORDS = 1e-3, 1e6
+"""mm; the shortest and the longest that is meant: the torque goes with the cube of it."""
+
 CLAMP = 0.25
 """Place of F and G along the chord."""
 
@@ -65,8 +68,10 @@ def new_wing(folder: Path, airfoil: Path, target: Path | None = None, chord: flo
     InputError
         The folder is not empty or cannot be written, an airfoil is missing or unreadable, or the two do not fit together.
     """
-    if not (np.isfinite(chord) and chord > 0):
-        raise InputError(f"a chord of {chord:g} mm cannot be. Give a positive length, for example --chord 550.")
+    if not CHORDS[0] <= chord <= CHORDS[1]:
+        raise InputError(
+            f"a chord of {chord:g} mm cannot be. Give a length from {CHORDS[0]:g} to {CHORDS[1]:g} mm, for example --chord 550."
+        )
     _refuse_occupied(folder)
     section = Section.of(airfoil, chord)
     content = {

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from preprocessing.new_wing import REFERENCE_CHORD, new_wing
-from toolkit.errors import ToolkitError
+from toolkit.errors import ToolkitError, refusal
 
 
 def command(
@@ -22,6 +22,9 @@ def command(
         files = new_wing(folder, airfoil, target, chord)
     except ToolkitError as error:
         typer.echo(str(error), err=True)
+        raise typer.Exit(1) from None
+    except OSError as error:
+        typer.echo(refusal(error), err=True)
         raise typer.Exit(1) from None
     typer.echo("\n".join(f"{file} written." for file in files))
     if target is None:

@@ -35,7 +35,7 @@ from toolkit.command_line.report import print_files, print_frequencies, print_js
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff
-from toolkit.errors import ToolkitError, refusal
+from toolkit.errors import ToolkitError, out_of_memory, refusal
 from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
@@ -70,6 +70,9 @@ class Commands(TyperGroup):
             if error.errno == errno.EPIPE:  # whoever read the output has seen enough
                 raise
             typer.echo(refusal(error), err=True)
+            raise typer.Exit(1) from None
+        except MemoryError as error:
+            typer.echo(out_of_memory(error), err=True)
             raise typer.Exit(1) from None
         except KeyboardInterrupt:
             typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)

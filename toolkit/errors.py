@@ -13,6 +13,12 @@ def refusal(error: OSError) -> str:
     return f"the system refused to go on{where}: {error.strerror or error}. Mend the path, or make room on the disk."
 
 
+def out_of_memory(error: MemoryError) -> str:
+    """What does not fit into memory, where nobody nearer to it counted it before."""
+    what = error or "the system gives no more"
+    return f"the memory does not hold what this takes ({what}). Describe it by fewer numbers, or take a larger machine."
+
+
 def without_content(reason: str) -> str:
     """What a library says about a file that it cannot read, less what it quotes of the file: that may be anybody's."""
     return re.sub(r"""["'`].*["'`]""", "...", reason, flags=re.DOTALL)

@@ -21,6 +21,8 @@ ON_NODE = 1e-9
 """Part of the skin's length within which an interface point is on a station of the mesh."""
 HEXAHEDRON = np.vstack([2 * CUBE, 2 * CUBE_MIDDLES]).round().astype(int)[:20]
 """Places of the 20 nodes in steps of half an element along the skin, through it and across it."""
+MOST_NODES = 3_000_000
+"""Of the grid; a body of so many takes hours to reduce."""
 FACE = np.array([[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]])
 """The same of the 8 nodes of a section's faces, through the skin and across it."""
 
@@ -108,6 +110,10 @@ def _mesh(geometry: Geometry, file: SkinFile, at: dict[str, float], layers: int)
     ends = np.sort(np.concatenate([geometry.arc_lengths, list(at.values())]))
     stations = ends[np.append(True, np.diff(ends) > ON_NODE * ends[-1])]
     s = np.sort(np.concatenate([stations, (stations[1:] + stations[:-1]) / 2]))
+    if (count := 3 * len(s) * (2 * layers + 1)) > MOST_NODES:
+        raise InputError(
+            f"{layers} layers make {count} nodes, and more than {MOST_NODES} are not written. Give fewer with --layers."
+        )
     nodes = _grid(geometry, s, file.section.thickness, np.linspace(-0.5, 0.5, 2 * layers + 1) * file.section.width)
     number = np.arange(nodes[..., 0].size).reshape(nodes.shape[:3])
     solids = [number[tuple((2 * np.array([i, 0, k]) + HEXAHEDRON).T)] for i in range(len(stations) - 1) for k in range(layers)]

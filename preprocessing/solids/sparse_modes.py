@@ -53,13 +53,15 @@ def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool
     Raises
     ------
     InputError
-        All modes of a small body, or a third of those of a large one, are not enough.
+        All modes of a small body, or a third of those of a large one, are not enough; or half of them are wanted to begin with.
     """
     n = mass.shape[0] - system.rows.shape[0]
     if mass.shape[0] <= SMALL:
         dense = ConstrainedPencil(system.stiffness.toarray(), mass.toarray(), system.rows.toarray())
         return normal_modes(dense)
     count = first
+    if first > n // 2:
+        raise InputError(f"{first} modes of a body with {n} coordinates are too many. Ask for fewer.")
     while not enough(found := _lanczos(system, mass, count)):
         if count > n // 3:
             raise InputError(f"more than {n // 3} modes of a body with {n} coordinates were asked for. Ask for fewer.")

@@ -19,8 +19,33 @@ SPELLINGS = [
     "*ıNCLUDE, INPUT=".encode(), b"*INCLUDE, INPUT='", b"*INCLUDE, INPUT=./", b"*INCLUDE, INPUT=../case/", b"*INCLUDE, INPUT=\xff",
 ]  # fmt: skip
 ENDS = [b"\n", b"\r\n", b"\r", b"\x0c\n", b""]
-SPECIAL = ["/dev/zero", "/dev/urandom", "/proc/self/mem", "pipe", "folder", "missing", "x" * 300, "terabyte", ".", "/", "", "circle", "a\0b"]
-GENERATED = [b"1,4,1", b"1,1000000000000,1", b"1,4,0", b"4,1,1", b"1,4,-1", b"1,500000000", b"-5,5,1", b"1,2,3,4,5", b"x,y,z", b"1,4,1e9"]
+SPECIAL = [
+    "/dev/zero",
+    "/dev/urandom",
+    "/proc/self/mem",
+    "pipe",
+    "folder",
+    "missing",
+    "x" * 300,
+    "terabyte",
+    ".",
+    "/",
+    "",
+    "circle",
+    "a\0b",
+]
+GENERATED = [
+    b"1,4,1",
+    b"1,1000000000000,1",
+    b"1,4,0",
+    b"4,1,1",
+    b"1,4,-1",
+    b"1,500000000",
+    b"-5,5,1",
+    b"1,2,3,4,5",
+    b"x,y,z",
+    b"1,4,1e9",
+]
 XDMF = ["body.xdmf", "body.h5", "/dev/zero", "pipe", "folder", "missing", "terabyte", "circle", "x" * 300, ""]
 
 
@@ -84,7 +109,9 @@ def _xdmf(rng: np.random.Generator) -> Case:
         text = text.replace(b":/data0", path)
     elif how == 2:
         entities = b"".join(b'<!ENTITY e%d "%s">' % (k, b"&e%d;" % (k - 1) * 10 if k else b"x" * 10) for k in range(12))
-        text = b'<!DOCTYPE Xdmf [%s<!ENTITY f SYSTEM "%s">]>' % (entities, what.encode()) + text.replace(b"</Domain>", b"&e11;&f;</Domain>")
+        text = b'<!DOCTYPE Xdmf [%s<!ENTITY f SYSTEM "%s">]>' % (entities, what.encode()) + text.replace(
+            b"</Domain>", b"&e11;&f;</Domain>"
+        )
     elif how == 3:
         depth = int(rng.choice([100, 3000, 100_000]))
         text = text.replace(b"</Domain>", b"<a>" * depth + b"</a>" * depth + b"</Domain>")
@@ -92,7 +119,11 @@ def _xdmf(rng: np.random.Generator) -> Case:
         link = b'<xi:include xmlns:xi="http://www.w3.org/2001/XInclude" href="%s"/>' % what.encode()
         text = text.replace(b"</Domain>", link + b"</Domain>")
     files["body.xdmf"] = text
-    return Case(f"{name} {how} {what[:30]!r}", ("ffrf-preprocess", "body.toml", "--output", "out.h5"), files_of(body("body.xdmf", True, rng), files, special))
+    return Case(
+        f"{name} {how} {what[:30]!r}",
+        ("ffrf-preprocess", "body.toml", "--output", "out.h5"),
+        files_of(body("body.xdmf", True, rng), files, special),
+    )
 
 
 def special(folder: Path) -> None:

@@ -90,7 +90,9 @@ def cases(rng: np.random.Generator) -> Iterator[Case]:
     while True:
         kinds = {name: str(rng.choice(KINDS + TEXTS)) for name in ("mass", "stiffness")} | {"stress": str(rng.choice(KINDS))}
         files = {name: written(name, kind) for name, kind in kinds.items()}
-        ending = {name: "npz" if kind in KINDS else "mtx" for name, kind in kinds.items()} | {"nodes": str(rng.choice(["csv", "npy", "npz"]))}
+        ending = {name: "npz" if kind in KINDS else "mtx" for name, kind in kinds.items()} | {
+            "nodes": str(rng.choice(["csv", "npy", "npz"]))
+        }
         files["nodes"] = written_nodes(ending["nodes"])
         victim = str(rng.choice(["mass", "stiffness", "mass", "stiffness", "nodes", "stress"]))
         if ending[victim] == "npz" and rng.random() < 0.6:
@@ -103,9 +105,11 @@ def cases(rng: np.random.Generator) -> Iterator[Case]:
             stiffness=names["stiffness"],
             nodes=names["nodes"],
             stress=f'stress = "{names["stress"]}"' if victim == "stress" else "",
-            basis=rng.choice(["static", "full", "craig-bampton\"\ncount = 2 #"]),
+            basis=rng.choice(["static", "full", 'craig-bampton"\ncount = 2 #']),
         )
-        yield Case(f"{victim} {kinds.get(victim, ending[victim])} {how}", ("ffrf-preprocess", "body.toml"), files_of(text, names, files))
+        yield Case(
+            f"{victim} {kinds.get(victim, ending[victim])} {how}", ("ffrf-preprocess", "body.toml"), files_of(text, names, files)
+        )
 
 
 def files_of(text: str, names: dict[str, str], files: dict[str, bytes]) -> Callable[[Path], None]:

@@ -61,7 +61,7 @@ def good() -> dict[tuple[str, str], dict[str, bytes]]:
                 try:
                     meshio.write(Path(folder) / f"body.{ending}", mesh, **options)
                     meshio.read(Path(folder) / f"body.{ending}", file_format="gmsh" if ending == "msh" else None)
-                except (Exception, SystemExit):  # noqa: BLE001, S112 (not every format has every kind, or a writer that works)
+                except (Exception, SystemExit):  # noqa: BLE001 (not every format has every kind, or a writer that works)
                     continue
                 found[name, kind] = {each.name: each.read_bytes() for each in Path(folder).iterdir()}
     return found

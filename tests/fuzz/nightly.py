@@ -23,15 +23,15 @@ from tests.fuzz import include_cases, matrix_cases, mesh_cases, option_cases, pa
 from tests.fuzz.case import RIGHT, Case, Cases, identity, judged, snapshot
 
 KINDS: dict[str, tuple[Cases, int]] = {
-    "matrices": (matrix_cases.cases, 30),
-    "meshes": (mesh_cases.cases, 36),
+    "matrices": (matrix_cases.cases, 20),
+    "meshes": (mesh_cases.cases, 51),
     "includes": (include_cases.cases, 8),
     "skins": (toml_cases.skins, 2),
-    "bodies": (toml_cases.bodies, 4),
+    "bodies": (toml_cases.bodies, 3),
     "airfoils": (toml_cases.airfoils, 3),
-    "paths": (path_cases.cases, 6),
-    "options": (option_cases.cases, 3),
-    "scenes": (toml_cases.scenes, 8),
+    "paths": (path_cases.cases, 5),
+    "options": (option_cases.cases, 2),
+    "scenes": (toml_cases.scenes, 6),
 }
 """Kind -> its cases, and how many of a hundred are of this kind. Another kind is one more line."""
 

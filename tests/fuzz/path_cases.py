@@ -64,7 +64,6 @@ USES: dict[str, tuple[str, ...]] = {
     "output of a run": ("ffrf", "statics", "pendulum.toml", "--output", "@.h5"), "extrusion": ("ffrf-preprocess", "skin.toml", "--extrude", "@.msh"),
     "wing": ("ffrf", "new", "wing", "@", "--airfoil", "high_speed.dat"), "airfoil of a wing": ("ffrf", "new", "wing", "new", "--airfoil", "@.dat"),
     "target of a wing": ("ffrf", "new", "wing", "new", "--airfoil", "high_speed.dat", "--target", "@.dat"),
-    "report": ("ffrf", "report", "pendulum.toml", "--output", "@"), "picture": ("ffrf", "certify", "pendulum.toml", "--output", "@.png"),
 }  # fmt: skip
 """Commands and where the path stands in them: @."""
 ENDING = {"airfoil": ".dat", "target": ".dat", "matrix": ".mtx", "nodes": ".csv", "include": ".inp", "model of a scene": ".h5"}
@@ -132,13 +131,17 @@ def in_toml(use: str, path: str) -> dict[str, bytes]:
     if use == "mesh":
         return {"use.toml": body(quoted, True, rng).encode()}
     if use in ("matrix", "nodes"):
-        names = {"mass": "m.csv", "stiffness": "m.csv", "nodes": "n.csv"} | ({"mass": quoted} if use == "matrix" else {"nodes": quoted})
+        names = {"mass": "m.csv", "stiffness": "m.csv", "nodes": "n.csv"} | (
+            {"mass": quoted} if use == "matrix" else {"nodes": quoted}
+        )
         table = "".join(f'{key} = "{name}"\n' for key, name in names.items())
         rest = 'clamp = { nodes = [0, 1] }\nbasis = { kind = "full" }\n'
         lines = b"".join(b"%d,%d,%d,%d,1.0\n" % (k, d, k, d) for k in (1, 2, 3) for d in (1, 2))
         return {"use.toml": f'units = "m-kg-s"\n{rest}[matrices]\n{table}'.encode(), "m.csv": lines, "n.csv": b"0,0\n1,0\n0,1\n"}
     if use == "include":
-        plate = b"*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n*ELEMENT, TYPE=CPS4\n1,1,2,3,4\n*INCLUDE, INPUT=" + path.encode() + b"\n"
+        plate = (
+            b"*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n*ELEMENT, TYPE=CPS4\n1,1,2,3,4\n*INCLUDE, INPUT=" + path.encode() + b"\n"
+        )
         return {"use.toml": body("plate.inp", True, rng).encode(), "plate.inp": plate}
     if use == "xdmf":
         files = good()["xdmf-hdf", "quad"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import importlib
 import os
@@ -19,6 +20,7 @@ from preprocessing.foreign_files import apart
 from preprocessing.foreign_files.bounds import Bounds
 from preprocessing.solids import mesh_file
 from tests.fuzz.case import Case, Ended
+from toolkit.errors import ToolkitError
 from toolkit.own_process import command, environment
 
 MEMORY = 3 * 2**30
@@ -41,8 +43,7 @@ def load(names: tuple[str, ...]) -> None:
     """Load the program, so that cases need not; its objects are not looked through for garbage, which would copy them."""
     for name in names:
         importlib.import_module(name)
-    if names == LOADED:
-        _build_once()
+    _build_once() if names == LOADED else _solve_once()
     gc.disable()
     gc.freeze()
 
@@ -60,6 +61,17 @@ def _build_once() -> None:
         with tempfile.TemporaryDirectory() as folder:
             save(build_body(MODELS / model / "body.toml"), Path(folder) / "body.h5")
         apart.read_apart = mesh_file.read_apart = original
+
+
+def _solve_once() -> None:
+    """Find the equilibrium of all scenes, which loads the compiled formulas."""
+    from toolkit.scene_file import read_scene
+    from toolkit.sensitivity.analysis import direct
+
+    for scene in sorted(MODELS.glob("*/scene.toml")):
+        described = read_scene(scene)
+        with contextlib.suppress(ToolkitError):
+            direct(described, list(described.design), "static")
 
 
 def run_forked(case: Case, folder: Path, seconds: float = SECONDS) -> Ended:

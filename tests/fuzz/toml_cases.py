@@ -26,16 +26,20 @@ SHORT = {"end_time": 0.02, "step": 0.01, "load_steps": 2, "path_steps": 10, "max
 def drawn(strategy: st.SearchStrategy[Any], rng: np.random.Generator) -> Iterator[Any]:
     """Examples of a strategy, without end."""
     while True:
-        found: list[Any] = []
+        yield from _some(strategy, int(rng.integers(2**32)))
 
-        @seed(int(rng.integers(2**32)))
-        @settings(max_examples=AT_ONCE, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-        @given(strategy)
-        def collect(example: Any, into: list[Any] = found) -> None:
-            into.append(example)
 
-        collect()
-        yield from found
+def _some(strategy: st.SearchStrategy[Any], number: int) -> list[Any]:
+    found: list[Any] = []
+
+    @seed(number)
+    @settings(max_examples=AT_ONCE, deadline=None, database=None, suppress_health_check=list(HealthCheck))
+    @given(strategy)
+    def collect(example: Any) -> None:
+        found.append(example)
+
+    collect()
+    return found
 
 
 def scenes(rng: np.random.Generator) -> Iterator[Case]:

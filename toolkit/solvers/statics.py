@@ -13,6 +13,7 @@ from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
 from toolkit.solvers.continuation import to_full_load
 from toolkit.solvers.critical_state import refuse_gradients_of_critical
+from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.equilibrium import Equilibrium, inputs_at, static_matrix
 from toolkit.solvers.half_turns import HALF_TURN, half_turn
@@ -44,8 +45,11 @@ def solve_statics(system: System, options: RunOptions | None = None, progress: P
         Derivatives are asked for at a limit point or bifurcation.
     SingularSystemError
         Something is free to move, or joints are redundant.
+    InputError
+        The matrices, which are dense, do not fit into `solver.memory`.
     """
     options = options or system.scene.solver
+    check_dense(system, options)
     begun = clock.perf_counter()
     state, factor, count = start_of_path(system, options)
     arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
