@@ -203,19 +203,26 @@ def gmsh(nodes: str, elements: str) -> str:
 
 VTK = "# vtk DataFile Version 5.1\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS {points} float\n0 0 0 1 0 0 0 1 0\nOFFSETS vtktypeint64\n"
 MESHES: dict[str, tuple[str, str, str]] = {
-    "a node tag of 5e8": (".msh", gmsh("3\n500000000 0 0 0\n2 1 0 0\n3 0 1 0", "1\n1 2 0 500000000 2 3"), "more than 10\\d\\d MiB|cannot be read"),
+    "a node tag of 5e8": (".msh", gmsh("3\n500000000 0 0 0\n2 1 0 0\n3 0 1 0", "1\n1 2 0 500000000 2 3"),
+    "more than 10\\d\\d MiB|cannot be read"),
     "a count of 1e12 nodes": (".msh", gmsh("1000000000000\n1 0 0 0", "0"), "cannot be read by meshio"),
-    "a group that is generated without end": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 2000000000, 1\n", "more than 10\\d\\d MiB"),
-    "a group that is generated in steps of nothing": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 4, 0\n", "cannot be read by meshio"),
-    "a node that is not there": (".vtk", "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
+    "a group that is generated without end": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 2000000000, 1\n",
+    "more than 10\\d\\d MiB"),
+    "a group that is generated in steps of nothing": (".inp", PLATE + "*NSET, NSET=a, GENERATE\n1, 4, 0\n",
+    "cannot be read by meshio"),
+    "a node that is not there": (".vtk",
+    "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
                                  "CELLS 1 4\n3 0 1 77\nCELL_TYPES 1\n5\n", "names node 77, and the nodes count from 0 to 2"),
-    "a negative node": (".vtk", "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
+    "a negative node": (".vtk",
+    "# vtk DataFile Version 4.2\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\n"
                         "CELLS 1 4\n3 0 1 -1\nCELL_TYPES 1\n5\n", "names node -1, and the nodes count from 0 to 2"),
     "1e13 points": (".vtk", VTK.format(points=10**13), "cannot be read by meshio"),
     "no points": (".inp", "*NODE\n*ELEMENT, TYPE=CPS4\n", "cannot be read by meshio|of shape|holds no"),
-    "all nodes at one place": (".inp", PLATE.replace(" 1, 0, 0", " 0, 0, 0").replace(" 1, 1, 0", " 0, 0, 0").replace(" 0, 1, 0", " 0, 0, 0"), "all at one place"),
+    "all nodes at one place": (".inp", PLATE.replace(" 1, 0, 0", " 0, 0, 0").replace(" 1, 1, 0", " 0, 0, 0").replace(" 0, 1, 0",
+    " 0, 0, 0"), "all at one place"),
     "coordinates of 1e300": (".inp", PLATE.replace("2, 1, 0", "2, 1e300, 0"), r"reaches to 1e\+300"),
-    "an archive that ends": (".vtu", "<VTKFile type='UnstructuredGrid' version='0.1' compressor='vtkZLibDataCompressor'><UnstructuredGrid/></VTKFile>",
+    "an archive that ends": (".vtu",
+    "<VTKFile type='UnstructuredGrid' version='0.1' compressor='vtkZLibDataCompressor'><UnstructuredGrid/></VTKFile>",
                              "cannot be read by meshio"),
     "XML that is none": (".xdmf", "<Xdmf><Domain>", "cannot be read by meshio"),
     "a reader that never ends": (".ele", "", "comes to no end within|cannot be read by meshio"),
@@ -326,13 +333,14 @@ def test_what_is_no_regular_file_of_bounded_size_is_not_read(tmp_path, name, pla
 
 @pytest.mark.parametrize("name", READERS)
 def test_a_name_that_is_too_long_is_said_to_be(tmp_path, name):
-    with pytest.raises(InputError, match="cannot be read.*File name too long"):
+    with pytest.raises(InputError, match=r"cannot be read.*File name too long"):
         READERS[name](tmp_path / ("x" * 300 + name))
 
 
 def body_of(folder: Path, mesh: str) -> Path:
     (folder / "body.toml").write_text(
-        f'units = "m-kg-s"\nmesh = {{ file = "{mesh}" }}\nclamp = {{ group = "held" }}\nsection = {{ width = 1.0 }}\nbasis = {{ kind = "full" }}\n'
+        f'units = "m-kg-s"\nmesh = {{ file = "{mesh}" }}\nclamp = {{ group = "held" }}\nsection = {{ width = 1.0 }}\n'
+        'basis = { kind = "full" }\n'
         "material = { youngs_modulus = 2e11, density = 7800.0, poisson_ratio = 0.3 }\n"
     )
     return folder / "body.toml"

@@ -15,8 +15,10 @@ NODES = b"*NODE\n1,0,0,0\n2,1,0,0\n3,1,1,0\n4,0,1,0\n"
 ELEMENTS = b"*ELEMENT, TYPE=CPS4\n1,1,2,3,4\n"
 SETS = b"*NSET, NSET=left\n1,4\n*NSET, NSET=right\n2,3\n"
 SPELLINGS = [
-    b"*INCLUDE, INPUT=", b"*Include,input = ", b"INCLUDE, INPUT=", b"*IN*CLUDE, A=B=", b" * include , x=", b"*INCLUDE, ", b"*INCLUDE\n, INPUT=",
-    "*ıNCLUDE, INPUT=".encode(), b"*INCLUDE, INPUT='", b"*INCLUDE, INPUT=./", b"*INCLUDE, INPUT=../case/", b"*INCLUDE, INPUT=\xff",
+    b"*INCLUDE, INPUT=", b"*Include,input = ", b"INCLUDE, INPUT=", b"*IN*CLUDE, A=B=", b" * include , x=", b"*INCLUDE, ",
+    b"*INCLUDE\n, INPUT=",
+    "*ıNCLUDE, INPUT=".encode(), b"*INCLUDE, INPUT='", b"*INCLUDE, INPUT=./", b"*INCLUDE, INPUT=../case/",
+    b"*INCLUDE, INPUT=\xff",
 ]  # fmt: skip
 ENDS = [b"\n", b"\r\n", b"\r", b"\x0c\n", b""]
 SPECIAL = [

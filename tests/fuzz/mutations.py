@@ -7,8 +7,10 @@ import re
 import numpy as np
 
 TOKENS = [
-    b"0", b"-1", b"1", b"2", b"99", b"500000000", b"2147483647", b"2147483648", b"4294967296", b"1000000000000", b"9223372036854775807",
-    b"-9223372036854775808", b"99999999999999999999", b"1e308", b"-1e308", b"1e-300", b"1e155", b"5e-324", b"nan", b"inf", b"-inf", b"1e999",
+    b"0", b"-1", b"1", b"2", b"99", b"500000000", b"2147483647", b"2147483648", b"4294967296", b"1000000000000",
+    b"9223372036854775807",
+    b"-9223372036854775808", b"99999999999999999999", b"1e308", b"-1e308", b"1e-300", b"1e155", b"5e-324", b"nan", b"inf",
+    b"-inf", b"1e999",
     b"0x10", b"1d5", b"x", b"", b"\0", b"\xff\xfe", b",", b"*", b"$", b"<", b"&", b"9" * 500, b"1" * 5000, b"\n", b"1.5", b"0 0",
 ]  # fmt: skip
 NUMBER = re.compile(rb"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?")
@@ -92,6 +94,7 @@ def _splice(content: bytes, other: bytes, rng: np.random.Generator) -> bytes:
 
 
 MISTAKES = {
-    "bytes": _bytes, "bit": _bit, "token": _token, "tokens": _token, "scale": _scale, "cut": _cut, "remove": _remove, "insert": _insert,
+    "bytes": _bytes, "bit": _bit, "token": _token, "tokens": _token, "scale": _scale, "cut": _cut, "remove": _remove,
+    "insert": _insert,
     "lines": _lines, "splice": _splice,
 }  # fmt: skip

@@ -1,8 +1,8 @@
-"""Thousands of hostile inputs through the commands: `python -m tests.fuzz.nightly --cases 10000 --seed 1 --folder DIR`.
+"""Thousands of hostile inputs through the commands: `python -m tests.fuzz.nightly --folder DIR --cases 10000 --seed 1`.
 
-Every case runs in a process with bounded memory and time, most of them in copies of one that has loaded the program, every `--fresh`th one as
-pip installs it. Right is a result, or an error of the program in words; wrong is a traceback, a crash, a hang, or a file that is left over
-or damaged. What is wrong is kept in DIR/wrong, and the figures are printed and written to DIR/figures.json.
+Every case runs in a process with bounded memory and time, most of them in copies of one that has loaded the program, some (`--fresh`) as
+pip installs it. Right is a result, or an error of the program in words; wrong is a traceback, a crash, a hang, or a file that is left
+over or damaged. What is wrong is kept in DIR/wrong; the figures are printed and written to DIR/figures.json.
 """
 
 from __future__ import annotations

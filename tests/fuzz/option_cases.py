@@ -11,11 +11,15 @@ import numpy as np
 from tests.fuzz.case import Case
 
 MODELS = Path(__file__).parents[2] / "models"
-NUMBERS = ["0", "-1", "1", "2", "3", "1000", "1000000", "1000000000", "9223372036854775807", "9223372036854775808", "9" * 5000, "1e300", "1e-300", "-1e300",
-           "1e20", "1e-20", "5e-324", "nan", "inf", "-inf", "1.5", "0x10", "1_000", "", " ", "x", "é", "1e999", "0.0", "-0.0", "true", "[1]", "{}", "[[]]",
+NUMBERS = ["0", "-1", "1", "2", "3", "1000", "1000000", "1000000000", "9223372036854775807", "9223372036854775808", "9" * 5000,
+"1e300", "1e-300", "-1e300",
+           "1e20", "1e-20", "5e-324", "nan", "inf", "-inf", "1.5", "0x10", "1_000", "", " ", "x", "é", "1e999", "0.0", "-0.0",
+           "true", "[1]", "{}", "[[]]",
            "'a'", "1 2", "=", "a=b", "--help"]  # fmt: skip
-PATHS = ["thickness", "points.A.x", "points.P", "solver.step", "solver.end_time", "solver.load_steps", "solver.max_iterations", "solver.tolerance",
-         "solver.times", "solver.local_error", "solver.rho_inf", "bodies", "bodies.bob.mass", "loads", "units", "dimension", "joints.pivot.type",
+PATHS = ["thickness", "points.A.x", "points.P", "solver.step", "solver.end_time", "solver.load_steps", "solver.max_iterations",
+"solver.tolerance",
+         "solver.times", "solver.local_error", "solver.rho_inf", "bodies", "bodies.bob.mass", "loads", "units", "dimension",
+         "joints.pivot.type",
          "design", "x", "", ".", "points..x", "points.P.x.y", "responses", "x" * 3000]  # fmt: skip
 COMMANDS: dict[str, tuple[str, ...]] = {
     "layers": ("ffrf-preprocess", "skin.toml", "--extrude", "solid.msh", "--layers", "@"),
@@ -30,15 +34,20 @@ COMMANDS: dict[str, tuple[str, ...]] = {
     "tolerance": ("ffrf", "certify", "scene.toml", "--no-fresh", "--static", "--tolerance", "@"),
 }
 KEYS = {
-    "skin.toml": [("skin.elements", "skin", "elements"), ("basis.count", "basis", "count"), ("thickness", "section", "thickness"), ("width", "section", "width"),
+    "skin.toml": [("skin.elements", "skin", "elements"), ("basis.count", "basis", "count"), ("thickness", "section",
+    "thickness"), ("width", "section", "width"),
                   ("chord", "airfoil", "chord"), ("clamp_x", "skin", "clamp_x"), ("youngs_modulus", "material", "youngs_modulus"),
-                  ("density", "material", "density"), ("frequency", "basis", "frequency"), ("static_error", "basis", "static_error")],
-    "body.toml": [("count", "basis", "count"), ("width", "section", "width"), ("scale", "mesh", "scale"), ("poisson", "material", "poisson_ratio"),
-                  ("density", "material", "density"), ("modulus", "material", "youngs_modulus"), ("frequency", "basis", "frequency"), ("nodes", "clamp", "nodes"),
+                  ("density", "material", "density"), ("frequency", "basis", "frequency"), ("static_error", "basis",
+                  "static_error")],
+    "body.toml": [("count", "basis", "count"), ("width", "section", "width"), ("scale", "mesh", "scale"), ("poisson",
+    "material", "poisson_ratio"),
+                  ("density", "material", "density"), ("modulus", "material", "youngs_modulus"), ("frequency", "basis",
+                  "frequency"), ("nodes", "clamp", "nodes"),
                   ("box", "clamp", "box"), ("static_error", "basis", "static_error"), ("damping", "damping", "stiffness")],
 }  # fmt: skip
 """Keys of the two files: name, table and key."""
-WHOLE = ["1000000000", "-1000000000", "0", "1", "1e300", "1e-300", "nan", "[]", "[0]", "[1000000000]", "[0, 1, 1e300, 1e300]", "[-1e308, -1e308, 1e308, 1e308]",
+WHOLE = ["1000000000", "-1000000000", "0", "1", "1e300", "1e-300", "nan", "[]", "[0]", "[1000000000]", "[0, 1, 1e300, 1e300]",
+"[-1e308, -1e308, 1e308, 1e308]",
          "[9223372036854775807]", "5e-324", "1e20", "1e-20", "1e60", "1000000", "100000", "500", "true", '"x"']  # fmt: skip
 
 
