@@ -42,24 +42,30 @@ def of_archive(arrays: dict[str, np.ndarray]) -> Entries:
         return shape, _whole(arrays, "row"), _whole(arrays, "col"), arrays["data"]
     if kind == "dia":
         return shape, *_of_diagonals(_whole(arrays, "offsets"), arrays["data"], shape)
-    if kind not in ("csr", "csc", "bsr"):
+    if kind == "csc":
+        column, row, value = _of_blocks(arrays, shape[::-1], arrays["data"][..., None, None])
+    elif kind in ("csr", "bsr"):
+        row, column, value = _of_blocks(arrays, shape, arrays["data"] if kind == "bsr" else arrays["data"][..., None, None])
+    else:
         raise ValueError("its format is none of csr, csc, bsr, coo and dia")
-    data = arrays["data"]
-    block = data.shape[1:] if kind == "bsr" and data.ndim == 3 else (1, 1)
-    if 0 in block or shape[0] % block[0] or shape[1] % block[1]:
-        raise ValueError(f"its blocks {block} do not divide its shape {shape}")
-    major = _major(_whole(arrays, "indptr"), _whole(arrays, "indices"), (shape[1] if kind == "csc" else shape[0]) // block[0])
-    minor = _whole(arrays, "indices")[: len(major)]
-    if kind != "bsr":
-        if data.ndim != 1 or len(data) < len(major):
-            raise ValueError("it has fewer values than indices")
-        row, column = (minor, major) if kind == "csc" else (major, minor)
-        return shape, row, column, data[: len(major)]
-    if data.ndim != 3 or len(data) < len(major):
-        raise ValueError("it has fewer blocks than indices")
-    down, across = np.indices(block)
-    row, column = major[:, None, None] * block[0] + down, minor[:, None, None] * block[1] + across
-    return shape, row.ravel(), column.ravel(), data[: len(major)].ravel()
+    return shape, row, column, value
+
+
+def _of_blocks(arrays: dict[str, np.ndarray], shape: list[int], blocks: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Row, column and value of compressed rows of blocks (n, height, width)."""
+    indices, starts = _whole(arrays, "indices"), _whole(arrays, "indptr")
+    if blocks.ndim != 3 or 0 in blocks.shape[1:] or shape[0] % blocks.shape[1] or shape[1] % blocks.shape[2]:
+        raise ValueError(f"its blocks of shape {blocks.shape[1:]} do not divide its shape {shape}")
+    n, count = shape[0] // blocks.shape[1], np.diff(starts)
+    if len(starts) != n + 1 or starts[0] != 0 or np.any(count < 0) or np.any(starts > min(len(indices), len(blocks))):
+        raise ValueError(f"its indptr does not rise from 0 to at most {min(len(indices), len(blocks))} in {n} steps")
+    used = int(starts[-1])
+    if np.any(indices[:used] < 0) or np.any(indices[:used] >= shape[1] // blocks.shape[2]):  # before products that could overflow
+        raise ValueError(f"it has entries outside of its shape {shape}")
+    down, across = np.indices(blocks.shape[1:])
+    row = np.repeat(np.arange(n), count)[:, None, None] * blocks.shape[1] + down
+    column = indices[:used, None, None] * blocks.shape[2] + across
+    return row.ravel(), column.ravel(), blocks[:used].ravel()
 
 
 def _whole(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
@@ -68,14 +74,6 @@ def _whole(arrays: dict[str, np.ndarray], name: str) -> np.ndarray:
     if found.dtype.kind not in "iu" or found.ndim != 1:
         raise ValueError(f"its {name} are no line of whole numbers")
     return found.astype(np.int64)
-
-
-def _major(starts: np.ndarray, indices: np.ndarray, n: int) -> np.ndarray:
-    """Row (or column) of every index, from the starts of the rows."""
-    count = np.diff(starts)
-    if len(starts) != n + 1 or starts[0] != 0 or np.any(count < 0) or starts[-1] > len(indices) or np.any(starts > len(indices)):
-        raise ValueError(f"its indptr does not rise from 0 to at most {len(indices)} in {n} steps")
-    return np.repeat(np.arange(n), count)
 
 
 def _of_diagonals(offsets: np.ndarray, data: np.ndarray, shape: list[int]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
