@@ -18,6 +18,7 @@ import meshio
 import numpy as np
 import pytest
 from scipy import sparse
+from typer.testing import CliRunner
 
 from preprocessing.airfoil import read_airfoil
 from preprocessing.cli import main
@@ -26,8 +27,11 @@ from preprocessing.solids.body_file import read_body_file
 from preprocessing.solids.build_body import body_hash, build_body
 from preprocessing.solids.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.solids.mesh_file import read_mesh
+from tests.solid_bodies import rectangle, write_body
+from toolkit.cli import app
 from toolkit.errors import InputError
 from toolkit.scene_file import read_scene
+from toolkit.sensitivity.analysis import prepare, solve
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 PLATE = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 1, 1, 0\n4, 0, 1, 0\n*ELEMENT, TYPE=CPS4\n1, 1, 2, 3, 4\n*NSET, NSET=held\n1, 4\n"
@@ -344,6 +348,49 @@ def body_of(folder: Path, mesh: str) -> Path:
         "material = { youngs_modulus = 2e11, density = 7800.0, poisson_ratio = 0.3 }\n"
     )
     return folder / "body.toml"
+
+
+def test_more_modes_than_a_body_has_coordinates_are_refused(tmp_path):
+    mesh = rectangle("quad8", (20, 4), 1.0, 0.2)
+    path = write_body(tmp_path, mesh, 'kind = "eigenmodes"\ncount = 1000000000')
+    with pytest.raises(InputError, match=r"1000000004 modes of a body with \d+ coordinates are too many"):
+        build_body(path)
+
+
+def test_an_equilibrium_that_does_not_fit_into_memory_is_refused_with_its_size():
+    scene = read_scene(WING / "scene.toml", {"solver.memory": "1e-6"})
+    with pytest.raises(
+        InputError,
+        match=r"the equilibrium of 1\d\d unknowns takes dense matrices of 0.000\d+ GB, more than solver.memory = 1e-06 GB",
+    ):
+        solve(prepare(scene, []), "static")
+
+
+def test_a_solid_without_the_package_that_writes_meshes_says_what_to_install(tmp_path, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "preprocessing.solids.extruded_skin", None)
+    code, said = command(monkeypatch, capsys, str(WING / "skin.toml"), "--extrude", str(tmp_path / "solid.msh"))
+    assert code == 1
+    assert "a solid needs meshio and scikit-fem, which cannot be loaded" in said
+    assert "pip install 'ffrf-toolkit[preprocessing]'" in said
+
+
+@pytest.mark.parametrize("program", ["toolkit", "preprocessing"])
+def test_what_memory_does_not_hold_is_said_without_a_traceback(program, monkeypatch, capsys):
+    def exhausted(*_: object, **__: object) -> None:
+        raise MemoryError("Unable to allocate 8.18 GiB")
+
+    if program == "toolkit":
+        monkeypatch.setattr("toolkit.command_line.inspection.describe", exhausted)
+        monkeypatch.setattr("toolkit.cli.describe", exhausted)
+        done = CliRunner().invoke(app, ["inspect", str(WING / "skin.h5")])
+        code, said = done.exit_code, done.stderr
+    else:
+        monkeypatch.setattr("preprocessing.cli.source", exhausted)
+        code, said = command(monkeypatch, capsys, str(WING / "skin.toml"))
+    assert (code, said) == (
+        1,
+        "the memory does not hold what this takes (Unable to allocate 8.18 GiB). Describe it by fewer numbers, or take a larger machine.\n",
+    )
 
 
 def test_files_are_bounded_before_they_are_hashed(tmp_path):

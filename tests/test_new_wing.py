@@ -111,7 +111,11 @@ REFUSED = {
     "missing target": (None, ["--target", "none.dat"], "none.dat: cannot be read.*Check the path"),
     "target of another section": (None, ["--target", str(AIRFOILS / "naca23015.af")], "passes F .* at a distance"),
     "chord of nothing": (None, ["--chord", "0"], "chord of 0 mm cannot be"),
+    "chord beyond reason": (None, ["--chord", "1e300"], r"chord of 1e\+300 mm cannot be. Give a length from 0.001 to 1e\+06 mm"),
+    "chord of atoms": (None, ["--chord", "1e-300"], "chord of 1e-300 mm cannot be"),
+    "airfoil of a long name": (None, ["--airfoil", "x" * 300], "cannot be read: File name too long"),
     "folder below a file": (None, ["below"], "cannot be written"),
+    "folder of a long name": (None, ["long"], "the system refused to go on at .*: File name too long"),
 }
 
 
@@ -122,6 +126,8 @@ def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
     if options == ["below"]:
         (tmp_path / "file").write_text("")
         folder, options = tmp_path / "file" / "wing", []
+    if options == ["long"]:
+        folder, options = tmp_path / ("x" * 300), []
     if prepare:
         prepare(folder)
     before = sorted(tmp_path.rglob("*"))

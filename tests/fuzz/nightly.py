@@ -48,6 +48,7 @@ def main() -> None:
     parser.add_argument("--kinds", default=",".join(KINDS))
     parser.add_argument("--fresh", type=int, default=200, help="every how many cases one runs as pip installs the program")
     parser.add_argument("--minutes", type=float, default=600.0, help="of processor time, after which no new case begins")
+    parser.add_argument("--seconds", type=float, default=run_case.SECONDS, help="after which a case hangs")
     given = parser.parse_args()
     os.umask(0o022)
     kinds = given.kinds.split(",")
@@ -58,7 +59,7 @@ def main() -> None:
         if kind in WITH_SCENES:
             run_case.load(run_case.SCENES)
         wanted = -(-given.cases * KINDS[kind][1] // share)
-        figures[kind] = run_kind(kind, wanted, given.seed, given.folder, given.fresh, given.minutes)
+        figures[kind] = run_kind(kind, wanted, given.seed, given.folder, given.fresh, given.minutes, given.seconds)
         print(kind, json.dumps(figures[kind]), flush=True)
     total = Counter()
     for found in figures.values():
@@ -69,7 +70,7 @@ def main() -> None:
     sys.exit(any(name not in (*RIGHT, "distinct", "fresh", "seconds") for name in total))
 
 
-def run_kind(kind: str, wanted: int, seed: int, folder: Path, every: int, minutes: float) -> dict[str, float]:
+def run_kind(kind: str, wanted: int, seed: int, folder: Path, every: int, minutes: float, seconds: float) -> dict[str, float]:
     """Outcomes of cases of one kind, and how many of them are distinct, until enough are."""
     found: Counter[str] = Counter()
     seen: set[str] = set()
@@ -87,7 +88,7 @@ def run_kind(kind: str, wanted: int, seed: int, folder: Path, every: int, minute
             continue
         seen.add(key)
         fresh = len(seen) % every == 0
-        ended = (run_case.run_fresh if fresh else run_case.run_forked)(case, place)
+        ended = (run_case.run_fresh if fresh else run_case.run_forked)(case, place, seconds)
         outcome, why = judged(case, ended, before, snapshot(place))
         found.update({outcome: 1, "fresh": int(fresh)})
         if outcome not in RIGHT:
