@@ -9,6 +9,7 @@ import numpy as np
 from preprocessing.solids.matrix_file import read_array
 from preprocessing.solids.solid_mesh import SolidMesh
 from toolkit.errors import InputError
+from toolkit.units import LARGEST
 
 
 def read_motion(path: Path, mesh: SolidMesh, scale: float) -> np.ndarray:
@@ -24,6 +25,8 @@ def read_motion(path: Path, mesh: SolidMesh, scale: float) -> np.ndarray:
         raise InputError(
             f"{str(path)!r} has shape {field.shape}; the mesh file has {mesh.n_file} nodes. Give a displacement x, y, z of each of them."
         )
+    if np.abs(field).max() > LARGEST:
+        raise InputError(f"{str(path)!r} holds displacements beyond {LARGEST:g}. Mend their unit.")
     field = scale * (field if mesh.in_file is None else field[mesh.in_file])
     if not np.any(field):
         raise InputError(f"{str(path)!r} moves no node of the elements. Give displacements that are not all zero.")
