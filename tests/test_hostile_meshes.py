@@ -29,7 +29,8 @@ from preprocessing.solids.matrix_file import read_array, read_matrix, read_nodes
 from preprocessing.solids.mesh_file import read_mesh
 from tests.solid_bodies import rectangle, write_body
 from toolkit.cli import app
-from toolkit.errors import InputError
+from toolkit.errors import InputError, ModelFileError
+from toolkit.reduced_model_file import load
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import prepare, solve
 
@@ -429,3 +430,14 @@ def test_commands_refuse_what_nobody_means(tmp_path, monkeypatch, capsys, kind):
     assert code == 1
     assert message in said
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    "make", [os.mkfifo, os.mkdir, lambda path: path.symlink_to("/dev/zero")], ids=["pipe", "folder", "zeros"]
+)
+def test_a_model_that_is_no_file_is_not_waited_for(tmp_path, make):
+    make(tmp_path / "skin.h5")
+    with pytest.raises(
+        ModelFileError, match=r"skin\.h5' cannot be read \(it is a .*, not a regular file\)\. Give a reduced model"
+    ):
+        load(tmp_path / "skin.h5")

@@ -17,6 +17,7 @@ from toolkit.errors import ModelFileError
 from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
+from toolkit.regular_file import read_start
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 SCHEMA = "ffrf-reduced-model"
@@ -136,9 +137,8 @@ def _damaged(path: Path, reason: str) -> ModelFileError:
 def _check_signature(path: Path) -> None:
     """Say plainly what HDF5 would report in the words of its developers."""
     try:
-        with path.open("rb") as file:
-            start = file.read(len(SIGNATURE))
-    except (FileNotFoundError, ValueError):  # ValueError: a zero byte in the name
+        start = read_start(path, len(SIGNATURE))
+    except FileNotFoundError:
         raise ModelFileError(
             f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
         ) from None
