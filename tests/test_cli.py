@@ -206,7 +206,9 @@ def test_inspect_shows_the_paths_of_a_scene():
 
 
 def test_inspect_questions_the_numbers_of_a_scene():
-    found = record("inspect", SCENE, "--no-measure", "--set", "loads.drive.torque=1.0", "--set", "bodies.skin.youngs_modulus=70e9")
+    found = record(
+        "inspect", SCENE, "--no-measure", "--set", "loads.drive.torque=1.0", "--set", "bodies.skin.youngs_modulus=70e9"
+    )
     assert "unit-of-youngs-modulus" in {each["code"] for each in found["warnings"]}
     assert not found["verdict"]["trusted"]
 

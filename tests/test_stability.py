@@ -377,7 +377,7 @@ def test_json_is_all_that_stands_on_standard_output():
 
 
 def test_maps_of_a_scene_without_responses_are_doubted_and_numbers_of_other_units_questioned(tmp_path):
-    text = PENDULUM.read_text().partition("[responses]")[0] + '[solver]\nend_time = 0.01\nstep = 0.005\n'
+    text = PENDULUM.read_text().partition("[responses]")[0] + "[solver]\nend_time = 0.01\nstep = 0.005\n"
     (tmp_path / "scene.toml").write_text(text.replace("-9.81", "-9810.0"))
     done = run(str(tmp_path / "scene.toml"), "--maps", "load", "--jobs", "1", "--json")
     record = json.loads(done.stdout)
