@@ -73,7 +73,7 @@ def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[st
 
 def describe_results(results: Results) -> dict[str, Any]:
     """What was computed, of what, with which settings."""
-    from toolkit.command_line.report import finite_or_none
+    from toolkit.command_line.printing import finite_or_none
     from toolkit.results.layout import SCHEMA, SCHEMA_VERSION
 
     values, gradients = results.responses.items(), results.gradients.items()
@@ -124,9 +124,12 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
-    """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
+    """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.outside_files import outside_files
     from toolkit.sensitivity.analysis import responses_of
+    from toolkit.validity.scene_cautions import cautions_of_scene
+    from toolkit.validity.stale_models import stale_models
+    from toolkit.validity.verdict import Verdict
 
     outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
@@ -138,12 +141,13 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
+        **Verdict.of([*cautions_of_scene(scene), *stale_models(scene)]).record(),
     }
 
 
 def print_file(record: dict[str, Any]) -> None:
     """Print the content of a file, and at the end the verdict that was kept in it."""
-    from toolkit.command_line.report import print_verdict
+    from toolkit.command_line.printing import print_verdict
     from toolkit.validity.verdict import Verdict
 
     judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}
