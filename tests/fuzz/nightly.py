@@ -35,6 +35,8 @@ KINDS: dict[str, tuple[Cases, int]] = {
 }
 """Kind -> its cases, and how many of a hundred are of this kind. Another kind is one more line."""
 
+SHOWN = 250
+"""Cases after which the figures so far are printed."""
 WITH_SCENES = ("paths", "options", "scenes")
 """Kinds with commands of the runtime."""
 
@@ -91,6 +93,8 @@ def run_kind(kind: str, wanted: int, seed: int, folder: Path, every: int, minute
         ended = (run_case.run_fresh if fresh else run_case.run_forked)(case, place, seconds)
         outcome, why = judged(case, ended, before, snapshot(place))
         found.update({outcome: 1, "fresh": int(fresh)})
+        if len(seen) % SHOWN == 0:
+            print(f"  {kind}: {json.dumps(found)}", flush=True)
         if outcome not in RIGHT:
             keep(folder / "wrong", kind, case, outcome, why, ended.said, place, len(seen))
     return {**found, "distinct": len(seen), "seconds": round(used() - start, 1)}

@@ -25,7 +25,7 @@ from toolkit.own_process import command, environment
 
 MEMORY = 3 * 2**30
 """Bytes of address space of a command, besides what the program takes itself."""
-SECONDS, READER_SECONDS = 60, 10
+SECONDS, READER_SECONDS = 60, 2
 """Time of a command on the clock, and processor time of a reader in it."""
 MODELS = Path(__file__).parents[2] / "models"
 PROGRAMS = {"ffrf": "toolkit.cli", "ffrf-preprocess": "preprocessing.cli"}
@@ -134,7 +134,7 @@ def reader_in_copy(reader: str, path: Path, bounds: Bounds, *more: str) -> apart
             os._exit(code)
     os.close(there)
     signal.signal(signal.SIGALRM, lambda *_: os.kill(child, signal.SIGALRM))
-    signal.alarm(3 * READER_SECONDS)
+    signal.alarm(10 * READER_SECONDS)  # on a busy machine
     with os.fdopen(here, "rb") as stream:
         content = stream.read()
     _, status = os.waitpid(child, 0)
