@@ -351,6 +351,16 @@ def body_of(folder: Path, mesh: str) -> Path:
     return folder / "body.toml"
 
 
+@pytest.mark.parametrize("kind", ["full", "static", "eigenmodes"])
+def test_a_body_that_is_clamped_at_every_node_is_refused(tmp_path, kind):
+    mesh = rectangle("quad", (2, 1), 1.0, 0.2)
+    path = write_body(tmp_path, mesh, f'kind = "{kind}"' + "\ncount = 1" * (kind == "eigenmodes"))
+    text = path.read_text()
+    path.write_text(text.replace(f"[clamp]\nnodes = {mesh.groups['left'].tolist()}", "[clamp]\nnodes = [0, 1, 2, 3, 4, 5]"))
+    with pytest.raises(InputError, match="basis: the clamp holds all nodes, so that nothing of the body can deform"):
+        build_body(path)
+
+
 def test_more_modes_than_a_body_has_coordinates_are_refused(tmp_path):
     mesh = rectangle("quad8", (20, 4), 1.0, 0.2)
     path = write_body(tmp_path, mesh, 'kind = "eigenmodes"\ncount = 1000000000')

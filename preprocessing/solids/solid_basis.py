@@ -86,6 +86,8 @@ def solid_shapes(
         The choice asks for what the body or its interface points cannot give.
     """
     n = stiffness.shape[0]
+    if n == 0:
+        raise InputError("the clamp holds all nodes, so that nothing of the body can deform. Clamp fewer, or take a rigid body.")
     if choice.kind == "full":
         if n > LARGEST_FULL:
             raise InputError(
