@@ -246,6 +246,19 @@ def test_a_mesh_that_its_reader_cannot_take_is_one_error(tmp_path, kind, monkeyp
         read_mesh(path)
 
 
+def test_kinds_without_elements_and_groups_without_members_count_for_nothing(tmp_path, monkeypatch):
+    """As readers leave them where the lines that should follow a header are missing."""
+    (tmp_path / "body.inp").write_text(PLATE)
+    nothing = np.zeros(0, np.int64)
+    found = {"points": np.eye(3), "cells": [["hexahedron20", nothing]], "groups": [["a", [["quad8", nothing]]]]}
+    monkeypatch.setattr("preprocessing.solids.mesh_file.read_apart", lambda *_, **__: found)
+    with pytest.raises(InputError, match="holds no triangles and no quadrilaterals"):
+        read_mesh(tmp_path / "body.inp")
+    found["cells"].append(["triangle", np.array([[0, 1, 2]])])
+    found["points"] = np.array([[0.0, 0], [1, 0], [0, 1]])
+    assert read_mesh(tmp_path / "body.inp").groups["a"].size == 0
+
+
 def test_a_reader_that_crashes_its_process_is_one_error(tmp_path, monkeypatch):
     (tmp_path / "body.inp").write_text(PLATE)
     import preprocessing.foreign_files.apart as apart

@@ -77,8 +77,8 @@ def _read(path: Path) -> RawMesh:
     remedy = "Export it again, for example as gmsh .msh or Abaqus .inp."
     found = read_apart("mesh", path, "by meshio", remedy, drawn=drawn_on(path))
     points = found["points"]
-    cells = [(kind, block) for kind, block in found["cells"]]
-    groups = [(name, [(kind, block) for kind, block in elements]) for name, elements in found["groups"]]
+    cells = [(kind, block) for kind, block in found["cells"] if block.size or kind not in KNOWN]
+    groups = [(name, [(kind, block) for kind, block in elements if block.size]) for name, elements in found["groups"]]
     if points.ndim != 2 or points.shape[1] not in (2, 3) or points.dtype.kind != "f":
         raise InputError(
             f"the mesh {str(path)!r} has points of shape {points.shape}. Export x and y, or x, y and z, of each point."
