@@ -7,9 +7,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
@@ -18,6 +17,9 @@ from toolkit.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_
 from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model_check import check
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+
+if TYPE_CHECKING:
+    import h5py
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 2
