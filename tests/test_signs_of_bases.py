@@ -23,6 +23,7 @@ from preprocessing.patches import distribute
 from preprocessing.reduced import reduce
 from preprocessing.section import Section
 from preprocessing.solids.basis_change import BasisChange
+from preprocessing.solids.held_system import HeldSystem, factored
 from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
 from preprocessing.solids.ties import Freedom, Tie
 from preprocessing.subspace_rates import subspace_rates
@@ -156,6 +157,29 @@ def test_rates_of_modes_of_a_free_solid_by_newtons_method():
     close(phi, reference.real)
     found = shapes.rates(BasisChange(sparse.csr_array(rate(stiffness)), sparse.csr_array(d_mass), None, d_motions))
     close(found, outside(phi, mass, rate(reference)))
+
+
+def test_rates_of_modes_of_skins_by_newtons_method():
+    """Under rows that change, with a mass that changes."""
+    rng = np.random.default_rng(6)
+    n, rows, d_rows = 12, rng.normal(size=(3, 12)), rng.normal(size=(3, 12))
+    stiffness, mass, change = random_stiffness(rng, n), random_stiffness(rng, n), (symmetric(rng, n), symmetric(rng, n), d_rows)
+    modes = normal_modes(ConstrainedPencil(stiffness, mass, rows), 2)
+    stepped = [value + 1j * STEP * d for value, d in zip((stiffness, mass, rows), change, strict=True)]
+    reference = np.array([eigenvector(*stepped, column) for column in modes.columns.T]).T
+    close(modes.columns, reference.real)
+    found = modes.turned(subspace_rates(modes, [ConstrainedPencil(*change)]))[:, :, 0]
+    close(outside(modes.columns, mass, found), outside(modes.columns, mass, rate(reference)))
+
+
+def test_a_refinement_squares_the_error_of_the_factors():
+    """Factors of a matrix that is off by 1e-5 leave 1e-10."""
+    rng = np.random.default_rng(7)
+    stiffness, force = random_stiffness(rng, 9), rng.normal(size=(9, 2))
+    exact = sparse.csr_array(stiffness)
+    system = HeldSystem(exact, sparse.csr_array((0, 9)), factored(exact * (1 + 1e-5), None), np.zeros((9, 0)), None)
+    expected = np.linalg.solve(stiffness, force)
+    np.testing.assert_allclose(system.solve(force), expected * (1 - 1e-10), rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
 def bar(ends: np.ndarray) -> np.ndarray:
