@@ -205,6 +205,14 @@ def test_inspect_shows_the_paths_of_a_scene():
     assert found["responses"]["max_stress"] == {"type": "ks-stress", "unit": "MPa"}
 
 
+def test_inspect_questions_the_numbers_of_a_scene():
+    found = record(
+        "inspect", SCENE, "--no-measure", "--set", "loads.drive.torque=1.0", "--set", "bodies.skin.youngs_modulus=70e9"
+    )
+    assert "unit-of-youngs-modulus" in {each["code"] for each in found["warnings"]}
+    assert not found["verdict"]["trusted"]
+
+
 def test_inspect_prints_the_receipt_of_a_scene():
     found = record("inspect", SCENE, "--variables", "t_w", "--no-measure")["receipt"]
     assert found["coordinates"][0] == {

@@ -97,12 +97,16 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
         said.append(capsys.readouterr().err)
 
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", rehearse)
+    monkeypatch.setattr("toolkit.compiled_code._TOLD", set())
     scene = read_scene(MODELS / "pendulum" / "scene.toml")
     compile_before(scene, "transient")
     assert said == [f"compiling the formulas for this machine, once, {announcements.EXPECTED[2]} ...\n"]
     assert capsys.readouterr().err == "2 functions compiled in 0 s; they are kept on the disk.\n"
     compile_before(scene, "transient", quiet=True)
     assert capsys.readouterr().err == ""
+    monkeypatch.setattr("toolkit.compiled_code._TOLD", {"kept"})  # a warning has said where it is, or that it is nowhere
+    compile_before(scene, "transient")
+    assert capsys.readouterr().err.endswith("2 functions compiled in 0 s.\n")
 
 
 def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):

@@ -371,14 +371,26 @@ def test_the_command_prints_limits_and_writes_picture_and_numbers(tmp_path):
 
 def test_json_is_all_that_stands_on_standard_output():
     done = run(str(PENDULUM), *SET, "--maps", "units", "--jobs", "1", "--json")
-    assert set(json.loads(done.stdout)["maps"]) == {"units"}
+    record = json.loads(done.stdout)
+    assert set(record["maps"]) == {"units"}
+    assert record["verdict"] == {"trusted": True, "reasons": []}
+
+
+def test_maps_of_a_scene_without_responses_are_doubted_and_numbers_of_other_units_questioned(tmp_path):
+    text = PENDULUM.read_text().partition("[responses]")[0] + "[solver]\nend_time = 0.01\nstep = 0.005\n"
+    (tmp_path / "scene.toml").write_text(text.replace("-9.81", "-9810.0"))
+    done = run(str(tmp_path / "scene.toml"), "--maps", "load", "--jobs", "1", "--json")
+    record = json.loads(done.stdout)
+    assert not record["verdict"]["trusted"]
+    assert {"no-responses", "unit-of-gravity"} <= {each["code"] for each in record["warnings"]}
+    assert "no responses" in done.stderr
 
 
 def test_a_scene_that_fails_as_it_stands_is_said_so_and_mapped():
     done = run(str(PENDULUM), "--set", "solver.end_time=4.0", "--set", "solver.step=2.0", "--maps", "step", "--jobs", "1")
     assert done.exit_code == 0
     assert "step x rho_inf" in done.stdout
-    assert "as it stands" in done.stderr
+    assert "as it stands" in done.stdout
 
 
 def test_unknown_maps_are_refused_by_name():

@@ -10,6 +10,7 @@ import pytest
 
 from preprocessing.section import Section
 from tests.beam_models import save_beam
+from tests.starts import derivatives_agree, started
 from toolkit.bodies.flexible import Flexible
 from toolkit.bodies.rigid import Rigid, Rod
 from toolkit.errors import InputError
@@ -24,15 +25,13 @@ from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
 from toolkit.scene_file import scene_from_table
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.initial_conditions import State, consistent_start
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.solvers.undeformed import undeformed
-from toolkit.system import System, compile_scene
+from toolkit.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start, moved_bodies
 from toolkit.validity.start_state import start_lines, start_record, start_state
 
-LEVELS = np.array([1.0, 0.0, 0.0])
 EXACT = 1e-12
 """Round-off of a solve, of velocities of order one; for derivatives, judged by a complex step, 1e-10."""
 PLACES = {"O": (0.0, 0.0), "A": (0.1, 0.3), "B": (0.87, 0.71), "C": (1.0, 0.0)}
@@ -67,25 +66,9 @@ def kinematics(omega: float) -> np.ndarray:
     return np.concatenate([[*v_A / 2, omega], [*(v_A + v_B) / 2, of_coupler], [*v_B / 2, of_rocker]])
 
 
-def started(scene: Scene, design: list[str] | None = None) -> tuple[System, State]:
-    system = compile_scene(scene, design)
-    return system, consistent_start(system, LEVELS)
-
-
 def velocities(scene: Scene) -> np.ndarray:
     system, state = started(scene)
     return state.v[: system.n_q]
-
-
-def derivatives_agree(scene: Scene, design: list[str]) -> None:
-    """dq_0, dv_0 and [da_0; dlam_0] against a complex step through the whole start."""
-    state = started(scene, design)[1]
-    for x, path in enumerate(design):
-        stepped = started(scene.with_number(path, scene.number(path) + 1e-30j))[1]
-        for name in ("q", "v", "acc"):
-            exact = np.imag(getattr(stepped, name)) / 1e-30
-            ours = getattr(state, f"d{name}")[:, x]
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * max(1.0, np.abs(exact).max()), err_msg=f"{path} {name}")
 
 
 # --- what is written holds ------------------------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from toolkit.command_line.arguments import (
 from toolkit.command_line.certification import certify
 from toolkit.command_line.deformation_check import check_deformation
 from toolkit.command_line.export import export
-from toolkit.command_line.inspection import describe, describe_scene, print_description, print_file
+from toolkit.command_line.inspection import describe, describe_scene, print_file
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
@@ -211,7 +211,7 @@ def inspect(
     if as_json:
         print_json({**record, "receipt": found})
     else:
-        print_description(record)
+        print_file(record)
         print_receipt(found)
 
 

@@ -164,6 +164,11 @@ def _refuse_others(folder: Path) -> None:
             raise PermissionError(errno.EPERM, "other users can write there")
 
 
+def is_kept() -> bool:
+    """Whether all that was compiled so far stays where it will be found the next time."""
+    return "kept" not in _TOLD
+
+
 def _tell(kind: str, text: str) -> None:
     """Make a remark, the first of its kind only: there are a hundred kernels."""
     if kind not in _TOLD:

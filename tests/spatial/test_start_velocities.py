@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.starts import derivatives_agree, started
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.errors import InputError
 from toolkit.joints.spatial.distance import SpatialDistance
@@ -17,9 +18,8 @@ from toolkit.joints.spatial.universal import Universal
 from toolkit.point import Point
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
-from toolkit.solvers.initial_conditions import State, consistent_start
 from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.system import compile_scene
 from toolkit.validity.start_cautions import cautions_of_start, moved_bodies
 from toolkit.validity.start_state import start_record
 
@@ -59,24 +59,9 @@ def slides(omega: float) -> float:
     return float((B - A) @ np.cross(omega * UNIT, A) / ((B - A) @ guide))
 
 
-def started(scene: Scene, design: list[str] | None = None) -> tuple[System, State]:
-    system = compile_scene(scene, design)
-    return system, consistent_start(system, np.array([1.0, 0.0, 0.0]))
-
-
 def spin(omega: float) -> tuple[float, float, float]:
     x, y, z = map(float, omega * UNIT)
     return x, y, z
-
-
-def derivatives_agree(scene: Scene, design: list[str]) -> None:
-    state = started(scene, design)[1]
-    for x, path in enumerate(design):
-        stepped = started(scene.with_number(path, scene.number(path) + 1e-30j))[1]
-        for name in ("q", "v", "acc"):
-            exact = np.imag(getattr(stepped, name)) / 1e-30
-            ours = getattr(state, f"d{name}")[:, x]
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * max(1.0, np.abs(exact).max()), err_msg=f"{path} {name}")
 
 
 def test_a_crank_starts_with_what_it_is_given_and_the_joints_find_the_rest():

@@ -44,6 +44,7 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
     """Rehearse an analysis, so that nothing is compiled in it, and say so if that compiles anything."""
     from toolkit.command_line.rehearsal import rehearse
     from toolkit.compile_watch import watched_compilation
+    from toolkit.compiled_code import is_kept
 
     def announce() -> None:
         if not quiet:
@@ -52,7 +53,8 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
     with watched_compilation(announce) as watch:
         rehearse(scene, kind, backwards)
     if watch.functions and not quiet:
-        typer.echo(f"{watch.functions} functions compiled in {watch.seconds:.0f} s; they are kept on the disk.", err=True)
+        kept = "; they are kept on the disk" if is_kept() else ""  # elsewhere a warning has said what becomes of them
+        typer.echo(f"{watch.functions} functions compiled in {watch.seconds:.0f} s{kept}.", err=True)
 
 
 EXPECTED = {2: "up to three minutes on a free core", 3: "up to five minutes on a free core"}

@@ -124,9 +124,12 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 
 
 def describe_scene(scene: Scene) -> dict[str, Any]:
-    """Names and kinds of all parts, the declared design variables, and all numbers that could be one."""
+    """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.outside_files import outside_files
     from toolkit.sensitivity.analysis import responses_of
+    from toolkit.validity.scene_cautions import cautions_of_scene
+    from toolkit.validity.stale_models import stale_models
+    from toolkit.validity.verdict import Verdict
 
     outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
@@ -138,6 +141,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
+        **Verdict.of([*cautions_of_scene(scene), *stale_models(scene)]).record(),
     }
 
 

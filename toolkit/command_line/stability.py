@@ -12,7 +12,7 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read
-from toolkit.command_line.report import WIDE, print_json, table
+from toolkit.command_line.report import WIDE, print_json, print_verdict, table, warn
 
 if TYPE_CHECKING:
     from toolkit.studies.stability.study import Study
@@ -57,43 +57,15 @@ def stability(
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)
     with at_work("runs", described, "transient", names, quiet, "adjoint") as progress:
         found = study(described, names, chosen, limits, most_steps, jobs or os.cpu_count() or 1, progress)
-    if not quiet:
-        print_notes(found)
     if as_json:
         print_json(record_of(found))
+        warn(found.verdict, quiet)
     else:
         print_study(found)
+        print_verdict(found.verdict)
     if output is not None:
         for file in write(found, output, scene.parent.name or scene.stem):
             typer.echo(str(file), err=as_json)
-
-
-def print_notes(study: Study) -> None:
-    """What has to be known before the maps are believed."""
-    if study.own.run.name in ("failed", "refused", "not run"):
-        typer.echo(f"note: the scene {_ended(study.own.run.name)} as it stands: {study.own.run.reason}", err=True)
-    if not study.design:
-        typer.echo(
-            "note: the scene declares no design variables, so no gradient is judged. Name some with --variables.", err=True
-        )
-    reference, limit = study.reference, study.limits.accuracy
-    if not study.scene.responses:
-        typer.echo("note: the scene has no responses, so a wrong motion that ends in good order is not seen.", err=True)
-    elif not any(each.map.judge == "reference" for each in study.maps):
-        return
-    elif reference is None:
-        typer.echo("note: the scene runs in good order with no step, so maps of the solver have no reference.", err=True)
-    elif reference.next_values > limit or (study.design and reference.next_slopes > limit):
-        typer.echo(
-            f"note: the finest step, {reference.step:.3g}, differs from the next by {100 * reference.next_values:.3g} % in the "
-            f"responses and {100 * reference.next_slopes:.3g} % in the gradient, so `inaccurate` means little in maps of the solver: "
-            "the motion may be chaotic, or needs a smaller solver.step.",
-            err=True,
-        )
-
-
-def _ended(name: str) -> str:
-    return {"failed": "fails", "refused": "is refused", "not run": "is not run"}[name]
 
 
 def print_study(study: Study) -> None:

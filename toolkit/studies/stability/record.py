@@ -25,6 +25,7 @@ def record_of(study: Study) -> dict[str, Any]:
         },
         "maps": {each.map.name: _map(each) for each in study.maps},
         "without_map": study.missing,
+        **study.verdict.record(),
     }  # fmt: skip
 
 

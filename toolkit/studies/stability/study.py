@@ -12,11 +12,13 @@ from toolkit.scene_units import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.studies.processes import Progress
 from toolkit.studies.stability.catalogue import maps_of
+from toolkit.studies.stability.doubts import verdict_of
 from toolkit.studies.stability.map import Map
 from toolkit.studies.stability.measure import Measured, Run, slope_difference, value_difference
 from toolkit.studies.stability.pool import Task, measured
 from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
 from toolkit.studies.stability.verdict import Limits, Verdict, of_gradient, of_run
+from toolkit.validity import verdict as validity
 
 MOST_STEPS = 10_000
 """Cells that need more are not run, unless the scene itself does."""
@@ -66,6 +68,11 @@ class Study:
     reference: Reference | None
     maps: list[Mapped]
     missing: dict[str, str]
+
+    @property
+    def verdict(self) -> validity.Verdict:
+        """Whether the maps can be believed, and why not."""
+        return verdict_of(self)
 
 
 def stability(
