@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
 
 from preprocessing.basis_choice import BasisChoice
-from preprocessing.shape_parameters import mode_name
+from preprocessing.shape_mode_name import mode_name
 from toolkit.errors import InputError
 from toolkit.units import LARGEST
 

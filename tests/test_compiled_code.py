@@ -129,12 +129,103 @@ def test_the_folder_is_that_of_the_environment_not_that_of_a_file_in_the_current
     assert len(kept(tmp_path / "mine")) == 1
 
 
-def test_a_formula_without_a_file_is_compiled_for_this_process():
-    space = {"__name__": "typed"}
-    exec(SOURCE, space)
-    kernel = space["twice"]
-    assert kernel(2.0) == 4.0
-    assert sum(kernel.stats.cache_misses.values()) == 1
+def test_a_formula_without_a_file_is_kept_below_the_home(own, tmp_path):
+    for hits in (0, 1):
+        space = {"__name__": "typed"}
+        exec(SOURCE, space)
+        kernel = space["twice"]
+        assert kernel(2.0) == 4.0
+        assert sum(kernel.stats.cache_hits.values()) == hits
+    assert len(kept(tmp_path / "home")) == 1
+
+
+FORMULAS = """
+'''A module.'''
+from typing import NamedTuple
+import numpy as np
+from toolkit.kernel import inner, kernel
+
+FACTOR = 2.0
+
+class Pair(NamedTuple):
+    a: float
+    b: float
+
+@inner
+def factor(x):
+    return FACTOR * x
+
+@inner
+def unused(x):
+    return 7.0 * x
+
+@kernel
+def twice(x):
+    '''Twice x.'''
+    return factor(x) + np.sin(0.0)
+
+@kernel
+def difference(pair):
+    return pair.a - pair.b
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "hits", "value"),
+    [
+        ("'''Twice x.'''", "'''Two x,\n    and no more.'''  # so", 1, 4.0),
+        ("'''A module.'''", "'''A module,\n\nand more.'''\n", 1, 4.0),
+        ("7.0 * x", "8.0 * x", 1, 4.0),
+        ("FACTOR = 2.0", "FACTOR = 3.0", 0, 6.0),
+        ("FACTOR * x", "FACTOR * x * x", 0, 8.0),
+        ("FACTOR * x", "FACTOR * x + 1.0", 0, 5.0),
+        ("np.sin(0.0)", "np.cos(0.0)", 0, 5.0),
+        ("@inner\ndef factor", "@kernel\ndef factor", 0, 4.0),
+    ],
+)
+def test_code_is_that_of_the_formula_and_of_all_that_it_calls_and_survives_all_other_edits(own, old, new, hits, value):
+    own.write_text(FORMULAS)
+    loaded(own)
+    assert old in FORMULAS
+    own.write_text(FORMULAS.replace(old, new))
+    kernel = runpy.run_path(str(own))["twice"]
+    assert kernel(2.0) == value
+    assert sum(kernel.stats.cache_hits.values()) == hits
+
+
+MADE = """
+from toolkit.kernel import kernel
+
+def times(factor):
+    @kernel
+    def made(x):
+        return factor * x
+    return made
+
+half, twice = times(0.5), times(2.0)
+"""
+
+
+def test_formulas_that_a_function_makes_are_told_apart(own):
+    own.write_text(MADE)
+    for hits in (0, 1):
+        space = runpy.run_path(str(own))
+        assert (space["half"](2.0), space["twice"](2.0)) == (1.0, 4.0)
+        assert sum(space["twice"].stats.cache_hits.values()) == hits
+
+
+def test_fields_that_change_places_change_the_code(own):
+    own.write_text(FORMULAS)
+    space = runpy.run_path(str(own))
+    assert space["difference"](space["Pair"](a=3.0, b=1.0)) == 2.0
+    own.write_text(FORMULAS.replace("    a: float\n    b: float", "    b: float\n    a: float"))
+    space = runpy.run_path(str(own))
+    assert space["difference"](space["Pair"](a=3.0, b=1.0)) == 2.0
+
+
+def test_a_formula_that_uses_a_number_of_another_module_is_compiled_by_every_process(own):
+    own.write_text("import sys\n" + SOURCE.replace("return 2 * x", "return 2 * x + 0 * sys.maxsize"))
+    assert (loaded(own), loaded(own)) == (0, 0)
 
 
 def test_commands_make_remarks_in_words_and_quiet_ones_make_none(monkeypatch):

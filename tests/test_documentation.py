@@ -8,6 +8,7 @@ from __future__ import annotations
 import ast
 import builtins
 import re
+from collections.abc import Iterator
 from importlib import import_module
 from itertools import pairwise
 from pathlib import Path
@@ -150,34 +151,34 @@ def test_a_comment_behind_a_field_is_found_unless_it_is_for_a_tool(source, comme
 SECTIONS = ("Parameters", "Returns", "Yields", "Raises", "Attributes", "Notes", "Examples", "See Also")
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_sections_of_docstrings_are_underlined_as_numpydoc_wants(name):
-    for node in ast.walk(TREES[name]):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-            lines = (ast.get_docstring(node) or "").splitlines()
-            for k, line in enumerate(lines):
-                if line in SECTIONS:
-                    assert lines[k + 1] == "-" * len(line)
-                    assert lines[k - 1] == ""
-                    assert lines[k + 2].strip()
+def docstrings(*kinds: type[ast.AST]) -> Iterator[tuple[str, list[str]]]:
+    """Where every docstring stands, and its lines."""
+    for name, tree in TREES.items():
+        for node in ast.walk(tree):
+            if isinstance(node, kinds or (ast.Module, ast.ClassDef, ast.FunctionDef)):
+                yield f"{name}:{getattr(node, 'name', '')}", (ast.get_docstring(node) or "").splitlines()
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_formulas_in_rows_are_indented_so_that_they_stay_in_rows(name):
-    for node in ast.walk(TREES[name]):
-        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef):
-            lines = (ast.get_docstring(node) or "").splitlines()  # what is common to all lines does not count as indentation
-            assert [line for line in lines if re.search(r"^\S.*\S {3,}\S", line)] == []
+def test_sections_of_docstrings_are_underlined_as_numpydoc_wants():
+    for place, lines in docstrings():
+        for k, line in enumerate(lines):
+            if line in SECTIONS:
+                assert lines[k + 1] == "-" * len(line), place
+                assert lines[k - 1] == "", place
+                assert lines[k + 2].strip(), place
+
+
+def test_formulas_in_rows_are_indented_so_that_they_stay_in_rows():
+    for place, lines in docstrings():  # what is common to all lines does not count as indentation
+        assert [line for line in lines if re.search(r"^\S.*\S {3,}\S", line)] == [], place
 
 
 DEFINED = {node.name for tree in TREES.values() for node in tree.body if isinstance(node, ast.ClassDef)}
 ERRORS = {name for name in DEFINED | set(vars(builtins)) if name.endswith("Error")}
 
 
-@pytest.mark.parametrize("name", MODULES)
-def test_every_error_that_a_docstring_announces_exists(name):
-    for node in ast.walk(TREES[name]):
-        if isinstance(node, ast.FunctionDef):
-            announced = re.search(r"Raises\n-+\n(.*?)(?:\n\n|\Z)", ast.get_docstring(node) or "", re.DOTALL)
-            lines = announced[1].splitlines() if announced else []
-            assert {error.strip() for line in lines if not line.startswith(" ") for error in line.split(",")} <= ERRORS
+def test_every_error_that_a_docstring_announces_exists():
+    for place, lines in docstrings(ast.FunctionDef):
+        announced = re.search(r"Raises\n-+\n(.*?)(?:\n\n|\Z)", "\n".join(lines), re.DOTALL)
+        told = announced[1].splitlines() if announced else []
+        assert {error.strip() for line in told if not line.startswith(" ") for error in line.split(",")} <= ERRORS, place

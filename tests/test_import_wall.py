@@ -5,6 +5,8 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
+from functools import cache
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -40,6 +42,7 @@ LAYERS = [
         "errors",
         "kernel",
         "compiled_code",
+        "formula_stamp",
         "compile_watch",
         "planar",
         "units",
@@ -95,16 +98,28 @@ def modules(package: str) -> dict[str, Path]:
     return found
 
 
-def imports(path: Path) -> set[str]:
-    """Everything that a file imports, at its top or inside of functions."""
+@cache
+def tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def imports(path: Path, typing: bool = True) -> set[str]:
+    """Everything that a file imports, at its top or inside of functions; without `typing` not what its annotations alone need."""
     found: set[str] = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    left_out = set() if typing else {node for block in _for_annotations(tree(path)) for node in ast.walk(block)}
+    for node in ast.walk(tree(path)):
+        if node in left_out:
+            continue
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             assert node.level == 0, f"{path} uses a relative import"
             found |= {f"{node.module}.{alias.name}" for alias in node.names} | {str(node.module)}
     return found
+
+
+def _for_annotations(module: ast.Module) -> list[ast.If]:
+    return [node for node in module.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
 
 
 def belongs(name: str, packages: tuple[str, ...]) -> bool:
@@ -131,26 +146,34 @@ def test_importing_the_runtime_loads_no_preprocessing_and_no_pictures():
     assert not loaded & {*FORBIDDEN, *PICTURES}
 
 
-@pytest.mark.parametrize("name", TOOLKIT)
-def test_the_runtime_never_imports_preprocessing(name):
-    wrong = [found for found in imports(TOOLKIT[name]) if belongs(found, FORBIDDEN)]
-    if not belongs(name, DRAWING):
-        wrong += [found for found in imports(TOOLKIT[name]) if belongs(found, PICTURES)]
-    assert not wrong
+def test_the_runtime_never_imports_preprocessing_nor_pictures():
+    for name, path in TOOLKIT.items():
+        forbidden = FORBIDDEN if belongs(name, DRAWING) else (*FORBIDDEN, *PICTURES)
+        assert [found for found in imports(path) if belongs(found, forbidden)] == [], name
 
 
-@pytest.mark.parametrize("name", PREPROCESSING)
-def test_preprocessing_imports_only_the_reduced_model_of_the_runtime(name):
-    assert not [found for found in imports(PREPROCESSING[name]) if belongs(found, ("toolkit",)) and not belongs(found, SHARED)]
+def test_preprocessing_imports_only_the_reduced_model_of_the_runtime():
+    for name, path in PREPROCESSING.items():
+        assert [found for found in imports(path) if belongs(found, ("toolkit",)) and not belongs(found, SHARED)] == [], name
 
 
-@pytest.mark.parametrize("name", [name for name in TOOLKIT if "." in name])
-def test_arrows_inside_the_runtime_run_one_way(name):
+def test_arrows_inside_the_runtime_run_one_way():
     known = (*TOOLKIT, "toolkit")
-    for found in sorted(imports(TOOLKIT[name])):
-        target = found if found in known else found.rpartition(".")[0]
-        if target in TOOLKIT and "." in target:
-            assert layer(target) <= layer(name), f"{name} imports {target} from a later layer"
+    for name in [name for name in TOOLKIT if "." in name]:
+        for found in sorted(imports(TOOLKIT[name])):
+            target = found if found in known else found.rpartition(".")[0]
+            if target in TOOLKIT and "." in target:
+                assert layer(target) <= layer(name), f"{name} imports {target} from a later layer"
+
+
+def test_no_files_import_each_other_in_a_circle():
+    files = TOOLKIT | PREPROCESSING
+    arrows = {name: imports(path, typing=False) & files.keys() - {name} for name, path in files.items()}
+    try:
+        order = list(TopologicalSorter(arrows).static_order())
+    except CycleError as error:
+        pytest.fail(" imports ".join(reversed(error.args[1])))
+    assert len(order) == len(files)
 
 
 def test_only_the_runtime_modules_named_here_are_shared_with_preprocessing():

@@ -29,12 +29,13 @@ from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import prepare
 from toolkit.solvers.transient import simulate
 from toolkit.studies.stability.catalogue import MAPS, maps_of
+from toolkit.studies.stability.found import Cell, Mapped
 from toolkit.studies.stability.limits_found import breakdowns, stable_where
 from toolkit.studies.stability.map import Axis, Map, with_options
 from toolkit.studies.stability.measure import Measured, Run, created_energy, measure
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
 from toolkit.studies.stability.solver_maps import baumgarte_map, refined
-from toolkit.studies.stability.study import Cell, Mapped, stability
+from toolkit.studies.stability.study import stability
 from toolkit.studies.stability.verdict import CLASSES, Limits, Verdict, of_gradient, of_run
 
 PENDULUM = WING.parents[1] / "pendulum" / "scene.toml"

@@ -22,11 +22,12 @@ from toolkit.errors import InputError
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import direct
 from toolkit.studies import pool
-from toolkit.studies.accuracy import Quantity, errors
+from toolkit.studies.accuracy import errors
 from toolkit.studies.axes import SOLVER_AXES, available, read_axes
 from toolkit.studies.budget import BudgetError, read_budget
 from toolkit.studies.grid import grid
 from toolkit.studies.pareto import pareto
+from toolkit.studies.quantity import Quantity
 from toolkit.studies.record import Record
 from toolkit.studies.richardson import limit
 from toolkit.studies.toml_fragment import toml_table

@@ -30,8 +30,9 @@ from toolkit.command_line.export import export
 from toolkit.command_line.inspection import describe, describe_scene, print_file
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.new_project import app as new_project
+from toolkit.command_line.printing import print_files, print_json, print_verdict, warn
 from toolkit.command_line.receipt import compiled, print_receipt, receipt_of
-from toolkit.command_line.report import print_files, print_frequencies, print_json, print_result, print_verdict, warn
+from toolkit.command_line.report import print_frequencies, print_result
 from toolkit.command_line.report_command import report
 from toolkit.command_line.stability import stability
 from toolkit.command_line.tradeoff import tradeoff

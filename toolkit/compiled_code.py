@@ -7,14 +7,12 @@ one kernel for different types at the same time can leave the code of one under 
 from __future__ import annotations
 
 import errno
-import inspect
 import os
 import pickle
 import stat
 import sys
 import tempfile
 import warnings
-from collections.abc import Callable
 from functools import cache, cached_property
 from hashlib import sha256
 from pathlib import Path
@@ -24,8 +22,10 @@ import llvmlite
 import numba
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
+from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
+from toolkit.formula_stamp import UnknownNameError, formula_stamp, layout
 from toolkit.replaced_file import in_one_stroke
 
 VARIABLE = "NUMBA_CACHE_DIR"
@@ -45,12 +45,11 @@ class CompiledCode(NullCache):
 
     Parameters
     ----------
-    function : the formula as plain Python
-    stamp : what else its code follows from
+    kernel : the formula, as numba compiles it
     """
 
-    def __init__(self, function: Callable, stamp: str) -> None:
-        self.function, self.stamp = function, stamp
+    def __init__(self, kernel: CPUDispatcher) -> None:
+        self.kernel, self.function = kernel, kernel.py_func
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
         """The code for types of arguments; None if there is none, or only what is damaged."""
@@ -96,29 +95,21 @@ class CompiledCode(NullCache):
     @cached_property
     def _name(self) -> str:
         """Start of the names of the files."""
-        code = self.function.__code__
-        plain = f"{Path(code.co_filename).stem}.{self.function.__qualname__}".replace("<", "").replace(">", "")
-        python = f"py{sys.version_info[0]}{sys.version_info[1]}"
-        return f"{plain}-{code.co_firstlineno}.{python}-{sha256((self.stamp + self._source).encode()).hexdigest()[:16]}"
+        plain = f"{Path(self.function.__code__.co_filename).stem}.{self.function.__qualname__}".replace("<", "").replace(">", "")
+        return f"{plain}.py{sys.version_info[0]}{sys.version_info[1]}"
 
     @cached_property
-    def _source(self) -> str:
-        """Text that the formula stands in; empty if nobody knows it, so that nothing can be kept."""
-        file = Path(self.function.__code__.co_filename)
+    def _stamp(self) -> str:
+        """What the code follows from; empty if nobody knows it, so that nothing can be kept."""
         try:
-            found = file.stat()
-            return _text(file, found.st_mtime_ns, found.st_size)
-        except (OSError, ValueError):
-            pass
-        try:
-            return inspect.getsource(self.function)  # of a notebook
-        except OSError:
+            return formula_stamp(self.kernel)
+        except UnknownNameError:
             return ""
 
     @cached_property
     def _folders(self) -> list[Path]:
         """Where code may be, the best place first."""
-        if not self._source:
+        if not self._stamp:
             return []
         source = Path(self.function.__code__.co_filename).absolute()
         name = f"{source.parent.name}_{sha256(str(source.parent).encode()).hexdigest()[:16]}"
@@ -128,17 +119,10 @@ class CompiledCode(NullCache):
         return beside + [folder / name for folder in _shared()]
 
     def _file(self, signature: Any, codegen: Any) -> str:
-        """Name of the file for types of arguments, a processor, and what the formula is closed over."""
-        cells = tuple(cell.cell_contents for cell in self.function.__closure__ or ())
-        key = repr((str(signature), codegen.magic_tuple(), numba.__version__, llvmlite.__version__)).encode()
-        key += self.function.__code__.co_code + (dumps(cells) if cells else b"")
+        """Name of the file for types of arguments and a processor."""
+        signature = layout(getattr(signature, "args", signature))
+        key = repr((self._stamp, signature, codegen.magic_tuple(), numba.__version__, llvmlite.__version__)).encode()
         return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
-
-
-@cache
-def _text(file: Path, changed: int, size: int) -> str:
-    """Content of a source file as of its last change."""
-    return file.read_text(encoding="utf-8")
 
 
 @cache

@@ -8,8 +8,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable
 from functools import cache
-from hashlib import sha256
-from pathlib import Path
 from types import FunctionType
 from typing import Any
 
@@ -47,20 +45,8 @@ def inlined(function: Callable) -> CPUDispatcher:
 def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
     dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
-        dispatcher._cache = CompiledCode(function, formulas_stamp())  # type: ignore[attr-defined]
+        dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]
     return dispatcher
-
-
-@cache
-def formulas_stamp() -> str:
-    """Hash of all files with kernels.
-
-    Compiled code holds copies of the kernels it calls, so it is not enough to look at a kernel's own file to see whether its code on disk
-    is still good. With this stamp in the names of the files, an edit of any formula compiles all of them anew.
-    """
-    files = sorted(Path(__file__).parent.rglob("*.py"))
-    texts = [text for text in (file.read_bytes() for file in files) if b"kernel" in text]
-    return sha256(b"".join(texts)).hexdigest()
 
 
 SLOTS = 8

@@ -12,7 +12,7 @@ from rich.console import Console
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
-from toolkit.command_line.report import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from toolkit.command_line.report import WIDE, finite_or_none, table
+from toolkit.command_line.printing import WIDE, finite_or_none, table
 from toolkit.units import unit
 
 if TYPE_CHECKING:

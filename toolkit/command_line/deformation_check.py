@@ -9,7 +9,7 @@ from rich.console import Console
 
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, Static, read
 from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of, solved
-from toolkit.command_line.report import WIDE, print_json, print_verdict, table, warn
+from toolkit.command_line.printing import WIDE, print_json, print_verdict, table, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import typer
 
 from toolkit.command_line.arguments import AsJson, prepare_folder
 from toolkit.command_line.keeping import Models
-from toolkit.command_line.report import print_files
+from toolkit.command_line.printing import print_files
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.report import WIDE, finite_or_none, table
+from toolkit.command_line.printing import WIDE, finite_or_none, table
 
 if TYPE_CHECKING:
     from toolkit.scene import Scene

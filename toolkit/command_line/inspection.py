@@ -73,7 +73,7 @@ def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[st
 
 def describe_results(results: Results) -> dict[str, Any]:
     """What was computed, of what, with which settings."""
-    from toolkit.command_line.report import finite_or_none
+    from toolkit.command_line.printing import finite_or_none
     from toolkit.results.layout import SCHEMA, SCHEMA_VERSION
 
     values, gradients = results.responses.items(), results.gradients.items()
@@ -147,7 +147,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
 
 def print_file(record: dict[str, Any]) -> None:
     """Print the content of a file, and at the end the verdict that was kept in it."""
-    from toolkit.command_line.report import print_verdict
+    from toolkit.command_line.printing import print_verdict
     from toolkit.validity.verdict import Verdict
 
     judged: dict[str, Any] = {key: record[key] for key in ("verdict", "warnings") if key in record}

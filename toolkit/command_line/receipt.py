@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.report import WIDE, table
+from toolkit.command_line.printing import WIDE, table
 from toolkit.errors import ToolkitError
 
 if TYPE_CHECKING:

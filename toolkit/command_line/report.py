@@ -2,39 +2,24 @@
 
 from __future__ import annotations
 
-import json
-import math
-from collections.abc import Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
-from rich.box import SIMPLE
 from rich.console import Console
-from rich.table import Table
 
+from toolkit.command_line.deformation import print_deformations, record_of_deformations
+from toolkit.command_line.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
 from toolkit.command_line.remarks import remarks
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.analysis import Result
-    from toolkit.validity.verdict import Verdict
 
-WIDE = 1000
-"""Columns of the output: a number that the terminal wraps is better than one that is cut."""
-LEFT = ("unit", "by", "why")
-"""Columns of words."""
 MOST_COLUMNS = 8
 """More design variables than this stand one below the other."""
 
 
-def print_json(record: dict[str, Any]) -> None:
-    """Print one JSON object; everything in it is finite or null."""
-    typer.echo(json.dumps(record, indent=2, allow_nan=False))
-
-
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, how far flexible bodies deform, what the run cost, and whether to trust it."""
-    from toolkit.command_line.deformation import print_deformations, record_of_deformations
     from toolkit.validity.deformation import deformations
 
     found = deformations(result.solution)
@@ -48,26 +33,6 @@ def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     for line in remarks(result):
         Console(width=WIDE, highlight=False).print(line, markup=False)
     print_verdict(result.verdict)
-
-
-def print_verdict(verdict: Verdict) -> None:
-    """Whether the numbers can be trusted, and all that has to be known about them."""
-    Console(width=WIDE, highlight=False).print(str(verdict), markup=False)
-
-
-def warn(verdict: Verdict, quiet: bool = False) -> None:
-    """The same on standard error, where standard output belongs to JSON or to names of files."""
-    for caution in () if quiet else verdict.warnings:
-        typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
-
-
-def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:
-    """Print the names of files that show a run, and what has to be known about that."""
-    if as_json:
-        print_json({"files": [str(file) for file in files], **verdict.record()})
-    else:
-        typer.echo("\n".join(str(file) for file in files))
-    warn(verdict, quiet)
 
 
 def record_of(result: Result) -> dict[str, Any]:
@@ -110,11 +75,6 @@ def path_record(result: Result) -> dict[str, Any]:
     }
 
 
-def finite_or_none(value: float) -> float | None:
-    """JSON knows no nan."""
-    return value if math.isfinite(value) else None
-
-
 def print_tables(result: Result) -> None:
     """Values and gradients as tables."""
     console = Console(width=WIDE, highlight=False)
@@ -153,12 +113,3 @@ def print_frequencies(frequencies: list[float]) -> None:
     Console(width=WIDE, highlight=False).print(found)
     if frequencies and frequencies[0] < 0:
         typer.echo("A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t).")
-
-
-def table(first: str, *others: str) -> Table:
-    """An empty table: a column of words, columns of numbers."""
-    made = Table(box=SIMPLE)
-    made.add_column(first)
-    for name in others:
-        made.add_column(name, justify="left" if name in LEFT else "right")
-    return made

@@ -10,7 +10,7 @@ import typer
 from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, prepare_folder, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
-from toolkit.command_line.report import print_json, warn
+from toolkit.command_line.printing import print_json, warn
 from toolkit.errors import InputError
 
 if TYPE_CHECKING:

@@ -12,10 +12,10 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read
-from toolkit.command_line.report import WIDE, print_json, print_verdict, table, warn
+from toolkit.command_line.printing import WIDE, print_json, print_verdict, table, warn
 
 if TYPE_CHECKING:
-    from toolkit.studies.stability.study import Study
+    from toolkit.studies.stability.found import Study
 
 
 def stability(

@@ -12,7 +12,7 @@ import typer
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
-from toolkit.command_line.report import print_json, print_verdict, warn
+from toolkit.command_line.printing import print_json, print_verdict, warn
 from toolkit.command_line.tradeoff_tables import print_tradeoff, record_of
 from toolkit.errors import ToolkitError
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.console import Console
 
-from toolkit.command_line.report import WIDE, finite_or_none, table
+from toolkit.command_line.printing import WIDE, finite_or_none, table
 
 if TYPE_CHECKING:
     from toolkit.studies.judged import Judged

@@ -8,12 +8,12 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
-import pyvista
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from toolkit.render.configuration import Configuration
 from toolkit.render.look import choose_look
-from toolkit.render.parts import line, skin
+from toolkit.render.mechanism_lines import mechanism
+from toolkit.render.parts import skin
 from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.replaced_file import write_whole
 from toolkit.responses.stress import stress_field
@@ -91,16 +91,6 @@ def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray
         values = fibre_values(drawn_model(moment, body), dstress[moment.step, :, x])
         mesh.point_data[f"stress by {variable}"] = np.repeat(values.ravel(), 2)
     return mesh
-
-
-def mechanism(moment: Any) -> Any:
-    """Rigid bodies and links of a configuration in the plane or in space as lines, or None."""
-    lines = [
-        *(ends for body in moment.scene.bodies for ends in moment.segments(body)),
-        *(moment.ends(each) for each in moment.links()),
-    ]
-    drawn = line if moment.scene.dimension == 2 else pyvista.lines_from_points
-    return pyvista.PolyData().append_polydata(*map(drawn, lines)) if lines else None
 
 
 def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.Element:

@@ -10,9 +10,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch, Rectangle
 
 from toolkit.report.sheet import Drawing, sheet
+from toolkit.studies.stability.found import Mapped, Study
 from toolkit.studies.stability.limits_found import Of, verdicts
 from toolkit.studies.stability.map import Axis
-from toolkit.studies.stability.study import Mapped, Study
 from toolkit.studies.stability.verdict import CLASSES
 
 COLORS = ("#5ab4ac", "#f6e8c3", "#e69f00", "#b2450f", "#bdbdbd", "#ffffff")

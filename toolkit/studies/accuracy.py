@@ -5,50 +5,25 @@ With the reference R, g and the size s_x of what a relative change of the variab
     error of a response R_k:    |R_k - R| / |R|
     error of its gradient g_k:  max_x |g_k,x - g_x| s_x / max_x |g_x| s_x
 
-so that a derivative which happens to be near zero is compared with those that matter. Where the denominator is less than `NEGLIGIBLE` of
-the other one, as that of a response which is zero, this part of the other one takes its place.
+so that a derivative which happens to be near zero is compared with those that matter. Where the denominator is less than
+`reference.NEGLIGIBLE` of the other one, as that of a response which is zero, this part of the other one takes its place.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
 
+from toolkit.studies.quantity import Quantity
 from toolkit.studies.record import Record
-
-if TYPE_CHECKING:
-    from toolkit.studies.reference import Reference
-
-NEGLIGIBLE = 1e-6
-TINY = 1e-300
-"""Denominator where a response and its gradient are both zero."""
-
-
-class Quantity(NamedTuple):
-    """A response, or its gradient."""
-
-    response: str
-    derived: bool
-
-    def __str__(self) -> str:
-        return f"d({self.response})" if self.derived else self.response
-
-
-def scale(reference: Reference, quantity: Quantity) -> float:
-    """What an error of a quantity is divided by."""
-    name, derived = quantity
-    value = abs(reference.limits[name].value)
-    change = max((abs(each.value) * reference.sizes[x] for x, each in reference.slopes.get(name, {}).items()), default=0.0)
-    own, other = (change, value) if derived else (value, change)
-    return max(own, NEGLIGIBLE * other, TINY)
+from toolkit.studies.reference import Reference
 
 
 def errors(reference: Reference, record: Record) -> dict[Quantity, float]:
     """Quantity -> relative error; infinite for a number that does not exist."""
     found = {}
     for name, each in reference.limits.items():
-        found[Quantity(name, False)] = abs(record.value(name) - each.value) / scale(reference, Quantity(name, False))
+        found[Quantity(name, False)] = abs(record.value(name) - each.value) / reference.scale(Quantity(name, False))
     for name, slopes in reference.slopes.items():
         worst = max((abs(record.slope(name, x) - each.value) * reference.sizes[x] for x, each in slopes.items()), default=0.0)
-        found[Quantity(name, True)] = worst / scale(reference, Quantity(name, True))
+        found[Quantity(name, True)] = worst / reference.scale(Quantity(name, True))
     return {quantity: math.inf if math.isnan(error) else error for quantity, error in found.items()}

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from toolkit.errors import InputError, ToolkitError
-from toolkit.studies.accuracy import Quantity
+from toolkit.studies.quantity import Quantity
 
 DEFAULT = 1e-3
 GRADIENT_SHARE = 10.0

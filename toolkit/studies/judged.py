@@ -6,7 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from toolkit.studies.accuracy import Quantity, errors
+from toolkit.studies.accuracy import errors
+from toolkit.studies.quantity import Quantity
 from toolkit.studies.record import Record
 from toolkit.studies.reference import Reference
 from toolkit.studies.setting import Setting

@@ -13,7 +13,7 @@ from typing import Any
 
 from toolkit.errors import ConvergenceError
 from toolkit.scene import Scene
-from toolkit.studies.accuracy import Quantity, scale
+from toolkit.studies.quantity import Quantity
 from toolkit.studies.record import Record
 from toolkit.studies.richardson import Limit, limit
 from toolkit.studies.setting import Choice, Setting
@@ -29,6 +29,11 @@ TOLERANCE = 1e-12
 
 SEEN = 1e-5
 """Relative error of a response below which it is not worth a remark."""
+
+NEGLIGIBLE = 1e-6
+"""Part of the size of a response's gradient below which its value is no size to compare with, and the other way round."""
+TINY = 1e-300
+"""Size where a response and its gradient are both zero."""
 
 Measure = Callable[[list[Setting]], list[Record]]
 
@@ -48,13 +53,21 @@ class Reference:
     in_mesh: list[Setting]
     enough: bool
 
+    def scale(self, quantity: Quantity) -> float:
+        """What an error of a quantity is divided by, see `accuracy`."""
+        name, derived = quantity
+        value = abs(self.limits[name].value)
+        change = max((abs(each.value) * self.sizes[x] for x, each in self.slopes.get(name, {}).items()), default=0.0)
+        own, other = (change, value) if derived else (value, change)
+        return max(own, NEGLIGIBLE * other, TINY)
+
     def error(self, quantity: Quantity) -> float:
         """Estimated error of a response, or of its gradient, relative as in `accuracy`."""
         name, derived = quantity
         if not derived:
-            return self.limits[name].error / scale(self, quantity)
+            return self.limits[name].error / self.scale(quantity)
         worst = max((each.error * self.sizes[x] for x, each in self.slopes[name].items()), default=0.0)
-        return worst / scale(self, quantity)
+        return worst / self.scale(quantity)
 
     def order(self, quantity: Quantity) -> float:
         """Observed order in time: of the derivative that matters most, for a gradient; nan if none was observed."""

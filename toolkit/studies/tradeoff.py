@@ -11,7 +11,6 @@ from statistics import median
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
 from toolkit.sensitivity.analysis import responses_of
-from toolkit.studies.accuracy import Quantity
 from toolkit.studies.axes import read_axes
 from toolkit.studies.budget import BudgetError, read_budget
 from toolkit.studies.grid import grid
@@ -19,6 +18,7 @@ from toolkit.studies.judged import Judged, cheapest, judge
 from toolkit.studies.pareto import pareto
 from toolkit.studies.pool import measured
 from toolkit.studies.processes import Progress
+from toolkit.studies.quantity import Quantity
 from toolkit.studies.reference import Reference, find_reference
 from toolkit.studies.setting import Choice, Setting
 from toolkit.studies.store import fingerprint

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.flexible_bodies import flexible_body
-from toolkit.render.paraview import mechanism
+from toolkit.render.mechanism_lines import mechanism
 from toolkit.render.spatial import parts
 from toolkit.render.spatial.body_shape import at_points, body_shape, has_shape
 from toolkit.render.spatial.configuration import SpatialConfiguration

@@ -2,44 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Sequence
 
+from toolkit.scene import Scene
+from toolkit.studies.stability.found import Cell, Mapped, Reference
+from toolkit.studies.stability.verdict import Limits
 from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.stale_models import stale_models
 from toolkit.validity.verdict import Caution, Verdict
-
-if TYPE_CHECKING:
-    from toolkit.studies.stability.study import Study
 
 ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
 """Class of the scene itself -> what it does, for those that give no number."""
 
 
-def verdict_of(study: Study) -> Verdict:
-    """Whether the classes of the cells mean what they say, and why not."""
-    cautions = [*_of_the_scene_itself(study), *_of_the_reference(study)]
-    return Verdict.of([*cautions, *cautions_of_scene(study.scene), *stale_models(study.scene)])
+def verdict_of(
+    scene: Scene, design: Sequence[str], limits: Limits, own: Cell, reference: Reference | None, maps: Sequence[Mapped]
+) -> Verdict:
+    """Whether the classes of the cells mean what they say, and why not; the arguments are fields of `found.Study`."""
+    cautions = [*_of_the_scene_itself(own, design), *_of_the_reference(scene, design, limits, reference, maps)]
+    return Verdict.of([*cautions, *cautions_of_scene(scene), *stale_models(scene)])
 
 
-def _of_the_scene_itself(study: Study) -> Iterator[Caution]:
-    if study.own.run.name in ENDS:
-        text = f"the scene {ENDS[study.own.run.name]} as it stands: {study.own.run.reason}"
-        yield Caution("as-it-stands", text, doubt=False)
-    if not study.design:
+def _of_the_scene_itself(own: Cell, design: Sequence[str]) -> Iterator[Caution]:
+    if own.run.name in ENDS:
+        yield Caution("as-it-stands", f"the scene {ENDS[own.run.name]} as it stands: {own.run.reason}", doubt=False)
+    if not design:
         text = "the scene declares no design variables, so no gradient is judged. Name some with --variables."
         yield Caution("no-gradient", text, doubt=False)
 
 
-def _of_the_reference(study: Study) -> Iterator[Caution]:
-    best, limit = study.reference, study.limits.accuracy
-    if not study.scene.responses:
+def _of_the_reference(
+    scene: Scene, design: Sequence[str], limits: Limits, best: Reference | None, maps: Sequence[Mapped]
+) -> Iterator[Caution]:
+    if not scene.responses:
         yield Caution("no-responses", "the scene has no responses, so a wrong motion that ends in good order is not seen.")
-    elif not any(each.map.judge == "reference" for each in study.maps):
+    elif not any(each.map.judge == "reference" for each in maps):
         return
     elif best is None:
         yield Caution("no-reference", "the scene runs in good order with no step, so maps of the solver have no reference.")
-    elif best.next_values > limit or (study.design and best.next_slopes > limit):
+    elif best.next_values > limits.accuracy or (design and best.next_slopes > limits.accuracy):
         yield Caution(
             "coarse-reference",
             f"the finest step, {best.step:.3g}, differs from the next by {100 * best.next_values:.3g} % in the responses and "

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from itertools import groupby
 from typing import Literal, NamedTuple
 
+from toolkit.studies.stability.found import Cell, Mapped
 from toolkit.studies.stability.map import Axis
-from toolkit.studies.stability.study import Cell, Mapped
 from toolkit.studies.stability.verdict import Verdict
 
 Of = Literal["run", "gradient"]

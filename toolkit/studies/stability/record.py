@@ -6,10 +6,10 @@ import math
 from dataclasses import asdict
 from typing import Any
 
+from toolkit.studies.stability.found import Cell, Mapped, Study
 from toolkit.studies.stability.limits_found import breakdowns, mapped_range, stable_where
 from toolkit.studies.stability.map import Axis
 from toolkit.studies.stability.measure import Measured
-from toolkit.studies.stability.study import Cell, Mapped, Study
 from toolkit.studies.stability.verdict import Limits, Verdict
 
 

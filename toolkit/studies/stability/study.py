@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -13,12 +13,12 @@ from toolkit.sensitivity.numerical import typical_size
 from toolkit.studies.processes import Progress
 from toolkit.studies.stability.catalogue import maps_of
 from toolkit.studies.stability.doubts import verdict_of
+from toolkit.studies.stability.found import Cell, Mapped, Reference, Study
 from toolkit.studies.stability.map import Map
 from toolkit.studies.stability.measure import Measured, Run, slope_difference, value_difference
 from toolkit.studies.stability.pool import Task, measured
 from toolkit.studies.stability.solver_maps import finest_first, refined, steps_needed
 from toolkit.studies.stability.verdict import Limits, Verdict, of_gradient, of_run
-from toolkit.validity import verdict as validity
 
 MOST_STEPS = 10_000
 """Cells that need more are not run, unless the scene itself does."""
@@ -28,51 +28,6 @@ FINE, HALF = "its own with another step", " with half the step"
 OWN_HALF: Key = (OWN[0] + HALF, ())
 ROUND_OFF = 1e-6
 """What may differ between unit systems: Newton stops 1e-10 of the scene's size away, and forces magnify that."""
-
-
-@dataclass(frozen=True)
-class Cell:
-    """What one cell of a map gave, and what it is called; without variables the gradient has no name."""
-
-    run: Verdict
-    gradient: Verdict | None
-    measured: Measured | None = None
-
-
-@dataclass(frozen=True)
-class Mapped:
-    """A map with its cells by the number of the value on each axis."""
-
-    map: Map
-    cells: Mapping[tuple[int, ...], Cell]
-
-
-@dataclass(frozen=True)
-class Reference:
-    """The scene's own motion with the finest step that ran in good order, and how far the next coarser one is from it."""
-
-    step: float
-    measured: Measured
-    next_values: float
-    next_slopes: float
-
-
-@dataclass(frozen=True)
-class Study:
-    """All maps of a scene; `missing` says why it has none of some kind, `own` what it is as it stands."""
-
-    scene: Scene
-    design: list[str]
-    limits: Limits
-    own: Cell
-    reference: Reference | None
-    maps: list[Mapped]
-    missing: dict[str, str]
-
-    @property
-    def verdict(self) -> validity.Verdict:
-        """Whether the maps can be believed, and why not."""
-        return verdict_of(self)
 
 
 def stability(
@@ -118,7 +73,8 @@ def stability(
     own = found.get(OWN) or Measured(Run("refused", _too_long(scene, most_steps)))
     itself = _cell(own, reference.measured if reference else found.get(OWN_HALF), limits)
     mapped = [Mapped(m, {at: _judged(m, at, found, reference, limits, most_steps) for at in m.scenes}) for m in maps]
-    return Study(scene, design, limits, itself, reference, mapped, missing)
+    verdict = verdict_of(scene, design, limits, itself, reference, mapped)
+    return Study(scene, design, limits, itself, reference, mapped, missing, verdict)
 
 
 def _tasks(scene: Scene, design: list[str], maps: Sequence[Map], most_steps: int) -> dict[Key, Task]:

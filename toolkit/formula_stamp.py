@@ -1,0 +1,116 @@
+"""What the code of a kernel follows from, in one hash: who edits a formula compiles it and those that call it anew, and no others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from hashlib import sha256
+from types import BuiltinFunctionType, CodeType, ModuleType
+from typing import Any
+
+import numpy as np
+from numba.core import types
+from numba.core.registry import CPUDispatcher
+
+LIBRARIES = ("numpy", "math", "cmath", "numba")
+"""Modules whose names always mean the same; a number of another module may change."""
+
+
+class UnknownNameError(Exception):
+    """A kernel uses a name of which nobody knows what its code takes from it, so that its code cannot be kept."""
+
+
+@cache
+def formula_stamp(kernel: CPUDispatcher) -> str:
+    """Hash of a kernel's own instructions and constants, and of those of every kernel that it calls: its code may hold copies of theirs.
+
+    Comments, docstrings and places in a file do not count.
+
+    Raises
+    ------
+    UnknownNameError
+        A kernel uses a name for something else than a kernel, numbers, an array, a named tuple, or a part of `LIBRARIES`.
+    """
+    found, numbers, texts = [kernel], {kernel: 0}, []
+    for each in found:  # which grows
+        for used in (called := _called(each)):
+            if used not in numbers:
+                numbers[used] = len(found)
+                found.append(used)
+        texts.append(f"{_own(each)} calls {[numbers[used] for used in called]}")
+    return sha256("\n".join(texts).encode()).hexdigest()
+
+
+@cache
+def layout(given: Any) -> str:
+    """A type of numba with the names of all fields: numba writes the types alone, but fields that change places change the code."""
+    if isinstance(given, tuple):
+        return f"({', '.join(map(layout, given))})"
+    if isinstance(given, types.BaseTuple):
+        name, fields = getattr(given, "instance_class", tuple).__name__, getattr(given, "fields", ())
+        return f"{name}{fields}{layout(tuple(getattr(given, 'types', ())))}"
+    if isinstance(given, types.FunctionType):
+        return f"{layout(given.signature.return_type)} of {layout(given.signature.args)}"
+    return str(given)
+
+
+@cache
+def _own(kernel: CPUDispatcher) -> str:
+    """How one kernel is compiled, its instructions, and what it takes from the names around it."""
+    names = [f"{name} is {_meaning(name, used)}" for name, used in _names(kernel)]
+    return "\n".join([repr(sorted(kernel.targetoptions.items())), _instructions(kernel.py_func), *names])
+
+
+def _called(kernel: CPUDispatcher) -> list[CPUDispatcher]:
+    return [used for _, used in _names(kernel) if isinstance(used, CPUDispatcher)]
+
+
+def _names(kernel: CPUDispatcher) -> list[tuple[str, Any]]:
+    """Names that a kernel finds in its module or in the function that made it, and what they stand for."""
+    function = kernel.py_func
+    space, around = function.__globals__, zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
+    named = [(name, space[name]) for code in _codes(function.__code__) for name in code.co_names if name in space]
+    return named + [(name, cell.cell_contents) for name, cell in around]
+
+
+def _meaning(name: str, used: Any) -> str:
+    if isinstance(used, CPUDispatcher):
+        return "a kernel"
+    if isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
+        return f"{type(used).__name__} {used!r}"
+    if isinstance(used, np.ndarray) and not used.dtype.hasobject:
+        return f"{used.dtype} {used.shape} {used.strides} {used.tobytes().hex()}"
+    if isinstance(used, type) and issubclass(used, tuple) and (fields := getattr(used, "_fields", ())):
+        return f"{used.__name__} {fields} {vars(used).get('_field_defaults')}"
+    if isinstance(used, ModuleType) and used.__name__ in LIBRARIES:
+        return used.__name__
+    if isinstance(used, BuiltinFunctionType | np.ufunc) or (isinstance(used, type) and used.__module__ == "builtins"):
+        return f"{getattr(used, '__module__', 'numpy')}.{used.__name__}"
+    raise UnknownNameError(name)
+
+
+def _is_plain(used: Any) -> bool:
+    """Whether it is a tuple of numbers."""
+    return type(used) is tuple and all(isinstance(each, bool | int | float | complex) or _is_plain(each) for each in used)
+
+
+def _codes(code: CodeType) -> list[CodeType]:
+    """Instructions of a function and of those inside it."""
+    return [code, *(inside for each in code.co_consts if isinstance(each, CodeType) for inside in _codes(each))]
+
+
+def _instructions(function: Callable) -> str:
+    return "\n".join(_bytes(code, function.__doc__) for code in _codes(function.__code__))
+
+
+def _bytes(code: CodeType, docstring: str | None) -> str:
+    """One function without its docstring and its place."""
+    constants = [_constant(each) for k, each in enumerate(code.co_consts) if not (k == 0 and each == docstring)]
+    variables = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
+    return f"{code.co_code.hex()} {variables} {code.co_argcount} {code.co_flags} {constants}"
+
+
+def _constant(given: Any) -> str:
+    if isinstance(given, CodeType):
+        return "a function"
+    return repr(sorted(map(repr, given)) if isinstance(given, frozenset) else given)
