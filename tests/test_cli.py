@@ -106,8 +106,8 @@ def test_direct_differentiation_and_complex_step_agree(options):
     assert judge["run"]["method"] == "complex-step"
     for name, slopes in judge["gradients"].items():
         for variable, slope in slopes.items():
-            # both are exact; what is left is round-off and the Newton tolerance
-            assert direct["gradients"][name][variable] == pytest.approx(slope, rel=2e-9), (name, variable)
+            # both are exact; what is left is the round-off of a thin skin, see AGREEMENT of test_sensitivity
+            assert direct["gradients"][name][variable] == pytest.approx(slope, rel=5e-10), (name, variable)
 
 
 def test_differences_agree_with_direct_differentiation_to_their_own_accuracy():
@@ -307,7 +307,8 @@ def test_certify_shows_that_exact_methods_agree_and_where_differences_stop():
     assert done.exit_code == 0, done.output
     found = json.loads(done.stdout)
     for method in ("adjoint", "complex-step"):
-        assert max(value for slopes in found["relative_differences"][method].values() for value in slopes.values()) < 2e-9
+        largest = max(value for slopes in found["relative_differences"][method].values() for value in slopes.values())
+        assert largest < 5e-10, method  # see AGREEMENT of test_sensitivity
     for response in ("max_stress", "shape_rmse", "drive_angle"):  # the others are maxima, with kinks
         assert found["taylor_rates"][response] == pytest.approx(2.0, abs=0.2)
     best = min(found["central_differences"], key=lambda point: point["largest_relative_difference"])

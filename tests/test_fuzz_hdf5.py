@@ -2,82 +2,32 @@
 
 from __future__ import annotations
 
-import os
-import resource
-import subprocess
-import sys
 from collections import Counter
-from dataclasses import replace
-from pathlib import Path
 
-import numpy as np
 import pytest
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.dependence import Derivatives
-from toolkit.reduced_model import ReducedModel, Shape
-from toolkit.reduced_model_file import save
-from toolkit.results.results_file import save_results
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.analysis import direct
-
-ROOT = Path(__file__).parents[1]
-SCENE = """
-units = "m-kg-s"
-points = { root = { body = "beam", interface = "root" }, tip = { body = "beam", interface = "tip" } }
-bodies = { beam = { type = "flexible", model = "MODEL", frame = "moving" } }
-joints = { clamp = { type = "rigid", bodies = ["beam", "ground"], point = "root" } }
-loads = { pull = { type = "point-force", body = "beam", point = "tip", force = [0.0, 1.0] } }
-responses = { stress = { type = "max-stress", body = "beam" }, shape = { type = "shape-rms", body = "beam" } }
-solver = { end_time = 0.02, step = 0.01, load_steps = 2 }
-"""
-MOST_SECONDS, MOST_MEMORY = 150, 2000  # of processor, and MB; a batch takes some 10 s and 300 MB
+from tests.fuzz.good_files import MOST_MEMORY, batch
 
 
-def beam() -> ReducedModel:
-    """A small model that has all parts."""
-    model = polygon_beam(np.array([[0, 0], [0.5, 0.1], [1.0, 0]]), Section(2e11, 7800.0, 0.02, 0.05), {"root": 0.0, "tip": 0.9})
-    positions = model.interfaces["tip"].position[:1]
-    moving_target = {"shape.target": Derivatives(np.array([2, 2]), np.array([0, 1]), np.array([0.1, -0.2]))}
-    shape = Shape(positions, positions[:, :, 0] + 0.01, np.array([0.9]))
-    return replace(model, shape=shape, derivatives=moving_target)
-
-
-def good_model(folder: Path) -> None:
-    """The model in the form in which it is saved."""
-    save(beam(), folder / "good.h5")
-    (folder / "scene.toml").write_text(SCENE.replace("MODEL", "case.h5"))
-
-
-def good_results(folder: Path) -> None:
-    """Results of a run of that model."""
-    save(beam(), folder / "model.h5")
-    (folder / "scene.toml").write_text(SCENE.replace("MODEL", "model.h5"))
-    save_results(direct(read_scene(folder / "scene.toml"), ["bodies.beam.thickness"], "transient"), folder / "good.h5", SCENE)
-
-
-def limited() -> None:
-    """A hang ends the process."""
-    resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-
-
-@pytest.mark.parametrize(
-    ("kind", "prepare", "least"),
-    [("model", good_model, 950), ("results", good_results, 750)],
-)
-def test_a_spoilt_file_is_refused_by_the_program_itself_or_does_no_harm(tmp_path, kind, prepare, least):
-    prepare(tmp_path)
-    os.mkfifo(tmp_path / "pipe")  # whoever opens it waits for ever
-    command = [sys.executable, "-m", "tests.fuzz.hdf5_batch", str(tmp_path), kind]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, preexec_fn=limited, check=False)
-    lines = done.stdout.splitlines()
-    assert done.returncode == 0, (lines[-1:], done.stderr[-2000:])
+def judged(lines: list[str], memory: int) -> Counter:
+    """How often files were refused and accepted, if nothing else came of any."""
     escaped = [line for line in lines if "-> ESCAPED" in line]
     assert not escaped, "\n".join(escaped[:5])
-    counts = Counter(line.rpartition(" -> ")[2].split(" ")[0] for line in lines[:-1])
+    assert all("Build it again" in line or "Give a" in line or "Run the scene" in line for line in lines if "FileError" in line)
+    assert memory < MOST_MEMORY
+    return Counter(line.rpartition(" -> ")[2].split(" ")[0] for line in lines)
+
+
+@pytest.mark.parametrize(("kind", "least"), [("model", 950), ("results", 750)])
+def test_a_spoilt_file_is_refused_by_the_program_itself_or_does_no_harm(tmp_path, kind, least):
+    counts = judged(*batch(tmp_path, kind))
     assert sum(counts.values()) >= least
     assert 0 < counts["accepted"] < counts["refused"]
-    assert all("Build it again" in line or "Give a" in line or "Run the scene" in line for line in lines if "FileError" in line)
-    assert int(lines[-1].split()[1]) < MOST_MEMORY
+
+
+@pytest.mark.parametrize("kind", ["model", "results"])
+def test_a_changed_file_whose_checksums_are_all_right_does_no_harm_either(tmp_path, kind):
+    """`python -m tests.fuzz.sealed_run COUNT SEED` takes as many as one likes; here are some."""
+    counts = judged(*batch(tmp_path, kind, 250, 1))
+    assert sum(counts.values()) == 250
+    assert 0 < counts["accepted"] < counts["refused"]

@@ -203,7 +203,7 @@ def test_a_pipe_as_output_is_neither_replaced_nor_waited_for(run, folder, option
 @pytest.mark.parametrize("missing", ["mesh/nodes", "shape", "affine"])
 def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
     run()
-    with h5py.File(folder / "skin.h5", "a") as file:
+    with h5py.File(folder / "skin.h5", "a", libver="v110") as file:
         del file[missing]
     code, out, err = run()
     assert code == 0
@@ -214,7 +214,7 @@ def test_model_that_is_not_whole_is_reported_and_replaced(run, folder, missing):
 
 def test_model_that_does_not_say_what_it_was_built_from_is_replaced(run, folder):
     run()
-    with h5py.File(folder / "skin.h5", "a") as file:
+    with h5py.File(folder / "skin.h5", "a", libver="v110") as file:
         for group in ("inputs", "source"):
             del file[group]
     code, out, err = run()
@@ -225,7 +225,7 @@ def test_model_that_does_not_say_what_it_was_built_from_is_replaced(run, folder)
 
 def test_model_of_another_schema_version_is_replaced(run, folder):
     run()
-    with h5py.File(folder / "skin.h5", "a") as file:
+    with h5py.File(folder / "skin.h5", "a", libver="v110") as file:
         file.attrs["schema_version"] = 0
     code, out, err = run()
     assert (code, "written" in out) == (0, True)

@@ -157,8 +157,8 @@ def test_the_smooth_maximum_approaches_the_true_one_from_above_within_its_bound(
 def test_all_methods_agree_to_their_own_accuracy(wing):
     head, *lines = rows(wing / "tables" / "gradients.csv")
     assert len(lines) == 25
-    # truncation and round-off of the differences; the complex step leaves round-off and the Newton tolerance
-    for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 2e-9)):
+    # truncation and round-off of the differences; the complex step leaves the round-off of a thin skin
+    for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 5e-10)):
         column = head.index(f"relative difference to {method}")
         assert max(float(line[column]) for line in lines) < tolerance, method
     assert "MPa / mm" in lines[0]

@@ -143,7 +143,7 @@ def test_a_project_can_be_moved_as_a_whole(wing, tmp_path):
 def test_a_model_that_changed_or_vanished_is_refused(copy):
     read = load_results(copy)
     model = copy.parent / "skin.h5"
-    with h5py.File(model, "a") as file:
+    with h5py.File(model, "a", libver="v110") as file:
         file.attrs["note"] = "another file"
     with pytest.raises(ResultsFileError, match=r"is not the one that 'copy\.h5' was computed with.*Run the scene again"):
         restore_scene(read)
@@ -249,7 +249,7 @@ def elsewhere(file):
 )
 def test_a_file_that_does_not_make_sense_is_refused_with_what_to_do(copy, wing, change, message):
     shutil.copy(wing[1], copy.parent / "run.h5")
-    with h5py.File(copy, "a") as file:
+    with h5py.File(copy, "a", libver="v110") as file:
         change(file)
     with pytest.raises(ResultsFileError, match=message) as caught:
         load_results(copy)

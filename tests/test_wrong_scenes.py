@@ -328,7 +328,7 @@ def wing_without(folder: Path, *groups: str) -> Path:
     """A copy of the wing's scene whose reduced model lacks some groups."""
     for name in ("scene.toml", "skin.h5"):
         shutil.copy(WING / name, folder / name)
-    with h5py.File(folder / "skin.h5", "a") as file:
+    with h5py.File(folder / "skin.h5", "a", libver="v110") as file:
         for group in groups:
             del file[group]
     return folder / "scene.toml"

@@ -1,35 +1,44 @@
-"""HDF5 as the program uses it: written with checksums, and read as if an enemy had written it."""
+"""HDF5 as the program uses it: written with checksums, and read as if an enemy had written it.
+
+The library is never given a file to read: with the right checksums a few changed bytes end its process, or worse. `hdf5_reader` reads
+what this program writes, in Python, and refuses the rest of the format.
+"""
 
 from __future__ import annotations
 
+import os
+import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from toolkit.errors import ToolkitError
+from toolkit.hdf5_reader.objects import SIGNATURE, File, Group
+from toolkit.hdf5_reader.source import Source
+from toolkit.hdf5_reader.storage import Array
 from toolkit.replaced_file import write_whole
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["SIGNATURE", "Content", "reading", "schema_of", "text_of", "write_array", "writing"]
 
 FORMAT = ("v110", "v110")
 """Version of HDF5's own structures: from this one on they carry checksums, so that a flipped bit is noticed and not followed."""
 
-SIGNATURE, OLDEST = b"\x89HDF\r\n\x1a\n", 3
-"""First bytes of every HDF5 file, and behind them the number of its format, of which this is the first that has checksums."""
-
 SMALL, SMALL_SCALAR = 1024, 60_000
 """Bytes of an array, and of a single text, up to which it is kept within those structures and needs no checksum of its own."""
 
-SQUEEZED = 1100
-"""Most that HDF5's compression makes of a byte, with a little to spare; a file that claims more was never written."""
-
-FILTERS = {h5py.h5z.FILTER_DEFLATE, h5py.h5z.FILTER_SHUFFLE, h5py.h5z.FILTER_FLETCHER32}
+SQUEEZED, MOST_BYTES = 1100, 2**34
+"""Most that HDF5's compression makes of a byte, with a little to spare, and most that all arrays of a file can be: a file that claims
+more was never written."""
 
 _UNREADABLE = (OSError, LookupError, RuntimeError, ValueError, TypeError, AttributeError, OverflowError, MemoryError)
-"""What h5py, numpy and the parsers raise on damaged content."""
+"""What the system, numpy and the parsers raise on damaged content."""
 
 
 @contextmanager
@@ -41,6 +50,8 @@ def writing(path: Path) -> Iterator[h5py.File]:
     InputError
         The place cannot be written to, or is full.
     """
+    import h5py
+
     content = BytesIO()
     with h5py.File(content, "w", libver=FORMAT) as file:
         yield file
@@ -49,6 +60,8 @@ def writing(path: Path) -> Iterator[h5py.File]:
 
 def write_array(group: h5py.Group, name: str, values: Any) -> None:
     """Write numbers or texts, all of them (but a single text of more than 60 kB) so that a flipped bit is noticed."""
+    import h5py
+
     single = np.ndim(values) == 0
     if np.asarray(values).nbytes <= (SMALL_SCALAR if single else SMALL):
         compact = h5py.h5p.create(h5py.h5p.DATASET_CREATE)
@@ -66,72 +79,88 @@ class Content:
     other files or in circles. Every method raises ValueError for what is missing or cannot be.
     """
 
-    def __init__(self, file: h5py.File, size: int) -> None:
+    def __init__(self, file: File, size: int) -> None:
         self._file = file
-        self._left = SQUEEZED * size
+        self._left = min(SQUEEZED * size, MOST_BYTES)
         self.bytes_read: dict[str, int] = {}
         """Group -> bytes of its arrays that were read, as they are stored in the file."""
 
     def group(self, name: str) -> list[str]:
         """Names in a group."""
-        return [_readable(key) for key in self._found(name, h5py.Group)]
+        return list(self._group(name).links)
 
     def has(self, name: str) -> bool:
         """Whether there is something of that name."""
-        return self._file.get(name, getlink=True) is not None
+        above, _, last = name.rpartition("/")
+        try:
+            return last in self._group(above).links
+        except LookupError:
+            return False
 
     def stored_bytes(self, name: str) -> int:
-        """Bytes that all arrays below a group take in the file."""
-        found = self._found(name, (h5py.Group, h5py.Dataset))
-        if isinstance(found, h5py.Dataset):
-            return found.id.get_storage_size()
-        return sum(self.stored_bytes(f"{name}/{key}") for key in self.group(name))
+        """Bytes that all arrays below a group take in the file, each counted once."""
+        found: dict[int, Array | Group] = {}
+        waiting = [self._found(name)]
+        while waiting:
+            each = waiting.pop()
+            if id(each) not in found and isinstance(each, Group):
+                waiting += [self._file.object(link.place) for link in each.links.values() if link.place is not None]
+            found[id(each)] = each
+        return sum(each.stored_bytes for each in found.values() if isinstance(each, Array))
 
     def array(self, name: str) -> np.ndarray:
         """Numbers as int64 or float64, or byte strings."""
-        data = self._found(name, h5py.Dataset)
-        kind, n = data.dtype.kind, data.dtype.itemsize
-        if data.shape is None or kind not in "fiuS" or (kind != "S" and n > 8):
-            raise ValueError(f"{name} is {data.dtype} instead of numbers")
-        self._pay(name, data)
-        values = np.asarray(data[()])
-        group = name.split("/")[0]
-        self.bytes_read[group] = self.bytes_read.get(group, 0) + data.id.get_storage_size()
+        try:
+            values = self._read(name)
+        except ValueError as error:
+            raise ValueError(f"{name} cannot be read: {error}") from error
+        kind = values.dtype.kind
         return values if kind == "S" else values.astype(float if kind == "f" else np.int64, copy=False)
 
     def attributes(self, name: str = "/") -> dict[str, str | int | float]:
         """All attributes, each of which is one number or one text."""
-        owner = self._found(name, h5py.Group)
-        return {_readable(key): _scalar(owner, key) for key in owner.attrs}
+        owner = self._group(name)
+        return {key: owner.attribute(key) for key in owner.attributes}
 
-    def _found(self, name: str, kind: type | tuple[type, ...]) -> Any:
-        found: Any = self._file
-        for part in filter(None, name.split("/")):
-            if not isinstance(found, h5py.Group) or not isinstance(found.get(part, getlink=True), h5py.HardLink):
-                raise ValueError(f"it lacks {name}")
-            found = found[part]
-        if not isinstance(found, kind):
-            raise ValueError(f"it lacks {name}, or has something else of that name")
+    def _read(self, name: str) -> np.ndarray:
+        """An array, if what is claimed for all can be in the file."""
+        data = self._found(name)
+        if not isinstance(data, Array):
+            raise ValueError("the file has something else of that name")
+        self._left -= data.claimed
+        if self._left < 0:
+            raise ValueError(f"it claims {data.claimed} bytes, which are not in the file")
+        values = data.read()
+        group = name.split("/")[0]
+        self.bytes_read[group] = self.bytes_read.get(group, 0) + data.stored_bytes
+        return values
+
+    def _group(self, name: str) -> Group:
+        found = self._found(name)
+        if not isinstance(found, Group):
+            raise _Lacking(f"it lacks the group {name}, or has an array of that name")
         return found
 
-    def _pay(self, name: str, data: h5py.Dataset) -> None:
-        """Refuse what is not in the file, or is packed in a way that unpacks without limit."""
-        settings = data.id.get_create_plist()
-        filters = [settings.get_filter(i)[0] for i in range(settings.get_nfilters())]
-        piece = data.dtype.itemsize * int(np.prod(data.chunks or (), dtype=object))
-        claimed = max(data.dtype.itemsize * int(np.prod(data.shape, dtype=object)), piece)
-        self._left -= claimed
-        elsewhere = data.is_virtual or data.external or not set(filters) <= FILTERS or len(set(filters)) < len(filters)
-        if elsewhere or self._left < 0:
-            raise ValueError(f"{name} claims {claimed} bytes, which are not in the file")
+    def _found(self, name: str) -> Group | Array:
+        found: Group | Array = self._file
+        for part in filter(None, name.split("/")):
+            link = found.links.get(part) if isinstance(found, Group) else None
+            if link is None or link.place is None:
+                raise _Lacking(f"it lacks {name}")
+            found = self._file.object(link.place)
+        return found
+
+
+class _Lacking(ValueError, LookupError):
+    """There is nothing of that name, or something that is not followed."""
 
 
 @contextmanager
 def reading(path: Path, damaged: Callable[[str], ToolkitError]) -> Iterator[Content]:
     """The content of a file; whatever it makes the libraries raise becomes the error that `damaged` makes of its reason."""
     try:
-        with _opened(path) as file:
-            yield Content(file, path.stat().st_size)
+        with _opened(path) as content:
+            yield content
     except ToolkitError:
         raise
     except _UNREADABLE as error:
@@ -146,33 +175,17 @@ def schema_of(path: Path) -> str | None:
 def text_of(path: Path, attribute: str) -> str | None:
     """One attribute of a file; None if it has none, or cannot be read as one of the program's."""
     try:
-        with _opened(path) as file:
-            return str(_scalar(file, attribute))
+        with _opened(path) as content:
+            return str(content.attributes()[attribute])
     except _UNREADABLE:
         return None
 
 
-def _opened(path: Path) -> h5py.File:
-    """The file, unless it is of HDF5's older formats: damage there is not noticed but followed, for ever if it leads in a circle."""
-    with path.open("rb") as file:
-        start = file.read(len(SIGNATURE) + 1)
-    if start[:-1] != SIGNATURE:
-        raise ValueError("it is no HDF5 file")
-    if start[-1] < OLDEST:
-        raise ValueError("it was written by another program or an old version of this one, in a format without checksums")
-    return h5py.File(path, "r")
-
-
-def _scalar(owner: h5py.Group, key: str) -> str | int | float:
-    """A number, or a text of fixed length: the place where HDF5 keeps those of variable length has no checksum."""
-    stored = owner.attrs.get_id(key)
-    if stored.shape != () or stored.dtype.kind not in "fiuS" or (stored.dtype.kind != "S" and stored.dtype.itemsize > 8):
-        raise ValueError(f"the attribute {key} is neither a number nor a text of fixed length")
-    value = owner.attrs[key]
-    return value.decode() if isinstance(value, bytes) else value.item()
-
-
-def _readable(text: str) -> str:
-    """The text itself, if it was written as UTF-8."""
-    text.encode()
-    return text
+@contextmanager
+def _opened(path: Path) -> Iterator[Content]:
+    """The content of a regular file: a pipe would be waited for."""
+    with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
+        found = os.fstat(file.fileno())
+        if not stat.S_ISREG(found.st_mode):
+            raise ValueError("it is not a regular file")
+        yield Content(File(Source(file, found.st_size)), found.st_size)

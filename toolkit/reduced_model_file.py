@@ -7,9 +7,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from toolkit.dependence import Derivatives, Polynomial
@@ -19,6 +18,9 @@ from toolkit.reduced_model import InterfacePoint, Invariants, Mesh, Outline, Red
 from toolkit.reduced_model_check import check
 from toolkit.regular_file import read_start
 from toolkit.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+
+if TYPE_CHECKING:
+    import h5py
 
 SCHEMA = "ffrf-reduced-model"
 SCHEMA_VERSION = 2

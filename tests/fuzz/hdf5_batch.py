@@ -1,7 +1,8 @@
 """Feeds spoilt HDF5 files to the program, in a process of its own because HDF5 itself could crash.
 
-Run as python -m tests.fuzz.hdf5_batch FOLDER KIND. The folder holds `good.h5` and, for a model, `scene.toml`.
-Every line of the output is one case and what came of it.
+Run as python -m tests.fuzz.hdf5_batch FOLDER KIND [COUNT SEED]. The folder holds `good.h5` and, for a model, `scene.toml`.
+Every line of the output is one case and what came of it. With a count there are so many files whose checksums are all right,
+instead of the usual batch.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from pathlib import Path
 import numpy as np
 
 from tests.fuzz.hostile_hdf5 import spoilt_attributes, spoilt_bytes, spoilt_objects
+from tests.fuzz.sealed_hdf5 import sealed_files
 from toolkit.command_line.inspection import describe_model, describe_results
 from toolkit.errors import ToolkitError
 from toolkit.reduced_model_file import is_reduced_model, load
+from toolkit.results.csv_tables import export_csv
 from toolkit.results.restore import restore_scene
 from toolkit.results.results_file import load_results, refuse_foreign
 from toolkit.scene_file import read_scene
@@ -51,6 +54,7 @@ def use_results(path: Path) -> None:
     results = load_results(path)
     describe_results(results)
     restore_scene(results)
+    export_csv(results, path.parent)
 
 
 def cases(folder: Path, kind: str) -> Iterator[str]:
@@ -80,7 +84,9 @@ if __name__ == "__main__":
     warnings.simplefilter("error")
     np.seterr(all="warn", under="ignore")
     directory, what = Path(sys.argv[1]), sys.argv[2]
-    for case in cases(directory, what):
+    wanted = [int(word) for word in sys.argv[3:]]
+    every = sealed_files(directory / "good.h5", directory / "case.h5", *wanted) if wanted else cases(directory, what)
+    for case in every:
         print(case, end=" -> ", flush=True)
         print(outcome(use_results if what == "results" else use_model, directory / "case.h5"), flush=True)
     print("memory", resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)

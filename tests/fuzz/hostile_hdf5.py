@@ -147,7 +147,7 @@ def spoilt_objects(good: Path, path: Path, names: list[str]) -> Iterator[str]:
     for name in names:
         for kind, spoil in IN_PLACE_OF_ANYTHING.items():
             path.write_bytes(good.read_bytes())
-            with h5py.File(path, "a") as file:
+            with h5py.File(path, "a", libver="v110") as file:
                 if isinstance(file[name], h5py.Dataset):
                     SHAPES[name] = file[name].shape
                 del file[name]
@@ -161,7 +161,7 @@ def spoilt_attributes(good: Path, path: Path, names: list[str]) -> Iterator[str]
         owner, _, key = name.partition("@")
         for kind, value in [*ATTRIBUTES.items(), ("nothing", None)]:
             path.write_bytes(good.read_bytes())
-            with h5py.File(path, "a") as file:
+            with h5py.File(path, "a", libver="v110") as file:
                 del file[owner].attrs[key]
                 if value is not None:
                     file[owner].attrs[key] = value

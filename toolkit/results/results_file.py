@@ -8,9 +8,8 @@ from collections.abc import Mapping
 from dataclasses import asdict, fields, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import h5py
 import numpy as np
 
 from toolkit.hdf5 import Content, reading, schema_of, write_array, writing
@@ -21,6 +20,9 @@ from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.analysis import Result
 from toolkit.solution import Solution
+
+if TYPE_CHECKING:
+    import h5py
 
 
 def save_results(
