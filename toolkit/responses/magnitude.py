@@ -15,6 +15,17 @@ INSTANTS = 40
 """A quantity is looked at in so many instants, evenly spread over the motion."""
 
 
+def magnitude_that_counts(response: Response, solution: Solution, value: Any) -> float:
+    """What an error of a response is compared with.
+
+    It is the largest magnitude in the motion; but of a place or an angle at least what Newton leaves undecided of it, so that one that
+    is zero by symmetry is not wrong by its own round-off.
+    """
+    scene, options = solution.system.scene, solution.options or solution.system.scene.solver
+    whole = {"angle": 1.0, "length": scene.size}.get(response.unit_quantity, 0.0)
+    return max(largest_magnitude(response, solution, value), options.tolerance * whole)
+
+
 @singledispatch
 def largest_magnitude(response: Response, solution: Solution, value: Any) -> float:
     """Largest magnitude that the response's quantity has in the motion: a value that just passes zero is not wrong by infinitely much."""

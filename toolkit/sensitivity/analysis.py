@@ -14,7 +14,7 @@ import numpy as np
 from toolkit.compile_watch import watched_compilation
 from toolkit.design import Design
 from toolkit.errors import InputError
-from toolkit.responses.magnitude import largest_magnitude, largest_slopes
+from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
@@ -71,7 +71,7 @@ class Result:
             return None
         balance, responses = self.measures["energy_balance"], responses_of(scene)
         suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
-        scales = {name: largest_magnitude(each, solution, self.values[name]) for name, each in responses.items()}
+        scales = {name: magnitude_that_counts(each, solution, self.values[name]) for name, each in responses.items()}
         return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
 
     def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
