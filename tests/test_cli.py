@@ -229,6 +229,8 @@ def test_inspect_shows_a_scene_that_cannot_be_compiled():
     assert done.exit_code == 0
     assert "points.A.x: 72.5" in done.stdout
     assert "no receipt: bodies.skin.thickness = -1 must be a positive number" in done.stdout
+    found = record("inspect", SCENE, "--set", "bodies.skin.thickness=-1")
+    assert [each["code"] for each in found["warnings"]] == ["cannot-be-compiled"]
 
 
 def test_keep_all_puts_everything_back_and_gives_the_same_motion():

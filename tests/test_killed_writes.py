@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from tests.test_fuzz_hdf5 import good_model, good_results
+from tests.fuzz.good_files import good_model, good_results
 from toolkit.results.results_file import load_results
 
 ROOT = Path(__file__).parents[1]

@@ -128,7 +128,9 @@ def test_a_folder_or_a_text_is_no_model(tmp_path):
         ModelFileError, match=r"text\.h5' is not an HDF5 file and so not a reduced model\. Give a file written by"
     ):
         load(tmp_path / "text.h5")
-    with pytest.raises(ModelFileError, match=r"' cannot be read \(Is a directory\)\. Give a reduced model, a file written by"):
+    with pytest.raises(
+        ModelFileError, match=r"' cannot be read \(it is a folder, not a regular file\)\. Give a reduced model, a file written by"
+    ):
         load(tmp_path)
 
 

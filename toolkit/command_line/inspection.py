@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from toolkit.errors import InputError
+from toolkit.errors import InputError, ToolkitError
 
 if TYPE_CHECKING:
     from toolkit.reduced_model import InterfacePoint, ReducedModel
     from toolkit.results.results import Results
     from toolkit.scene import Scene
+    from toolkit.validity.verdict import Verdict
 
 
 def describe(path: Path) -> dict[str, Any]:
@@ -127,9 +128,6 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.outside_files import outside_files
     from toolkit.sensitivity.analysis import responses_of
-    from toolkit.validity.scene_cautions import cautions_of_scene
-    from toolkit.validity.stale_models import stale_models
-    from toolkit.validity.verdict import Verdict
 
     outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
@@ -141,8 +139,22 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
-        **Verdict.of([*cautions_of_scene(scene), *stale_models(scene)]).record(),
+        **_questions(scene).record(),
     }
+
+
+def _questions(scene: Scene) -> Verdict:
+    """What is to be asked about a scene before it runs; of one that cannot be compiled, why not."""
+    from toolkit.system import compile_scene
+    from toolkit.validity.scene_cautions import cautions_of_scene
+    from toolkit.validity.stale_models import stale_models
+    from toolkit.validity.verdict import Caution, Verdict
+
+    try:
+        compile_scene(scene)
+        return Verdict.of([*cautions_of_scene(scene), *stale_models(scene)])
+    except ToolkitError as error:
+        return Verdict.of([Caution("cannot-be-compiled", str(error))])
 
 
 def print_file(record: dict[str, Any]) -> None:
