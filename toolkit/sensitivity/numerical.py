@@ -37,6 +37,8 @@ from toolkit.sensitivity.analysis import (
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.sizes import typical_size
 from toolkit.sensitivity.step_error import Gradients, Values
+from toolkit.solution import Solution
+from toolkit.solvers.statics import equilibrium_beside
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
 
@@ -62,7 +64,7 @@ def numerical(
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
     begun = clock.perf_counter()
     for k, variable in enumerate(variables):
-        for name, value in derivative(scene, variable, kind, method, base, relative_step).items():
+        for name, value in derivative(scene, variable, kind, method, base, relative_step, solution).items():
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
@@ -76,13 +78,22 @@ def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tup
 
 
 def derivative(
-    scene: Scene, variable: DesignVariable, kind: Kind, method: str, base: dict[str, Any], relative_step: float | None = None
+    scene: Scene,
+    variable: DesignVariable,
+    kind: Kind,
+    method: str,
+    base: dict[str, Any],
+    relative_step: float | None = None,
+    known: Solution | None = None,
 ) -> dict[str, Any]:
-    """Derivative of all responses by one variable."""
+    """Derivative of all responses by one variable; beside a `known` equilibrium a complex step need not follow the path there again."""
 
     def shifted(step: complex) -> dict[str, Any]:
         return values_of(scene.with_number(variable.path, variable.value + step), kind)
 
+    if method == "complex-step" and kind == "static" and known is not None:
+        beside = equilibrium_beside(prepare(scene.with_number(variable.path, variable.value + 1j * STEP)), known)
+        return {name: np.imag(value) / STEP for name, value in evaluate_responses(beside).items()}
     if method == "complex-step":
         return {name: np.imag(value) / STEP for name, value in shifted(1j * STEP).items()}
     h = (RELATIVE_STEP[method] if relative_step is None else relative_step) * typical_size(scene, variable)

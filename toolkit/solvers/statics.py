@@ -11,11 +11,11 @@ import numpy as np
 from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solution import Solution
-from toolkit.solvers.continuation import to_full_load
+from toolkit.solvers.continuation import NEAR, to_full_load
 from toolkit.solvers.critical_state import refuse_gradients_of_critical
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.direct_solve import solve_linear
-from toolkit.solvers.equilibrium import Equilibrium, inputs_at, static_matrix
+from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.half_turns import HALF_TURN, half_turn
 from toolkit.solvers.modes import solve_modes
 from toolkit.solvers.static_start import start_of_path
@@ -56,6 +56,34 @@ def solve_statics(system: System, options: RunOptions | None = None, progress: P
     _refuse_half_turns(system, arrival.path)
     report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
     return _with_sensitivities(system, options, arrival.state, begun, **report)
+
+
+def equilibrium_beside(system: System, known: Solution) -> Solution:
+    """The equilibrium of a scene whose numbers differ from those of a known one by nothing but a complex step.
+
+    The equilibrium follows from its equations alone, whatever the path that led there: Newton goes on from the known one in complex
+    numbers, and the path is not followed a second time as plain Python.
+
+    Parameters
+    ----------
+    system : System
+        The scene with the complex number.
+    known : Solution
+        Of `solve_statics`, for the scene without it.
+
+    Raises
+    ------
+    CriticalStateError
+        The known equilibrium is a limit point or bifurcation, where there are no derivatives.
+    ConvergenceError, SingularSystemError
+        The equations have no solution there, or more than one.
+    """
+    options, begun = known.options or system.scene.solver, clock.perf_counter()
+    q: np.ndarray = np.zeros(system.n, system.dtype)
+    acc: np.ndarray = np.zeros(system.n, system.dtype)
+    q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]
+    state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    return _with_sensitivities(system, options, state, begun, newton_iterations=count, load_steps=0, path=known.path)
 
 
 def _refuse_half_turns(system: System, path: StaticPath) -> None:
