@@ -92,7 +92,12 @@ class Result:
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
-            estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}
+            estimated = {
+                "how": self.step_error.how,
+                "relative_to": "the largest magnitude in the motion",
+                "responses": self.step_error.values,
+                "gradients": self.step_error.gradients,
+            }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
         about_forces = force_cautions(self.solution, measured["force_noise"])
         return Verdict.of([*cautions(self.solution, measured), *about_forces, *about_steps, *self._undefined()], measured)
