@@ -26,6 +26,8 @@ from toolkit.sensitivity.certificate import Certificate, DisagreementError, Noth
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.step_error import step_error
 from toolkit.solution import Solution
+from toolkit.solvers.modes import solve_modes
+from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
 from toolkit.validity.verdict import Caution, Verdict
@@ -213,3 +215,41 @@ def test_a_certificate_that_verifies_nothing_is_a_failure():
     with pytest.raises(NothingVerifiedError, match="no gradient was verified"):
         lost.check(1e-8)
     Certificate(exact, {"adjoint": {"f": {"x": 1e-9}}}, {"f": {"x": 1.0}}, {"f": 2.0}, []).check(1e-8)
+
+
+SPRING = """
+units = "m-kg-s"
+points = { O = [0.0, 0.0], P = [1.0, 0.0] }
+bodies = { b = { type = "rigid", mass = 1.0, inertia = 1.0, center = "P" } }
+loads = { k = { type = "spring-damper", bodies = ["b", "ground"], points = ["P", "O"], stiffness = 10.0, length = 0.2 } }
+design = { L = "loads.k.length" }
+responses = { x = { type = "displacement", body = "b", point = "P", component = "x" } }
+solver = { end_time = 2.0, step = 0.002 }
+[joints]
+x = { type = "slider", bodies = ["b", "ground"], point = "P", axis = [1.0, 0.0], lock_rotation = true }
+"""
+
+
+def test_a_spring_that_passes_length_zero_is_doubted_and_no_certificate_confirms_its_gradients(tmp_path):
+    """Its force jumps: dx/dL = -1.73 by all exact methods, -3.82 by the closed form of the two oscillations."""
+    (tmp_path / "scene.toml").write_text(SPRING)
+    scene = read_scene(tmp_path / "scene.toml")
+    found = certify(scene, ["L"], "transient")
+    assert {"spring-through-zero", "differences"} <= {each.code for each in found.verdict.warnings if each.doubt}
+    before = direct(
+        scene.with_number("solver.end_time", 0.4), ["L"], "transient"
+    )  # omega t = 1.3, x = 1 - 0.8 (1 - cos(omega t)) > 0
+    assert "spring-through-zero" not in before.verdict.codes
+    relaxed = direct(scene.with_number("loads.k.length", 0.0), [], "transient")
+    assert "spring-through-zero" not in relaxed.verdict.codes
+
+
+@pytest.mark.parametrize(("damping", "doubt"), [(0.0, None), (0.6, False), (6.0, True)])
+def test_modes_tell_that_dampers_are_not_in_them(tmp_path, damping, doubt):
+    """zeta = c / (2 sqrt(k m)): 0.095 and 0.95."""
+    (tmp_path / "scene.toml").write_text(SPRING.replace("stiffness = 10.0", f"stiffness = 10.0, damping = {damping}"))
+    scene = read_scene(tmp_path / "scene.toml")
+    found = solve_modes(solve_statics(compile_scene(scene))).verdict
+    assert [each.doubt for each in found.warnings if each.code == "damped"] == ([] if doubt is None else [doubt])
+    if damping:
+        assert f"up to {damping / (2 * np.sqrt(10.0)):.2g} of" in str(found)
