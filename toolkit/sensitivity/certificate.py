@@ -86,8 +86,9 @@ class Certificate:
         unknown = [f for f, each in self.quotients.items() if each.uncertainty > SETTLED * abs(self.along[f]) > self._blurred(f)]
         lost = dict.fromkeys([*unknown, *self.jumping])
         text = (
-            f"central differences along one direction do not settle on the derivative of {', '.join(lost)} as their steps shrink from a thousandth of the variables on: the response jumps nearby (a spring through length zero, an "
-            "event between two times), or is far from linear. The methods that agree share their formulas; look at the response over "
+            f"central differences along one direction do not settle on the derivative of {', '.join(lost)} as their "
+            "steps shrink from a thousandth of the variables on: the response jumps nearby (a spring through length zero, an event between "
+            "two times), or is far from linear. The methods that agree share their formulas; look at the response over "
             "these variables."
         )
         found = self.exact.verdict
