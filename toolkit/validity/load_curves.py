@@ -1,0 +1,159 @@
+"""Whether the times of a run saw the time curves of its loads and drivers: what lies between them no comparison with other steps sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.compilation.quantities import curves_of
+from toolkit.profile import Constant, Curve, Sine, Sum
+from toolkit.solution import Solution
+from toolkit.validity.verdict import Caution
+
+LOST = 0.2
+"""Part of a curve's variation that may lie between the times of a run. A sine loses 0.21 with four samples in a period; runs with twice the
+step then see two, and the comparison with them tells. With fewer, or pulses between two times, all runs may see the same and agree."""
+LEVEL = 0.05
+"""Part of a load's level that counts as its variation: a load switched on within the first step varies nowhere else, and a ripple of less
+than a hundredth of the level changes little."""
+PICKED, FEWEST = 50_000, 4
+"""How many steps are looked at, shared out among the pieces of the curve, and how many of a piece at least."""
+SAMPLES, LEAST, MOST = 4096, 8, 512
+"""How many samples a curve gets at least, and from how few to how many a step: an error of a few percent at most."""
+SHARED = 0.05
+"""Part of what the worst piece of a curve loses from which on another is one that loses it."""
+BLOCK = 1 << 16
+"""Samples that are evaluated at a time."""
+GOLDEN = (5**0.5 - 1) / 2
+"""Multiples of it, without their whole parts, are spread evenly, and in step with no period."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What a run did not see of a curve.
+
+    Attributes
+    ----------
+    part
+        Of the curve's variation.
+    time
+        Where most of it was lost.
+    corners
+        Beginning and end of the pieces that lose it, which the curve's corners bound, (n, 2).
+    """
+
+    part: float
+    time: float
+    corners: np.ndarray
+
+
+def unseen_curves(solution: Solution) -> Iterator[Caution]:
+    """Doubts about curves that change between the times of a motion."""
+    for (group, name), curve in curves_of(solution.system.scene):
+        loss = loss_of(curve, solution.whole_run, has_zero=group == "loads")
+        if loss is not None and loss.part > LOST:
+            yield Caution(
+                "load-curve",
+                f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {loss.part:.0%} of "
+                f"its variation (limit {LOST:.0%}), most of it near t = {loss.time:.4g}. Runs with other steps may miss the same and "
+                f"agree. {_advice(curve, loss)}",
+            )
+
+
+def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | None:
+    """What the straight lines between a curve's values at the times of a run lose of it; None if it does not vary.
+
+    The area between curve and lines, as a part of the area between the curve and the level that it has at the start, at the end or in the
+    mean, whichever leaves less: what is constant may be in balance, so that only what varies moves anything. The area counts without
+    sign: a whole period in a step loses no impulse, but all that it does. A load is nothing at zero, so that a part of its level counts as
+    well; the position of a driver is nothing where it begins.
+    """
+    if _is_constant(curve):
+        return None
+    stretches = _stretches(curve, float(times[0]), float(times[-1]))
+    stretch, step, weight, shift = _picked(stretches, times)
+    count = min(max(-(-SAMPLES // len(step)), LEAST), MOST)
+    level = _values(curve, times[[0, -1]])
+    start = 0.0 if has_zero else level[0]
+    sums, gaps = np.zeros(4), np.zeros(len(step))
+    blocks = [slice(n, n + BLOCK // count) for n in range(0, len(step), BLOCK // count)]
+    samples = [_samples(curve, times, stretches[stretch[block]], step[block], count, shift[block]) for block in blocks]
+    areas = [weight[block] * length / count for block, (_, _, length) in zip(blocks, samples, strict=True)]
+    mean = sum(float(area @ f.sum(axis=1)) for area, (f, _, _) in zip(areas, samples, strict=True)) / float(times[-1] - times[0])
+    for block, area, (f, gap, _) in zip(blocks, areas, samples, strict=True):
+        gaps[block] = area * gap
+        sums += [area @ np.abs(f - each).sum(axis=1) for each in (*level, mean, start)]
+    variation = max(sums[:3].min(), LEVEL * sums[3])
+    if not variation > 0:
+        return None
+    of_stretch = np.bincount(stretch, gaps, len(stretches))
+    worst = int(step[np.argmax(gaps)])
+    losing = stretches[of_stretch > SHARED * of_stretch.max()]
+    return Loss(float(gaps.sum() / variation), float(times[worst : worst + 2].mean()), losing)
+
+
+def _is_constant(curve: Curve) -> bool:
+    return all(map(_is_constant, curve.terms)) if isinstance(curve, Sum) else isinstance(curve, Constant)
+
+
+def _values(curve: Curve, times: np.ndarray) -> np.ndarray:
+    """Values at times of any shape."""
+    return np.real(curve.evaluate(times.ravel())[:, 0]).reshape(times.shape)
+
+
+def _stretches(curve: Curve, start: float, end: float) -> np.ndarray:
+    """Beginning and end of the pieces of a run between which the curve has corners, (n, 2)."""
+    corners = np.unique(np.real(np.array([start, *curve.corners(), end])))
+    corners = corners[(corners >= start) & (corners <= end)]
+    return np.stack([corners[:-1], corners[1:]], axis=1)
+
+
+def _picked(stretches: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Stretches and steps that meet and are looked at, for how many each stands, and where between two others its samples are.
+
+    The first and the last step of a stretch stand for themselves, because a corner may lie in them; of many others one is taken from each
+    of equal groups, at places that change from group to group, as those of the samples do.
+    """
+    first = np.searchsorted(times, stretches[:, 0], "right") - 1
+    there = np.searchsorted(times, stretches[:, 1], "left") - first
+    taken = np.minimum(there, max(PICKED // len(stretches), FEWEST))
+    stretch = np.repeat(np.arange(len(stretches)), taken)
+    place = np.arange(len(stretch)) - np.repeat(np.cumsum(taken) - taken, taken)
+    ratio = (np.maximum(there - 2, 1) / np.maximum(taken - 2, 1))[stretch]
+    inner, shift = (place > 0) & (place < taken[stretch] - 1), GOLDEN * place % 1
+    chosen = 1 + np.floor((place - 1 + shift) * ratio).astype(int)
+    step = first[stretch] + np.where(inner, chosen, np.where(place > 0, there[stretch] - 1, 0))
+    return stretch, step, np.where(inner, ratio, 1.0), np.where(inner, shift, 0.5)
+
+
+def _samples(
+    curve: Curve, times: np.ndarray, stretches: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values (n, count) of the curve within steps and stretches, sums (n,) of how far straight lines are off, and lengths (n,) of both."""
+    begin, end = times[step], times[step + 1]
+    low, high = np.maximum(begin, stretches[:, 0]), np.minimum(end, stretches[:, 1])
+    t = low[:, None] + (high - low)[:, None] * (np.arange(count) + shift[:, None]) / count
+    f, ends = _values(curve, t), _values(curve, np.stack([begin, end], axis=1))
+    line = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * (t - begin[:, None]) / (end - begin)[:, None]
+    return f, np.abs(f - line).sum(axis=1), high - low
+
+
+def _periods(curve: Curve) -> list[float]:
+    """Of all sines."""
+    if isinstance(curve, Sum):
+        return [period for term in curve.terms for period in _periods(term)]
+    return [1 / float(np.real(curve.frequency))] if isinstance(curve, Sine) else []
+
+
+def _advice(curve: Curve, loss: Loss) -> str:
+    """Steps that see it."""
+    pieces = {"period": min(_periods(curve), default=np.inf), "piece": float(np.diff(loss.corners).min())}
+    shortest = min(pieces, key=pieces.__getitem__)
+    told = f"Try solver.step = {pieces[shortest] / 10:.2g}, a tenth of its shortest {shortest}"
+    if shortest == "period":
+        return f"{told}."
+    corners = np.unique(loss.corners)
+    named = ", ".join(f"{corner:.6g}" for corner in corners[:6]) + ", ..." * (len(corners) > 6)
+    return f"{told}, or solver.times with its corners ({named}) and times between them."
