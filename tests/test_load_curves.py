@@ -159,6 +159,14 @@ def test_the_command_says_it_too(curve, tmp_path):
     assert "loads.p.curve changes between the times" in shown
 
 
+def test_start_and_end_of_the_run_are_no_corners(tmp_path):
+    """Five steps, of which two see the load rise."""
+    found = ran(sled(tmp_path, '{ type = "smooth-step", duration = 0.3 }'), solver__step=0.2)
+    assert "its corners (0.3) and" in said(found)
+    one = ran(sled(tmp_path, '{ type = "smooth-step", duration = 3.0 }'), solver__step=1.0)
+    assert said(one).endswith("Try solver.step = 0.1, a tenth of its shortest piece.")
+
+
 def test_drivers_are_looked_at_too(tmp_path):
     """At steps of 0.002 s a sine of 500.25 / s has the values of one of 0.25 / s; x(1) = 0.01 sin(2 pi 1.25) with a slow one."""
     driver = '{ type = "sine", amplitude = 0.01, frequency = 500.25 }'
@@ -232,7 +240,8 @@ def test_an_aliased_sine_in_a_sum_with_a_long_table_has_its_advice():
     loss = loss_of(Sum(terms=(table, Sine(frequency=3000.0))), STEPS)
     assert loss is not None
     assert loss.part > LOST
-    assert len(loss.corners) > 300
+    assert len(loss.corners) == 399
+    assert loss.shortest == pytest.approx(1 / 400)
 
 
 def test_constants_and_what_rests_lose_nothing():

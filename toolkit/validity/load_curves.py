@@ -40,12 +40,15 @@ class Loss:
         Of the curve's variation.
     time
         Where most of it was lost.
+    shortest
+        Of the pieces that lose it, between two corners of the curve.
     corners
-        Beginning and end of the pieces that lose it, which the curve's corners bound, (n, 2).
+        Corners of these pieces within the run.
     """
 
     part: float
     time: float
+    shortest: float
     corners: np.ndarray
 
 
@@ -90,8 +93,9 @@ def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | No
         return None
     of_stretch = np.bincount(stretch, gaps, len(stretches))
     worst = int(step[np.argmax(gaps)])
-    losing = stretches[of_stretch > SHARED * of_stretch.max()]
-    return Loss(float(gaps.sum() / variation), float(times[worst : worst + 2].mean()), losing)
+    losing = stretches[of_stretch >= SHARED * of_stretch.max()]
+    corners = np.setdiff1d(losing, times[[0, -1]])
+    return Loss(float(gaps.sum() / variation), float(times[worst : worst + 2].mean()), float(np.diff(losing).min()), corners)
 
 
 def _is_constant(curve: Curve) -> bool:
@@ -149,11 +153,10 @@ def _periods(curve: Curve) -> list[float]:
 
 def _advice(curve: Curve, loss: Loss) -> str:
     """Steps that see it."""
-    pieces = {"period": min(_periods(curve), default=np.inf), "piece": float(np.diff(loss.corners).min())}
-    shortest = min(pieces, key=pieces.__getitem__)
-    told = f"Try solver.step = {pieces[shortest] / 10:.2g}, a tenth of its shortest {shortest}"
-    if shortest == "period":
+    period = min(_periods(curve), default=np.inf)
+    what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
+    told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
+    if what == "period" or not len(loss.corners):
         return f"{told}."
-    corners = np.unique(loss.corners)
-    named = ", ".join(f"{corner:.6g}" for corner in corners[:6]) + ", ..." * (len(corners) > 6)
+    named = ", ".join(f"{corner:.6g}" for corner in loss.corners[:6]) + ", ..." * (len(loss.corners) > 6)
     return f"{told}, or solver.times with its corners ({named}) and times between them."
