@@ -15,9 +15,10 @@ from toolkit.validity.verdict import Caution
 LOST = 0.2
 """Part of a curve's variation that may lie between the times of a run. A sine loses 0.21 with four samples in a period; runs with twice the
 step then see two, and the comparison with them tells. With fewer, or pulses between two times, all runs may see the same and agree."""
+IN_ONE = 0.05
+"""Part that a single step may lose in which a whole piece of the curve lies; a load that is switched on within a step loses half of it."""
 LEVEL = 0.05
-"""Part of a load's level that counts as its variation: a load switched on within the first step varies nowhere else, and a ripple of less
-than a hundredth of the level changes little."""
+"""Part of a load's level that counts as its variation: a ripple of less than a hundredth of it changes little."""
 PICKED, FEWEST = 50_000, 4
 """How many steps are looked at, shared out among the pieces of the curve, and how many of a piece at least."""
 SAMPLES, LEAST, MOST = 4096, 8, 512
@@ -38,6 +39,8 @@ class Loss:
     ----------
     part
         Of the curve's variation.
+    in_one
+        Part that a single step loses in which a whole piece of the curve may hide, signed: of the impulse of a load.
     time
         Where most of it was lost.
     shortest
@@ -47,6 +50,7 @@ class Loss:
     """
 
     part: float
+    in_one: float
     time: float
     shortest: float
     corners: np.ndarray
@@ -56,12 +60,14 @@ def unseen_curves(solution: Solution) -> Iterator[Caution]:
     """Doubts about curves that change between the times of a motion."""
     for (group, name), curve in curves_of(solution.system.scene):
         loss = loss_of(curve, solution.whole_run, has_zero=group == "loads")
-        if loss is not None and loss.part > LOST:
+        if loss is not None and (loss.part > LOST or loss.in_one > IN_ONE):
+            how_much = f"{loss.part:.0%} of its variation (limit {LOST:.0%})"
+            if loss.part <= LOST:
+                how_much = f"{loss.in_one:.0%} of its variation within one step (limit {IN_ONE:.0%})"
             yield Caution(
                 "load-curve",
-                f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {loss.part:.0%} of "
-                f"its variation (limit {LOST:.0%}), most of it near t = {loss.time:.4g}. Runs with other steps may miss the same and "
-                f"agree. {_advice(curve, loss)}",
+                f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {how_much}, most "
+                f"near t = {loss.time:.4g}. Runs with other steps may miss the same and agree. {_advice(curve, loss)}",
             )
 
 
@@ -69,33 +75,41 @@ def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | No
     """What the straight lines between a curve's values at the times of a run lose of it; None if it does not vary.
 
     The area between curve and lines, as a part of the area between the curve and the level that it has at the start, at the end or in the
-    mean, whichever leaves less: what is constant may be in balance, so that only what varies moves anything. The area counts without
-    sign: a whole period in a step loses no impulse, but all that it does. A load is nothing at zero, so that a part of its level counts as
-    well; the position of a driver is nothing where it begins.
+    mean, whichever leaves least: what is constant may be in balance, so that only what varies moves anything. The area counts without
+    sign: a whole period in a step loses no impulse, but all that it does. A load that begins at zero does all that it does by its level,
+    also if it reaches it within the first step, and a small part of the level always counts; a driver is at rest where it begins.
     """
     if _is_constant(curve):
         return None
-    stretches = _stretches(curve, float(times[0]), float(times[-1]))
-    stretch, step, weight, shift = _picked(stretches, times)
+    pieces = _pieces(curve, float(times[0]), float(times[-1]))
+    piece, step, weight, shift = _picked(pieces, times)
     count = min(max(-(-SAMPLES // len(step)), LEAST), MOST)
-    level = _values(curve, times[[0, -1]])
-    start = 0.0 if has_zero else level[0]
-    sums, gaps = np.zeros(4), np.zeros(len(step))
     blocks = [slice(n, n + BLOCK // count) for n in range(0, len(step), BLOCK // count)]
-    samples = [_samples(curve, times, stretches[stretch[block]], step[block], count, shift[block]) for block in blocks]
-    areas = [weight[block] * length / count for block, (_, _, length) in zip(blocks, samples, strict=True)]
-    mean = sum(float(area @ f.sum(axis=1)) for area, (f, _, _) in zip(areas, samples, strict=True)) / float(times[-1] - times[0])
-    for block, area, (f, gap, _) in zip(blocks, areas, samples, strict=True):
-        gaps[block] = area * gap
-        sums += [area @ np.abs(f - each).sum(axis=1) for each in (*level, mean, start)]
-    variation = max(sums[:3].min(), LEVEL * sums[3])
+    samples = [_samples(curve, times, pieces[piece[block]], step[block], count, shift[block]) for block in blocks]
+    f, signed, missed, length = (np.concatenate(parts) for parts in zip(*samples, strict=True))
+    variation = _variation(f, weight * length, _values(curve, times[[0, -1]]), has_zero)
     if not variation > 0:
         return None
-    of_stretch = np.bincount(stretch, gaps, len(stretches))
-    worst = int(step[np.argmax(gaps)])
-    losing = stretches[of_stretch >= SHARED * of_stretch.max()]
-    corners = np.setdiff1d(losing, times[[0, -1]])
-    return Loss(float(gaps.sum() / variation), float(times[worst : worst + 2].mean()), float(np.diff(losing).min()), corners)
+    hiding = np.isin(step, step[(np.bincount(piece) == 1)[piece]])
+    of_piece = np.bincount(piece, weight * missed, len(pieces))
+    worst = int(step[np.argmax(missed)])
+    losing = pieces[of_piece >= SHARED * of_piece.max()]
+    return Loss(
+        part=float(weight @ missed / variation),
+        in_one=float(np.abs(np.bincount(np.cumsum(np.diff(step, prepend=0) > 0), signed * hiding)).max() / variation),
+        time=float(times[worst : worst + 2].mean()),
+        shortest=float(np.diff(losing).min()),
+        corners=np.setdiff1d(losing, times[[0, -1]]),
+    )
+
+
+def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: bool) -> float:
+    """Area between a curve and what it would be if it did nothing, from samples (n, count) within pieces of time of these lengths (n,)."""
+    areas = np.repeat(lengths / f.shape[1], f.shape[1])
+    mean = float(areas @ f.ravel()) / float(areas.sum())
+    rest = 0.0 if has_zero else float(ends[0])
+    *around, level = (float(areas @ np.abs(f.ravel() - each)) for each in (*ends, mean, rest))
+    return max(min(around), LEVEL * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
 
 
 def _is_constant(curve: Curve) -> bool:
@@ -107,41 +121,41 @@ def _values(curve: Curve, times: np.ndarray) -> np.ndarray:
     return np.real(curve.evaluate(times.ravel())[:, 0]).reshape(times.shape)
 
 
-def _stretches(curve: Curve, start: float, end: float) -> np.ndarray:
+def _pieces(curve: Curve, start: float, end: float) -> np.ndarray:
     """Beginning and end of the pieces of a run between which the curve has corners, (n, 2)."""
     corners = np.unique(np.real(np.array([start, *curve.corners(), end])))
     corners = corners[(corners >= start) & (corners <= end)]
     return np.stack([corners[:-1], corners[1:]], axis=1)
 
 
-def _picked(stretches: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Stretches and steps that meet and are looked at, for how many each stands, and where between two others its samples are.
+def _picked(pieces: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Pieces and steps that meet and are looked at, for how many each stands, and where between two others its samples are.
 
-    The first and the last step of a stretch stand for themselves, because a corner may lie in them; of many others one is taken from each
+    The first and the last step of a piece stand for themselves, because a corner may lie in them; of many others one is taken from each
     of equal groups, at places that change from group to group, as those of the samples do.
     """
-    first = np.searchsorted(times, stretches[:, 0], "right") - 1
-    there = np.searchsorted(times, stretches[:, 1], "left") - first
-    taken = np.minimum(there, max(PICKED // len(stretches), FEWEST))
-    stretch = np.repeat(np.arange(len(stretches)), taken)
-    place = np.arange(len(stretch)) - np.repeat(np.cumsum(taken) - taken, taken)
-    ratio = (np.maximum(there - 2, 1) / np.maximum(taken - 2, 1))[stretch]
-    inner, shift = (place > 0) & (place < taken[stretch] - 1), GOLDEN * place % 1
+    first = np.searchsorted(times, pieces[:, 0], "right") - 1
+    there = np.searchsorted(times, pieces[:, 1], "left") - first
+    taken = np.minimum(there, max(PICKED // len(pieces), FEWEST))
+    piece = np.repeat(np.arange(len(pieces)), taken)
+    place = np.arange(len(piece)) - np.repeat(np.cumsum(taken) - taken, taken)
+    ratio = (np.maximum(there - 2, 1) / np.maximum(taken - 2, 1))[piece]
+    inner, shift = (place > 0) & (place < taken[piece] - 1), GOLDEN * place % 1
     chosen = 1 + np.floor((place - 1 + shift) * ratio).astype(int)
-    step = first[stretch] + np.where(inner, chosen, np.where(place > 0, there[stretch] - 1, 0))
-    return stretch, step, np.where(inner, ratio, 1.0), np.where(inner, shift, 0.5)
+    step = first[piece] + np.where(inner, chosen, np.where(place > 0, there[piece] - 1, 0))
+    return piece, step, np.where(inner, ratio, 1.0), np.where(inner, shift, 0.5)
 
 
 def _samples(
-    curve: Curve, times: np.ndarray, stretches: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Values (n, count) of the curve within steps and stretches, sums (n,) of how far straight lines are off, and lengths (n,) of both."""
+    curve: Curve, times: np.ndarray, pieces: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Values (n, count) of the curve where steps and pieces meet, the areas (n,) between it and lines, signed and not, and lengths (n,)."""
     begin, end = times[step], times[step + 1]
-    low, high = np.maximum(begin, stretches[:, 0]), np.minimum(end, stretches[:, 1])
+    low, high = np.maximum(begin, pieces[:, 0]), np.minimum(end, pieces[:, 1])
     t = low[:, None] + (high - low)[:, None] * (np.arange(count) + shift[:, None]) / count
     f, ends = _values(curve, t), _values(curve, np.stack([begin, end], axis=1))
     line = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * (t - begin[:, None]) / (end - begin)[:, None]
-    return f, np.abs(f - line).sum(axis=1), high - low
+    return f, (f - line).mean(axis=1) * (high - low), np.abs(f - line).mean(axis=1) * (high - low), high - low
 
 
 def _periods(curve: Curve) -> list[float]:
