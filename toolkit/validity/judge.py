@@ -6,7 +6,9 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from toolkit.solution import Solution
+from toolkit.validity.curve_overshoot import overshooting_tables
 from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.load_curves import unseen_curves
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.noisy_forces import noisy_forces
 from toolkit.validity.physics import excessive_speeds, large_deformations
@@ -51,6 +53,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from excessive_speeds(solution)
         yield from filter(None, [snap_through(solution)])
         yield from springs_through_zero(solution)
+        yield from unseen_curves(solution)
+        yield from overshooting_tables(solution)
     else:
         yield from limits_passed(solution)
     yield from cautions_of_start(solution)
