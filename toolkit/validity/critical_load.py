@@ -5,10 +5,11 @@ stiffness G of its elements, which the equations lack, the state is critical at 
 
     (K_0 + lambda (K_1 + G)) x = 0,    phi_q x = 0,    mu = 1 / lambda
 
-Forces enlarge a lateral deflection by 1 / (1 - mu); the equations enlarge it by 1 / (1 - mu_1), mu_1 that of K_1 alone. The meter is by how
-much they miss it,
+The meter is by how much the equations miss the deflections that small lateral loads add at the state, at most over all such loads:
 
-    (mu - mu_1) / (1 - mu),    without bound from mu = 1 on
+    max kappa - 1,    (K_0 + K_1) x = kappa (K_0 + K_1 + G) x,    without bound from mu = 1 on
+
+which is mu / (1 - mu) where the frames do not turn, so that K_1 = 0.
 
 Motions without any stiffness in K_0, those of a mechanism, follow the others: at rest so that they stay in balance, in a motion so that
 their momentum is zero. Where no body loses more than a small part of its elastic stiffness in its own frame, nothing is missing, and
@@ -31,9 +32,9 @@ from toolkit.validity.deformation import flexible_bodies
 from toolkit.validity.geometric_stiffness import Stiffening, stiffening
 
 LIMIT = 0.05
-"""Part of a lateral deflection that the equations may miss without a word; the same as that of the meter of large deformation."""
+"""Part of a deflection that the equations may miss without a word; the same as that of the meter of large deformation."""
 DOUBTFUL = 0.5
-"""The same from which it is a doubt: about a third of the critical load. Below, what a run was asked for may not feel it."""
+"""The same from which it is a doubt: a third of the critical load in a fixed frame. Below, what a run was asked for may not feel it."""
 AMONG = 5000
 """The meter looks for the largest compression among at most so many states of a run."""
 STATES = 3
@@ -52,7 +53,7 @@ class Compression(NamedTuple):
     body: str
     time: float
     load: float  # mu: the forces in parts of the critical ones; zero if none are critical
-    missed: float  # part of lateral deflections that the equations miss
+    missed: float  # part of deflections by small lateral loads that the equations miss, at most
 
 
 def compression(solution: Solution) -> Compression | None:
@@ -92,17 +93,18 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
 
 
 def _missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[float, float]:
-    """Forces in parts of the critical ones, and part of lateral deflections that the equations miss, at one state."""
+    """Forces in parts of the critical ones, and part of deflections that the equations miss, at one state."""
     at_rest, forces, geometric, inertia = _stiffnesses(solution, known, n)
     stiffness, motions = _stiff_motions(at_rest)
 
-    def load(change: np.ndarray) -> float:
-        follow = _followed(motions, change if inertia is None else inertia)
-        root = follow / np.sqrt(stiffness)
-        return _largest(-(root.T @ change @ root))
+    def change(of_forces: np.ndarray) -> np.ndarray:
+        follow = _followed(motions, of_forces if inertia is None else inertia) / np.sqrt(stiffness)
+        found: np.ndarray = follow.T @ of_forces @ follow
+        return found
 
-    mu, captured = load(forces + geometric), load(forces)
-    return mu, (max(mu - captured, 0.0) / (1 - mu) if mu < 1 else np.inf)
+    true, captured = change(forces + geometric), change(forces)
+    load, unit = _largest(-true), np.eye(len(stiffness))
+    return load, (max(_largest(np.linalg.solve(unit + true, unit + captured)) - 1, 0.0) if load < 1 else np.inf)
 
 
 def _stiffnesses(
@@ -156,7 +158,7 @@ def _largest(matrix: np.ndarray) -> float:
 
 
 def critical_compressions(solution: Solution) -> Iterator[tuple[Compression, bool]]:
-    """The state nearest to a critical load, if the equations miss more than `LIMIT` of lateral deflections there, and whether to doubt."""
+    """The state nearest to a critical load, if the equations miss more than `LIMIT` of deflections there, and whether to doubt."""
     found = compression(solution)
     if found is not None and found.missed > LIMIT:
         yield found, not found.missed <= DOUBTFUL

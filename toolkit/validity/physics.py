@@ -34,7 +34,7 @@ def critical_loads(solution: Solution) -> Iterator[Caution]:
         if found.load >= 1:
             what = f"it buckles{' if that lasts' if moving else ''}, which these numbers do not show"
         else:
-            what = f"lateral deflections are {found.missed:.0%} larger than these equations say, and frequencies lower"
+            what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
         yield Caution(
             "critical-load",
             f"{found.body} is compressed{moving} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric "
