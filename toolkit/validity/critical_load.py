@@ -9,7 +9,9 @@ The meter is by how much the equations miss the deflections that small lateral l
 
     max kappa - 1,    (K_0 + K_1) x = kappa (K_0 + K_1 + G) x,    without bound from mu = 1 on
 
-which is mu / (1 - mu) where the frames do not turn, so that K_1 = 0.
+which is mu / (1 - mu) where the frames do not turn, so that K_1 = 0. Where they turn, K_1 without G can take stiffness away under tension,
+too: a hinged bar whose frame is tied to its one end gives way at 3 EI / L^2. With mu_1 of K_1 alone an equilibrium's deflections are
+feigned by the part (mu_1 - mu) / (1 - mu_1); of motions it is not said, because spinning bodies have forces of inertia in K_1.
 
 Motions without any stiffness in K_0, those of a mechanism, follow the others: at rest so that they stay in balance, in a motion so that
 their momentum is zero. Where no body loses more than a small part of its elastic stiffness in its own frame, nothing is missing, and
@@ -54,6 +56,7 @@ class Compression(NamedTuple):
     time: float
     load: float  # mu: the forces in parts of the critical ones; zero if none are critical
     missed: float  # part of deflections by small lateral loads that the equations miss, at most
+    feigned: float  # of an equilibrium: part by which they are too large at least, where the equations are softer than the body
 
 
 def compression(solution: Solution) -> Compression | None:
@@ -65,7 +68,7 @@ def compression(solution: Solution) -> Compression | None:
     ]
     if not states:
         return None
-    return states[first_largest(np.array([min(each.missed, BOUNDLESS) + each.load for each in states]))]
+    return states[first_largest(np.array([min(max(each.missed, each.feigned), BOUNDLESS) + each.load for each in states]))]
 
 
 def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]:
@@ -73,9 +76,10 @@ def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]
     places, parts = [], []
     for body, law in known.items():
         elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-        for n in most_compressed(law, elastic):
-            places.append((n, body))
-            parts.append(law.softening(elastic[n]))
+        for sense in (1.0,) if solution.steps else (1.0, -1.0):
+            for n in most_compressed(law, sense * elastic):
+                places.append((n, body))
+                parts.append(law.softening(sense * elastic[n]))
     found: dict[int, str] = {}
     while max(parts, default=0.0) > LIMIT and len(found) < STATES:
         largest = first_largest(np.array(parts))
@@ -92,8 +96,8 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
     return sorted(found)
 
 
-def _missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[float, float]:
-    """Forces in parts of the critical ones, and part of deflections that the equations miss, at one state."""
+def _missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[float, float, float]:
+    """Forces in parts of the critical ones, and parts of deflections that the equations miss and feign, at one state."""
     at_rest, forces, geometric, inertia = _stiffnesses(solution, known, n)
     stiffness, motions = _stiff_motions(at_rest)
 
@@ -103,8 +107,10 @@ def _missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[f
         return found
 
     true, captured = change(forces + geometric), change(forces)
-    load, unit = _largest(-true), np.eye(len(stiffness))
-    return load, (max(_largest(np.linalg.solve(unit + true, unit + captured)) - 1, 0.0) if load < 1 else np.inf)
+    load, own, unit = _largest(-true), _largest(-captured), np.eye(len(stiffness))
+    missed = max(_largest(np.linalg.solve(unit + true, unit + captured)) - 1, 0.0) if load < 1 else np.inf
+    feigned = 0.0 if solution.steps or own <= load else (own - load) / (1 - own) if own < 1 else np.inf
+    return load, missed, feigned
 
 
 def _stiffnesses(
@@ -158,7 +164,7 @@ def _largest(matrix: np.ndarray) -> float:
 
 
 def critical_compressions(solution: Solution) -> Iterator[tuple[Compression, bool]]:
-    """The state nearest to a critical load, if the equations miss more than `LIMIT` of deflections there, and whether to doubt."""
+    """The state nearest to a critical load, if deflections there are off by more than `LIMIT`, and whether to doubt."""
     found = compression(solution)
-    if found is not None and found.missed > LIMIT:
-        yield found, not found.missed <= DOUBTFUL
+    if found is not None and (worst := max(found.missed, found.feigned)) > LIMIT:
+        yield found, not worst <= DOUBTFUL
