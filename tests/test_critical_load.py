@@ -157,6 +157,13 @@ def test_a_row_of_bodies_misses_less_the_more_they_are(tmp_path, monkeypatch):
     assert missed[2] < missed[1] / 3 < missed[0] / 6
 
 
+def test_a_long_row_of_fine_bodies_keeps_its_softest_motion(tmp_path, monkeypatch):
+    monkeypatch.setattr(critical_load, "LIMIT", 1e-6)
+    monkeypatch.setattr("tests.test_critical_load.ELEMENTS", 400)
+    found = compression(at_rest(beams(tmp_path, PINNED, -0.3 * COLUMN * AXIS, n=20)))
+    assert found.load == pytest.approx(0.3, rel=1e-6 + shortened(0.3 * COLUMN))
+
+
 def test_the_missed_part_is_what_corotational_elements_add(tmp_path):
     across = np.array([-AXIS[1], AXIS[0]])
     solution = at_rest(beams(tmp_path, "", -0.3 * CANTILEVER * AXIS + 0.001 * across, "grounded"))
