@@ -159,10 +159,14 @@ def factor(x):
 def unused(x):
     return 7.0 * x
 
+@inner
+def raised(x, by=0.0):
+    return x + by
+
 @kernel
 def twice(x):
     '''Twice x.'''
-    return factor(x) + np.sin(0.0)
+    return raised(factor(x)) + np.sin(0.0)
 
 @kernel
 def difference(pair):
@@ -176,6 +180,7 @@ def difference(pair):
         ("'''Twice x.'''", "'''Two x,\n    and no more.'''  # so", 1, 4.0),
         ("'''A module.'''", "'''A module,\n\nand more.'''\n", 1, 4.0),
         ("7.0 * x", "8.0 * x", 1, 4.0),
+        ("by=0.0", "by=1.0", 0, 5.0),
         ("FACTOR = 2.0", "FACTOR = 3.0", 0, 6.0),
         ("FACTOR * x", "FACTOR * x * x", 0, 8.0),
         ("FACTOR * x", "FACTOR * x + 1.0", 0, 5.0),
@@ -225,7 +230,15 @@ def test_fields_that_change_places_change_the_code(own):
 
 def test_a_formula_that_uses_a_number_of_another_module_is_compiled_by_every_process(own):
     own.write_text("import sys\n" + SOURCE.replace("return 2 * x", "return 2 * x + 0 * sys.maxsize"))
-    assert (loaded(own), loaded(own)) == (0, 0)
+    with pytest.warns(CompiledCodeWarning, match="twice uses 'sys'"):
+        assert (loaded(own), loaded(own)) == (0, 0)
+
+
+def test_a_docstring_that_is_a_constant_of_the_formula_too_counts(own):
+    text = "from toolkit.kernel import kernel\n\n@kernel\ndef twice(x):\n    'ab'\n    return x * len('ab')\n"
+    for length, edited in ((2, text), (3, text.replace("ab", "abc"))):
+        own.write_text(edited)
+        assert runpy.run_path(str(own))["twice"](1.0) == length
 
 
 def test_commands_make_remarks_in_words_and_quiet_ones_make_none(monkeypatch):

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 
 from preprocessing.build import build
+from preprocessing.polygon_beam import polygon_beam
+from preprocessing.section import Section
 from toolkit.reduced_model_file import load, save
 from toolkit.scene import Scene
 from toolkit.scene_file import read_scene
@@ -190,3 +192,25 @@ def test_a_model_without_its_skin_file_is_left_out_by_name(tmp_path):
     afresh = fresh_gradients(scene, ["bodies.skin.chord"], "static", lambda *_: None)
     assert afresh.slopes == {}
     assert afresh.left_out == {"bodies.skin.chord": "there is no skin.toml beside the reduced model to build it from"}
+
+
+def test_a_file_beside_the_model_that_it_was_not_built_from_is_left_alone(tmp_path):
+    """A scene of the model's name was read as its skin, and ended the certificate."""
+    section = Section(2e11, 7800.0, 0.02, 0.05)
+    save(polygon_beam(np.array([[0, 0], [1.0, 0]]), section, {"root": 0.0, "tip": 1.0}), tmp_path / "beam.h5")
+    (tmp_path / "beam.toml").write_text('units = "m-kg-s"\n')
+    (tmp_path / "scene.toml").write_text(BESIDE)
+    found = fresh_gradients(read_scene(tmp_path / "scene.toml"), ["b"], "static", lambda *_: None)
+    assert found.slopes == {}
+    assert found.left_out == {"b": "the reduced model was not built from the beam.toml beside it"}
+
+
+BESIDE = """
+units = "m-kg-s"
+points = { tip = { body = "beam", interface = "tip" } }
+bodies = { beam = { type = "flexible", model = "beam.h5", frame = "grounded" } }
+loads = { pull = { type = "point-force", body = "beam", point = "tip", force = [0.0, 1.0] } }
+design = { b = "bodies.beam.width" }
+responses = { way = { type = "displacement", body = "beam", point = "tip", component = "y" } }
+solver = { end_time = 0.02, step = 0.01 }
+"""

@@ -81,7 +81,7 @@ LAYERS = [
     ("scene", "scene_names", "scene_kinds", "vector_paths", "equations"),
     ("compilation",),
     ("system", "redundant_joints"),
-    ("solution", "flexible_bodies", "validity", "solvers", "conformance"),
+    ("solution", "marker_states", "flexible_bodies", "validity", "solvers", "conformance"),
     ("responses",),
     ("sensitivity", "scene_file", "scene_schema", "scene_dimensions", "scene_units", "gradient_units"),
     ("results",),

@@ -26,12 +26,15 @@ from toolkit.sensitivity.certificate import Certificate, DisagreementError, Noth
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.step_error import step_error
 from toolkit.solution import Solution
+from toolkit.solvers.modes import solve_modes
+from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.system import compile_scene
 from toolkit.validity.verdict import Caution, Verdict
 
 MODELS = Path(__file__).parents[1] / "models"
 PENDULUM, WING, BEAM = (MODELS / name / "scene.toml" for name in ("pendulum", "morphing_wing", "rotating_beam"))
+FOUR_BAR = PENDULUM.parents[1] / "four_bar_chain" / "scene.toml"
 WRONG = {"solver.step": "0.2", "solver.formulation": "index-3", "solver.rho_inf": "0.8"}
 """A rod force of 1134.7 N instead of 28.29 N."""
 
@@ -106,8 +109,23 @@ def test_two_runs_that_agree_by_chance_are_betrayed_by_the_third():
 
 def test_where_longer_steps_leave_a_doubt_half_the_step_says_how_wrong_it_is():
     """Far from the limit longer steps say 8 %, shorter ones 0.4 %."""
-    told = estimated({1 / 128: 1.003, 1 / 64: 1.0, 1 / 32: 1.0, 1 / 16: 2.0}.__getitem__)
+    told = estimated({1 / 256: 1.00375, 1 / 128: 1.003, 1 / 64: 1.0, 1 / 32: 1.0, 1 / 16: 2.0}.__getitem__)
     assert told["value"] == pytest.approx(0.003 / 0.75)
+
+
+def test_a_shorter_step_that_agrees_by_chance_is_betrayed_by_a_still_shorter_one():
+    runs = {1 / 256: 1.4, 1 / 128: 1.003, 1 / 64: 1.0, 1 / 32: 2.0, 1 / 16: 3.0}
+    assert estimated(runs.__getitem__)["value"] == pytest.approx((1.4 - 1.003) / (1 / 4 - 1 / 16))
+
+
+def test_a_value_that_is_small_where_the_motion_ends_is_told_to_be_off_by_more_of_itself():
+    """Kinetic energy 1.30 J after up to 60 J in the motion, 1.557 J in truth."""
+    changes = {"solver.end_time": "2", "solver.step": "0.01", "solver.rho_inf": "0"}
+    found = direct(read_scene(FOUR_BAR, changes), ["g_y"], "transient")
+    (remark,) = [each for each in found.verdict.warnings if each.code == "small-numbers"]
+    assert not remark.doubt
+    assert "kinetic" in remark.text
+    assert found.step_error.own_values["kinetic"] == pytest.approx(1.557 / 1.297 - 1, rel=0.3)  # an estimate
 
 
 def test_where_no_longer_step_works_a_shorter_one_tells():
@@ -197,3 +215,41 @@ def test_a_certificate_that_verifies_nothing_is_a_failure():
     with pytest.raises(NothingVerifiedError, match="no gradient was verified"):
         lost.check(1e-8)
     Certificate(exact, {"adjoint": {"f": {"x": 1e-9}}}, {"f": {"x": 1.0}}, {"f": 2.0}, []).check(1e-8)
+
+
+SPRING = """
+units = "m-kg-s"
+points = { O = [0.0, 0.0], P = [1.0, 0.0] }
+bodies = { b = { type = "rigid", mass = 1.0, inertia = 1.0, center = "P" } }
+loads = { k = { type = "spring-damper", bodies = ["b", "ground"], points = ["P", "O"], stiffness = 10.0, length = 0.2 } }
+design = { L = "loads.k.length" }
+responses = { x = { type = "displacement", body = "b", point = "P", component = "x" } }
+solver = { end_time = 2.0, step = 0.002 }
+[joints]
+x = { type = "slider", bodies = ["b", "ground"], point = "P", axis = [1.0, 0.0], lock_rotation = true }
+"""
+
+
+def test_a_spring_that_passes_length_zero_is_doubted_and_no_certificate_confirms_its_gradients(tmp_path):
+    """Its force jumps: dx/dL = -1.73 by all exact methods, -3.82 by the closed form of the two oscillations."""
+    (tmp_path / "scene.toml").write_text(SPRING)
+    scene = read_scene(tmp_path / "scene.toml")
+    found = certify(scene, ["L"], "transient")
+    assert {"spring-through-zero", "differences"} <= {each.code for each in found.verdict.warnings if each.doubt}
+    before = direct(
+        scene.with_number("solver.end_time", 0.4), ["L"], "transient"
+    )  # omega t = 1.3, x = 1 - 0.8 (1 - cos(omega t)) > 0
+    assert "spring-through-zero" not in before.verdict.codes
+    relaxed = direct(scene.with_number("loads.k.length", 0.0), [], "transient")
+    assert "spring-through-zero" not in relaxed.verdict.codes
+
+
+@pytest.mark.parametrize(("damping", "doubt"), [(0.0, None), (0.6, False), (6.0, True)])
+def test_modes_tell_that_dampers_are_not_in_them(tmp_path, damping, doubt):
+    """zeta = c / (2 sqrt(k m)): 0.095 and 0.95."""
+    (tmp_path / "scene.toml").write_text(SPRING.replace("stiffness = 10.0", f"stiffness = 10.0, damping = {damping}"))
+    scene = read_scene(tmp_path / "scene.toml")
+    found = solve_modes(solve_statics(compile_scene(scene))).verdict
+    assert [each.doubt for each in found.warnings if each.code == "damped"] == ([] if doubt is None else [doubt])
+    if damping:
+        assert f"up to {damping / (2 * np.sqrt(10.0)):.2g} of" in str(found)

@@ -20,6 +20,7 @@ from typing import Any
 
 import llvmlite
 import numba
+import numpy as np
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.registry import CPUDispatcher
@@ -32,6 +33,8 @@ VARIABLE = "NUMBA_CACHE_DIR"
 """Environment variable that names a folder for compiled code. numba also takes it from a file in the current folder, this program not:
 what is loaded from there is executed."""
 REMEDY = f"Set {VARIABLE} to a folder that lasts and can be written."
+SETTINGS = ("BOUNDSCHECK", "OPT")
+"""Settings of numba, from environment variables, that change the code."""
 _DIGEST = 32  # bytes of SHA-256, before the code
 _TOLD: set[str] = set()  # kinds of remarks that this process has made
 
@@ -103,7 +106,12 @@ class CompiledCode(NullCache):
         """What the code follows from; empty if nobody knows it, so that nothing can be kept."""
         try:
             return formula_stamp(self.kernel)
-        except UnknownNameError:
+        except UnknownNameError as error:
+            _tell(
+                "unknown",
+                f"{self.function.__qualname__} uses {error}, of which nobody knows what its code takes from it: every run compiles it "
+                "again. Use numbers, arrays, named tuples and other kernels.",
+            )
             return ""
 
     @cached_property
@@ -121,7 +129,13 @@ class CompiledCode(NullCache):
     def _file(self, signature: Any, codegen: Any) -> str:
         """Name of the file for types of arguments and a processor."""
         signature = layout(getattr(signature, "args", signature))
-        key = repr((self._stamp, signature, codegen.magic_tuple(), numba.__version__, llvmlite.__version__)).encode()
+        versions = (
+            numba.__version__,
+            llvmlite.__version__,
+            np.__version__,
+            *(getattr(numba.config, each, None) for each in SETTINGS),
+        )
+        key = repr((self._stamp, signature, codegen.magic_tuple(), versions)).encode()
         return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dis
 from collections.abc import Callable
 from functools import cache
 from hashlib import sha256
@@ -14,6 +15,10 @@ from numba.core.registry import CPUDispatcher
 
 LIBRARIES = ("numpy", "math", "cmath", "numba")
 """Modules whose names always mean the same; a number of another module may change."""
+
+
+LOADING = tuple(dis.opmap[name] for name in ("LOAD_CONST", "RETURN_CONST") if name in dis.opmap)
+"""Instructions with the number of a constant."""
 
 
 class UnknownNameError(Exception):
@@ -57,7 +62,7 @@ def layout(given: Any) -> str:
 @cache
 def _own(kernel: CPUDispatcher) -> str:
     """How one kernel is compiled, its instructions, and what it takes from the names around it."""
-    names = [f"{name} is {_meaning(name, used)}" for name, used in _names(kernel)]
+    names = [f"{name} is {_meaning(name, used)}" for name, used in [*_names(kernel), *_defaults(kernel)]]
     return "\n".join([repr(sorted(kernel.targetoptions.items())), _instructions(kernel.py_func), *names])
 
 
@@ -65,7 +70,7 @@ def _called(kernel: CPUDispatcher) -> list[CPUDispatcher]:
     return [used for _, used in _names(kernel) if isinstance(used, CPUDispatcher)]
 
 
-def _names(kernel: CPUDispatcher) -> list[tuple[str, Any]]:
+def _names(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
     """Names that a kernel finds in its module or in the function that made it, and what they stand for."""
     function = kernel.py_func
     space, around = function.__globals__, zip(function.__code__.co_freevars, function.__closure__ or (), strict=True)
@@ -73,10 +78,16 @@ def _names(kernel: CPUDispatcher) -> list[tuple[str, Any]]:
     return named + [(name, cell.cell_contents) for name, cell in around]
 
 
-def _meaning(name: str, used: Any) -> str:
+def _defaults(kernel: CPUDispatcher) -> list[tuple[Any, Any]]:
+    """Arguments that a caller may leave out: whoever calls holds them."""
+    function = kernel.py_func
+    return [*enumerate(function.__defaults__ or ()), *sorted((function.__kwdefaults__ or {}).items())]
+
+
+def _meaning(name: Any, used: Any) -> str:
     if isinstance(used, CPUDispatcher):
         return "a kernel"
-    if isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
+    if used is None or isinstance(used, bool | int | float | complex | str | np.generic) or _is_plain(used):
         return f"{type(used).__name__} {used!r}"
     if isinstance(used, np.ndarray) and not used.dtype.hasobject:
         return f"{used.dtype} {used.shape} {used.strides} {used.tobytes().hex()}"
@@ -86,7 +97,7 @@ def _meaning(name: str, used: Any) -> str:
         return used.__name__
     if isinstance(used, BuiltinFunctionType | np.ufunc) or (isinstance(used, type) and used.__module__ == "builtins"):
         return f"{getattr(used, '__module__', 'numpy')}.{used.__name__}"
-    raise UnknownNameError(name)
+    raise UnknownNameError(repr(name))
 
 
 def _is_plain(used: Any) -> bool:
@@ -105,9 +116,16 @@ def _instructions(function: Callable) -> str:
 
 def _bytes(code: CodeType, docstring: str | None) -> str:
     """One function without its docstring and its place."""
-    constants = [_constant(each) for k, each in enumerate(code.co_consts) if not (k == 0 and each == docstring)]
+    told = code.co_consts[:1] == (docstring,) and not _loads_first(code)
+    constants = [_constant(each) for each in code.co_consts[told:]]
     variables = code.co_names, code.co_varnames, code.co_freevars, code.co_cellvars
-    return f"{code.co_code.hex()} {variables} {code.co_argcount} {code.co_flags} {constants}"
+    counts = code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, code.co_flags
+    return f"{code.co_code.hex()} {variables} {counts} {code.co_exceptiontable.hex()} {constants}"
+
+
+def _loads_first(code: CodeType) -> bool:
+    """Whether the first constant, where a docstring is, is one of the formula too."""
+    return any(code.co_code[k] in LOADING and code.co_code[k + 1] == 0 for k in range(0, len(code.co_code), 2))
 
 
 def _constant(given: Any) -> str:

@@ -12,8 +12,10 @@ from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.profile import SmoothStep
+from toolkit.responses.motion import Rotation
 from toolkit.run_options import RunOptions
 from toolkit.scene import Scene
+from toolkit.sensitivity.analysis import direct
 from toolkit.solvers.statics import solve_statics
 from toolkit.solvers.transient import simulate
 from toolkit.spatial import matrix_of
@@ -52,6 +54,14 @@ def test_a_driver_turns_as_often_as_its_curve_says(solve, angle):
     ahead = solution.q[:, 3]  # cos of half the angle: it changes sign once a turn
     if solve is simulate:
         assert np.count_nonzero(np.diff(np.sign(ahead))) == round(abs(angle) / (2 * np.pi))
+
+
+@pytest.mark.parametrize(("angle", "folded"), [(3.0, False), (3.5, True), (-9.0, True)])
+def test_a_rotation_that_is_folded_is_told(angle, folded):
+    turn = Rotation(body="arm", point="O", axis=Z)
+    found = direct(driven(angle).model_copy(update={"responses": {"turn": turn}}), [], "transient")
+    assert ("rotation-folded" in found.verdict.codes) == folded
+    assert found.values["turn"] == pytest.approx((angle + np.pi) % (2 * np.pi) - np.pi, abs=1e-4)
 
 
 def test_a_spring_that_turns_beyond_half_a_turn_is_refused_with_the_time():

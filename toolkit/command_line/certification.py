@@ -48,7 +48,7 @@ def certify(
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None
     if as_json:
         print_json({**record_of(found), "fresh_preprocessing": record_afresh(afresh), "verified": found.verified(tolerance)})
-        warn(found.exact.verdict, quiet)
+        warn(found.verdict, quiet)
     else:
         print_certificate(found)
         if fresh:
@@ -58,8 +58,8 @@ def certify(
     found.check(tolerance)
     check_afresh(afresh, found.exact)
     if not as_json:
-        typer.echo(verdict(found, tolerance))
-        print_verdict(found.exact.verdict)
+        typer.echo(agreement(found, tolerance))
+        print_verdict(found.verdict)
 
 
 def record_of(found: Certificate) -> dict:
@@ -84,7 +84,7 @@ def record_of(found: Certificate) -> dict:
             }
             for f, each in found.quotients.items()
         },
-        **found.exact.verdict.record(),
+        **found.verdict.record(),
     }
 
 
@@ -117,7 +117,7 @@ def print_certificate(found: Certificate) -> None:
     console.print(curve)
 
 
-def verdict(found: Certificate, tolerance: float) -> str:
+def agreement(found: Certificate, tolerance: float) -> str:
     """One sentence on gradients that agree, and one on those that round-off leaves fewer digits than the tolerance asks for."""
     worst = {(f, x): max(each[f][x] for each in found.differences.values()) for f, limits in found.limits.items() for x in limits}
     limited = [pair for pair, value in worst.items() if value > tolerance]

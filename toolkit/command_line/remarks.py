@@ -21,7 +21,8 @@ def accuracy(result: Result) -> list[str]:
             f"values to {max(found.values.values(), default=0.0):.1e}",
             *([f"gradients to {max(slopes):.1e}"] if slopes else []),
         ]
-        lines.append(f"Right, as far as the steps are concerned, are {' and '.join(parts)}, by comparison {found.how}.")
+        right = f"Right, as far as the steps are concerned, are {' and '.join(parts)} of the largest that they are in the motion"
+        lines.append(f"{right}, by comparison {found.how}.")
     return lines
 
 

@@ -6,12 +6,11 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.bodies.poses import update_pose_designs, update_poses
 from toolkit.description import Triple
-from toolkit.equations import allocate_work
 from toolkit.errors import InputError
 from toolkit.joints.spatial.joint_kernel import angle_of
 from toolkit.kernel import plain
+from toolkit.marker_states import marker_states
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.solution import Solution
@@ -48,16 +47,6 @@ class MarkerResponse(Instant):
         for d in range(markers.design_start[marker], markers.design_start[marker + 1]):
             pose_x[:, markers.design_variable[d]] += np.real(state.y_x[d])
         return state.y[marker], pose_q, pose_x
-
-
-def marker_states(system: System, q: np.ndarray) -> Any:
-    """All markers at coordinates (n_q,), at rest."""
-    work, markers = allocate_work(system.plan, system.dtype), system.plan.markers
-    rest: np.ndarray = np.zeros(system.n, system.dtype)
-    padded = np.concatenate([q, rest[system.n_q :]])
-    for function in (update_poses, update_pose_designs):
-        system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    return work.markers
 
 
 class Rotation(MarkerResponse):

@@ -14,6 +14,7 @@ import numpy as np
 from toolkit.compile_watch import watched_compilation
 from toolkit.design import Design
 from toolkit.errors import InputError
+from toolkit.responses.folded_rotations import folded_rotations
 from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
 from toolkit.responses.response import Response
 from toolkit.run_options import RunOptions
@@ -92,10 +93,16 @@ class Result:
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
-            estimated = {"how": self.step_error.how, "responses": self.step_error.values, "gradients": self.step_error.gradients}
+            estimated = {
+                "how": self.step_error.how,
+                "relative_to": "the largest magnitude in the motion",
+                "responses": self.step_error.values,
+                "gradients": self.step_error.gradients,
+            }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
         about_forces = force_cautions(self.solution, measured["force_noise"])
-        return Verdict.of([*cautions(self.solution, measured), *about_forces, *about_steps, *self._undefined()], measured)
+        about_responses = (*about_forces, *about_steps, *folded_rotations(self.solution), *self._undefined())
+        return Verdict.of([*cautions(self.solution, measured), *about_responses], measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:

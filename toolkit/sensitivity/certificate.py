@@ -13,14 +13,17 @@ from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.round_off import Gradients, round_off
 from toolkit.sensitivity.studies import (
+    SETTLED,
     Quotient,
     best_quotients,
     curve_of,
     difference_quotients,
     direction,
+    jumping,
     slopes_along,
     taylor_rates,
 )
+from toolkit.validity.verdict import Caution, Verdict
 
 MOST_DIGITS = 16.0
 TINY = float(np.finfo(float).tiny)
@@ -63,6 +66,8 @@ class Certificate:
         Response -> the same by the best central difference, with its uncertainty; it shares no formula of derivatives with the others.
     parts : dict
         Variable -> its part of that direction.
+    jumping : tuple of str
+        Responses whose differences are right with some step and wrong with a larger one that is still small.
     """
 
     exact: Result
@@ -73,6 +78,21 @@ class Certificate:
     along: dict[str, float] = field(default_factory=dict)
     quotients: dict[str, Quotient] = field(default_factory=dict)
     parts: dict[str, float] = field(default_factory=dict)
+    jumping: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> Verdict:
+        """That of the run, and a doubt where differences along the direction do not settle on the derivative as their steps shrink."""
+        unknown = [f for f, each in self.quotients.items() if each.uncertainty > SETTLED * abs(self.along[f]) > self._blurred(f)]
+        lost = dict.fromkeys([*unknown, *self.jumping])
+        text = (
+            f"central differences along one direction do not settle on the derivative of {', '.join(lost)} as their "
+            "steps shrink from a thousandth of the variables on: the response jumps nearby (a spring through length zero, an event between "
+            "two times), or is far from linear. The methods that agree share their formulas; look at the response over "
+            "these variables."
+        )
+        found = self.exact.verdict
+        return Verdict.of([*found.warnings, *([Caution("differences", text)] if lost else [])], found.measures)
 
     def verified(self, tolerance: float) -> int:
         """Number of derivatives on which all methods agree to the tolerance."""
@@ -166,15 +186,17 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
     quotients = difference_quotients(scene, design, kind, exact)
     parts = direction(frozen(scene, exact.solution), exact)
     progress(4, 4)
+    along = slopes_along(exact, parts)
     return Certificate(
         exact,
         {m: _relative(exact, floors, other) for m, other in others.items()},
         limits,
         rates,
         curve_of(scene, exact, quotients),
-        slopes_along(exact, parts),
+        along,
         best_quotients(quotients),
         parts,
+        jumping(quotients, along),
     )
 
 

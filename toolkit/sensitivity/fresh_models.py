@@ -21,7 +21,7 @@ from toolkit.design import DesignVariable
 from toolkit.responses.stress import model_parameter
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result, values_of
-from toolkit.sensitivity.rebuilt_bodies import build_all, given_values, source, with_model
+from toolkit.sensitivity.rebuilt_bodies import build_all, given_values, is_built_from, source, with_model
 from toolkit.sensitivity.sizes import typical_size
 
 RELATIVE_STEP = 1e-3
@@ -121,6 +121,8 @@ def _hindrance(scene: Scene, variable: DesignVariable, body: str) -> str:
     skin = source(scene, body)
     if not skin.is_file():
         return f"there is no {skin.name} beside the reduced model to build it from"
+    if not is_built_from(scene, body, skin):
+        return f"the reduced model was not built from the {skin.name} beside it"
     if variable.value == 0 and "damping" in variable.path:
         return "damping is zero and cannot be less"
     return ""

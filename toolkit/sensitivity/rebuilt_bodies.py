@@ -24,7 +24,13 @@ def source(scene: Scene, body: str) -> Path:
 def rebuildable(scene: Scene) -> dict[str, Path]:
     """Flexible body -> its skin file, where there is one."""
     found = {name: source(scene, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)}
-    return {name: path for name, path in found.items() if path.is_file()}
+    return {name: path for name, path in found.items() if path.is_file() and is_built_from(scene, name, path)}
+
+
+def is_built_from(scene: Scene, body: str, skin: Path) -> bool:
+    """Whether a body's model was built from a file of that name, and not one of another purpose lies beside it."""
+    flexible: Any = scene.bodies[body]
+    return skin.name in {Path(name).name for name in scene.model(flexible.model).inputs}
 
 
 def given_values(scene: Scene, body: str) -> dict[str, Any]:

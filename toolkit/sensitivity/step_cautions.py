@@ -47,6 +47,21 @@ def step_cautions(found: StepError | None, values: Mapping[str, Any], gradients:
             for (f, x), error in _worst(slopes)
         ]
         yield Caution("gradient-steps", f"{'; '.join(told)}{_more(slopes)}. {_remedy(slopes, found, options)}")
+    small = {f: error for f, error in found.own_values.items() if f not in wrong and error > VALUES}
+    small |= {
+        f"the derivative of {f} by {x}": error
+        for f, errors in found.own_gradients.items()
+        for x, error in errors.items()
+        if (f, x) not in slopes and error > GRADIENTS
+    }
+    if small:
+        told = [f"{what} by about {error:.0%}" for what, error in _worst(small)]
+        yield Caution(
+            "small-numbers",
+            f"errors are small against the largest numbers in the motion, but here some are small themselves, and off by more of what they "
+            f"are: {'; '.join(told)}{_more(small)}.",
+            doubt=False,
+        )
 
 
 def _worst(errors: Mapping[Any, float]) -> list[tuple[Any, float]]:

@@ -6,7 +6,7 @@ With f of steps h, g of steps r h, k of steps s h, and the order p of the scheme
 
 where all are near the limit. The larger of both is taken: f and g may be equally wrong where a vibration is damped away in both, or agree
 by chance, which k seldom does too. Longer steps cost three quarters of a run and are often too long to tell more than that something may
-be wrong; then a run with steps half as long (r = 1/2) says how wrong.
+be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it denies what the longer ones say, one with a quarter decides.
 """
 
 from __future__ import annotations
@@ -27,10 +27,15 @@ Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 """The same analysis with other options: values and gradients of its responses."""
 
-LONGER, SHORTER = (2, 4), 0.5
+LONGER, SHORTER = (2, 4), (2, 4)
 """Steps that tell are so many times as long, or as short."""
+CONTRADICTED = 0.04
+"""Error that longer steps tell and steps half as long deny: then these may agree with the run by chance, and shorter ones decide."""
+TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
 LENIENT = 2.0
 """Derivatives may be off by so many times more than values."""
+NOTHING = 1e-6
+"""Part of the largest magnitude in the motion below which a number is taken for zero."""
 SURE = 0.01
 """Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
 random scenes (`tests.benchmarks.random_scenes`)."""
@@ -47,7 +52,9 @@ class StepError:
     values
         Response -> error, a part of the largest magnitude that it has in the motion.
     gradients
-        Response -> variable -> error, a part of the derivative.
+        Response -> variable -> error, a part of the largest derivative in the motion.
+    own_values, own_gradients
+        The same errors as parts of the value and of the derivative themselves, which may be small where the motion ends.
     other_values, other_gradients
         What the run with the other steps found.
     order
@@ -57,6 +64,8 @@ class StepError:
     how: str
     values: dict[str, float]
     gradients: dict[str, dict[str, float]]
+    own_values: dict[str, float]
+    own_gradients: dict[str, dict[str, float]]
     other_values: Values
     other_gradients: Gradients
     order: int
@@ -100,8 +109,12 @@ def step_error(
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
     if found is None or suspicious or not found.largest <= SURE:
-        shorter = _tried(repeat, [(SHORTER, "with steps half as long", _shorter(options, solution.whole_run))])
-        found = _estimate(known, shorter) if shorter else found
+        wanted = [(1 / parts, TIMES_AS_SHORT[parts], _shorter(options, solution.whole_run, parts)) for parts in SHORTER]
+        shorter = _tried(repeat, wanted[:1])
+        half = _estimate(known, shorter) if shorter else None
+        if found and half and found.largest > CONTRADICTED >= half.largest:
+            half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
+        found = half or found
     return found
 
 
@@ -129,14 +142,25 @@ def _estimate(known: Known, runs: list[Run]) -> StepError:
         return _relative(max(abs((b - a) / (s**known.order - r**known.order)) for (a, b), (r, s) in steps), scale)
 
     values = {f: estimated(value, [run.values[f] for run in runs], known.scales[f]) for f, value in known.values.items()}
+    largest = {
+        f: {x: max(abs(slope), known.slope_scales[f][x]) for x, slope in slopes.items()} for f, slopes in known.gradients.items()
+    }
     gradients = {
-        f: {
-            x: estimated(slope, [run.gradients[f][x] for run in runs], max(abs(slope), known.slope_scales[f][x]))
-            for x, slope in slopes.items()
-        }
+        f: {x: estimated(slope, [run.gradients[f][x] for run in runs], largest[f][x]) for x, slope in slopes.items()}
         for f, slopes in known.gradients.items()
     }
-    return StepError(runs[0].how, values, gradients, runs[0].values, runs[0].gradients, known.order)
+    own = {f: _own(error, known.values[f], known.scales[f]) for f, error in values.items()}
+    of_slopes = {
+        f: {x: _own(error, known.gradients[f][x], largest[f][x]) for x, error in errors.items()}
+        for f, errors in gradients.items()
+    }
+    return StepError(runs[0].how, values, gradients, own, of_slopes, runs[0].values, runs[0].gradients, known.order)
+
+
+def _own(error: float, number: Any, scale: float) -> float:
+    """An error that is a part of the scale, as a part of the number itself; as it is for what is nothing but round-off."""
+    size = abs(float(np.real(number)))
+    return error * scale / size if size > NOTHING * scale else error
 
 
 def _relative(error: float, scale: float) -> float:
@@ -172,14 +196,14 @@ def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, 
     return steps / fewer, f"with steps {steps / fewer:.3g} times as long", longer
 
 
-def _shorter(options: RunOptions, times: np.ndarray) -> RunOptions:
-    """The run with steps half as long."""
+def _shorter(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
+    """The run with every step in so many parts."""
     if options.local_error is not None:
-        return _looser(options, SHORTER)
+        return _looser(options, 1 / parts)
     if options.times is not None:
-        between = [float(a + b) / 2 for a, b in pairwise(times)]
+        between = [float(a + (b - a) * k / parts) for a, b in pairwise(times) for k in range(1, parts)]
         return options.model_copy(update={"times": tuple(sorted([*map(float, times), *between]))})
-    return options.model_copy(update={"step": options.end_time / (2 * (len(times) - 1))})
+    return options.model_copy(update={"step": options.end_time / (parts * (len(times) - 1))})
 
 
 def _looser(options: RunOptions, ratio: float) -> RunOptions:

@@ -85,6 +85,10 @@ STEPS = tuple(10.0 ** np.arange(-2, -11, -1.0))
 """Relative steps of central differences along a direction."""
 
 
+SMALL, SETTLED = 1e-3, 0.1
+"""Relative step from which on differences of a response that is not far from linear are near its derivative, and how near."""
+
+
 class Quotient(NamedTuple):
     """What central differences say about a response's derivative along one direction: the number, and by how much it is uncertain."""
 
@@ -121,6 +125,20 @@ def best_quotients(found: Mapping[float, Mapping[str, float]]) -> dict[str, Quot
         if known:
             best[f] = min(known, key=lambda each: each.uncertainty)
     return best
+
+
+def jumping(found: Mapping[float, Mapping[str, float]], along: Mapping[str, float]) -> tuple[str, ...]:
+    """Responses that differ from their derivatives along the direction over a small step, though not over a smaller one.
+
+    Truncation vanishes like h^2 and round-off grows like 1/h, so that a smooth response is right wherever a smaller step is, up to `SMALL`.
+    """
+    lost = []
+    for f, slope in along.items():
+        off = {h: abs(each[f] - slope) for h, each in found.items() if h <= SMALL}
+        right = min((h for h, error in off.items() if error <= SETTLED / 10 * abs(slope)), default=np.inf)
+        if any(h > right and error > SETTLED * abs(slope) for h, error in off.items()):
+            lost.append(f)
+    return tuple(lost)
 
 
 def step_study(

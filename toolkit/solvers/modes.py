@@ -10,6 +10,7 @@ from scipy.linalg import LinAlgError, eig, eigh, null_space
 from toolkit.errors import SingularSystemError
 from toolkit.mode_shapes import told_apart
 from toolkit.solution import Solution
+from toolkit.validity.damped_modes import cautions_of_damping
 from toolkit.validity.spin import cautions_of_spin
 from toolkit.validity.verdict import Verdict
 
@@ -50,7 +51,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
     acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])
     terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
-    dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q")}
+    dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q", "A_v")}
     mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
     phi_q, weights, multipliers = dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q], solution.multipliers[-1]
     free = free_motions(phi_q, weights)
@@ -66,7 +67,8 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     order = np.argsort(squares, kind="stable")
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
-    return Modes(frequencies[:count], shapes[:, :count], Verdict.of(cautions_of_spin(solution, frequencies)))
+    damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
+    return Modes(frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped]))
 
 
 def made_of(

@@ -12,6 +12,7 @@ from toolkit.validity.noisy_forces import noisy_forces
 from toolkit.validity.physics import critical_loads, excessive_speeds, large_deformations
 from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.snap_through import snap_through
+from toolkit.validity.spring_length import springs_through_zero
 from toolkit.validity.stale_models import stale_models
 from toolkit.validity.start_cautions import cautions_of_start
 from toolkit.validity.verdict import Caution, Verdict
@@ -49,6 +50,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from unbalanced_energy(solution, found["energy_balance"])
         yield from excessive_speeds(solution)
         yield from filter(None, [snap_through(solution)])
+        yield from springs_through_zero(solution)
     else:
         yield from limits_passed(solution)
     yield from cautions_of_start(solution)

@@ -1,0 +1,31 @@
+"""Rotations in space that have gone round: an angle about an axis is known up to whole turns only."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.responses.motion import Rotation
+from toolkit.solution import Solution
+from toolkit.validity.verdict import Caution
+
+LOOKED_AT = 500
+"""Instants, evenly spread over the motion."""
+
+
+def folded_rotations(solution: Solution) -> Iterator[Caution]:
+    """A remark for every rotation of a scene in space that jumps from one half turn to the other on the way."""
+    scene = solution.system.scene
+    if scene.dimension == 2:
+        return
+    for name, response in scene.responses.items():
+        if isinstance(response, Rotation):
+            steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).round().astype(int))
+            angles = np.array([float(np.real(response.at(solution, int(step)).value)) for step in steps])
+            if np.any(np.abs(np.diff(angles)) > np.pi):
+                yield Caution(
+                    "rotation-folded",
+                    f"{name} passed half a turn: in space it is an angle in (-pi, pi], without the turns that are done.",
+                    doubt=False,
+                )
