@@ -48,7 +48,7 @@ from toolkit.validity.verdict import Verdict
 
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""
-OTHERS = frozenset({"large-deformation", "critical-speed", "snap-through", "stale-model"})
+OTHERS = frozenset({"large-deformation", "critical-speed", "critical-load", "snap-through", "stale-model"})
 """Codes of doubts that concern something else than accuracy."""
 
 GRADIENT = "gradient-steps"

@@ -11,7 +11,7 @@ from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.load_curves import unseen_curves
 from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.noisy_forces import noisy_forces
-from toolkit.validity.physics import excessive_speeds, large_deformations
+from toolkit.validity.physics import critical_loads, excessive_speeds, large_deformations
 from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.snap_through import snap_through
 from toolkit.validity.spring_length import springs_through_zero
@@ -62,6 +62,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from stale_models(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)
+    yield from critical_loads(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(
             "extrapolated",

@@ -1,4 +1,4 @@
-"""Cautions about what the model leaves out: large deformation in a frame, and frames that spin too fast for linear bodies."""
+"""Cautions about what the model leaves out: large deformation in a frame, buckling, and frames that spin too fast for linear bodies."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from toolkit.scene import Scene
 from toolkit.solution import Solution
 from toolkit.units import unit
+from toolkit.validity.critical_load import Compression, critical_compressions
 from toolkit.validity.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.deformation import LIMIT, deformations
 from toolkit.validity.verdict import Caution
@@ -24,6 +25,35 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
                 "body, or several bodies in a row instead of one, make it smaller.",
             )
+
+
+def critical_loads(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
+    for found, doubt in critical_compressions(solution):
+        yield Caution(
+            "critical-load", _feigned(found) if found.feigned > found.missed else _buckling(found, solution.steps > 0), doubt
+        )
+
+
+def _buckling(found: Compression, moving: bool) -> str:
+    when = f" at t = {found.time:.4g}" if moving else ""
+    if found.load >= 1:
+        what = f"it buckles{' if that lasts' if moving else ''}, which these numbers do not show"
+    else:
+        what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
+    return (
+        f"{found.body} is compressed{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
+        "of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as they should. "
+        "ffrf check-deformation solves it with elements that turn."
+    )
+
+
+def _feigned(found: Compression) -> str:
+    return (
+        f"{found.body} is softer under its tension than it should be: these equations make lateral deflections {found.feigned:.0%} too "
+        "large or more, and frequencies too low. Linear FFRF has no geometric stiffness of a body in its frame, which tension would raise, "
+        "while the frame turns with the ends. Load it less, stiffen it, or make several bodies in a row of it."
+    )
 
 
 def excessive_speeds(solution: Solution) -> Iterator[Caution]:
