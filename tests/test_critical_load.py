@@ -22,7 +22,7 @@ from toolkit.validity.corotational_check import compare_with_corotational
 from toolkit.validity.critical_load import compression
 
 MODELS = Path(__file__).parents[1] / "models"
-SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
+SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 BENDING, AXIAL = 210e9 * 0.05 * 0.02**3 / 12, 210e9 * 0.05 * 0.02
 CANTILEVER, COLUMN = np.pi**2 * BENDING / 4, np.pi**2 * BENDING
 """Euler's loads of a length of 1 m."""
