@@ -9,7 +9,8 @@ import numpy as np
 from toolkit.validity.verdict import Caution
 
 SEEN, LARGE = 0.01, 0.3
-"""Parts of the critical damping above which it is told, and above which frequencies are in doubt: sqrt(1 - 0.3^2) is 5 % below one."""
+"""Parts of the critical damping above which it is told, and of the lowest frequency above which it is a doubt: sqrt(1 - 0.3^2) is 5 %
+below one."""
 
 
 def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray) -> Iterator[Caution]:
@@ -37,5 +38,5 @@ def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarr
         f"these frequencies are undamped: dampers are not in them. Damping is up to {ratios.max():.2g} of the critical one; that at "
         f"{np.sqrt(squares[vibrating][most]) / (2 * np.pi):.4g} Hz, with {ratios[most]:.2g}, "
         + ("lowers it by " + f"{1 - np.sqrt(1 - ratios[most] ** 2):.1%}." if ratios[most] < 1 else "does not vibrate at all."),
-        doubt=bool(ratios.max() > LARGE),
+        doubt=bool(ratios[0] > LARGE),
     )
