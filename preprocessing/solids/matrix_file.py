@@ -54,7 +54,9 @@ def read_matrix(path: Path, n: int, dimension: int = 2) -> Any:
         raise InputError(
             f"the matrix {str(path)!r} of shape {(rows, columns)} needs {n} columns of finite real numbers. Export it again."
         )
-    if not (row.ndim == column.ndim == value.ndim == 1 and len(row) == len(column) == len(value)) or rows > n + len(value):
+    if not np.ndim(row) == np.ndim(column) == np.ndim(value) == 1 or not len(row) == len(column) == len(value):
+        raise InputError(f"the matrix {str(path)!r} has rows, columns and values that are no lines of one length. {AGAIN}")
+    if rows > n + len(value):
         raise InputError(f"the matrix {str(path)!r} claims {rows} rows for {len(value)} entries. {AGAIN}")
     if len(row) and (row.min() < 0 or row.max() >= rows or column.min() < 0 or column.max() >= n):
         raise InputError(f"the matrix {str(path)!r} has entries outside of its shape {(rows, columns)}. {AGAIN}")
