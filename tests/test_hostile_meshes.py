@@ -93,6 +93,10 @@ ARCHIVES: dict[str, tuple[dict[str, object], str]] = {
         {"format": b"coo", "row": np.zeros(4, int), "col": np.arange(4), "shape": (10**12, 4)},
         "claims 10+ rows for 4",
     ),
+    "values without axes": (
+        {"format": b"coo", "row": np.arange(4), "col": np.arange(4), "data": np.array(3.0)},
+        "no lines of one length",
+    ),
 }
 
 

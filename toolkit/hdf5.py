@@ -7,7 +7,6 @@ what this program writes, in Python, and refuses the rest of the format.
 from __future__ import annotations
 
 import os
-import stat
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
@@ -20,6 +19,7 @@ from toolkit.errors import ToolkitError
 from toolkit.hdf5_reader.objects import SIGNATURE, File, Group
 from toolkit.hdf5_reader.source import Source
 from toolkit.hdf5_reader.storage import Array
+from toolkit.regular_file import opened
 from toolkit.replaced_file import write_whole
 
 if TYPE_CHECKING:
@@ -184,8 +184,6 @@ def text_of(path: Path, attribute: str) -> str | None:
 @contextmanager
 def _opened(path: Path) -> Iterator[Content]:
     """The content of a regular file: a pipe would be waited for."""
-    with open(os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)), "rb") as file:
-        found = os.fstat(file.fileno())
-        if not stat.S_ISREG(found.st_mode):
-            raise ValueError("it is not a regular file")
-        yield Content(File(Source(file, found.st_size)), found.st_size)
+    with opened(path) as file:
+        size = os.fstat(file.fileno()).st_size
+        yield Content(File(Source(file, size)), size)

@@ -147,12 +147,11 @@ def _questions(scene: Scene) -> Verdict:
     """What is to be asked about a scene before it runs; of one that cannot be compiled, why not."""
     from toolkit.system import compile_scene
     from toolkit.validity.scene_cautions import cautions_of_scene
-    from toolkit.validity.stale_models import stale_models
     from toolkit.validity.verdict import Caution, Verdict
 
     try:
         compile_scene(scene)
-        return Verdict.of([*cautions_of_scene(scene), *stale_models(scene)])
+        return Verdict.of(cautions_of_scene(scene))
     except ToolkitError as error:
         return Verdict.of([Caution("cannot-be-compiled", str(error))])
 

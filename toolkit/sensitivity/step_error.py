@@ -27,11 +27,12 @@ Gradients = Mapping[str, Mapping[str, float]]
 Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
 """The same analysis with other options: values and gradients of its responses."""
 
-LONGER, SHORTER = (2, 4), (2, 4)
-"""Steps that tell are so many times as long, or as short."""
+LONGER = (2, 4)
+"""Steps that tell are so many times as long."""
 CONTRADICTED = 0.04
 """Error that longer steps tell and steps half as long deny: then these may agree with the run by chance, and shorter ones decide."""
 TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
+"""How many times as short the steps are that decide, one after the other, and how they are called."""
 LENIENT = 2.0
 """Derivatives may be off by so many times more than values."""
 NOTHING = 1e-6
@@ -109,7 +110,7 @@ def step_error(
     longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
     found = _estimate(known, longer) if longer else None
     if found is None or suspicious or not found.largest <= SURE:
-        wanted = [(1 / parts, TIMES_AS_SHORT[parts], _shorter(options, solution.whole_run, parts)) for parts in SHORTER]
+        wanted = [(1 / parts, words, _shorter(options, solution.whole_run, parts)) for parts, words in TIMES_AS_SHORT.items()]
         shorter = _tried(repeat, wanted[:1])
         half = _estimate(known, shorter) if shorter else None
         if found and half and found.largest > CONTRADICTED >= half.largest:

@@ -15,7 +15,6 @@ from toolkit.validity.physics import critical_loads, excessive_speeds, large_def
 from toolkit.validity.scene_cautions import cautions_of_scene
 from toolkit.validity.snap_through import snap_through
 from toolkit.validity.spring_length import springs_through_zero
-from toolkit.validity.stale_models import stale_models
 from toolkit.validity.start_cautions import cautions_of_start
 from toolkit.validity.verdict import Caution, Verdict
 
@@ -59,7 +58,6 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from limits_passed(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
-    yield from stale_models(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)
     yield from critical_loads(solution)

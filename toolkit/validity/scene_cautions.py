@@ -9,13 +9,14 @@ from toolkit.joints.joint import Joint
 from toolkit.loads.springs import PointSpring, TurnSpring
 from toolkit.scene import Scene
 from toolkit.validity.joint_cautions import cautions_of_joints
+from toolkit.validity.stale_models import stale_models
 from toolkit.validity.unit_cautions import cautions_of_units
 from toolkit.validity.verdict import Caution
 
 
 def cautions_of_scene(scene: Scene) -> list[Caution]:
-    """All cautions that follow from what is written, before anything runs."""
-    return [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene)]
+    """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
+    return [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
 
 
 def _held_by_nothing(scene: Scene) -> Iterator[Caution]:

@@ -8,7 +8,6 @@ from toolkit.scene import Scene
 from toolkit.studies.stability.found import Cell, Mapped, Reference
 from toolkit.studies.stability.verdict import Limits
 from toolkit.validity.scene_cautions import cautions_of_scene
-from toolkit.validity.stale_models import stale_models
 from toolkit.validity.verdict import Caution, Verdict
 
 ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
@@ -20,7 +19,7 @@ def verdict_of(
 ) -> Verdict:
     """Whether the classes of the cells mean what they say, and why not; the arguments are fields of `found.Study`."""
     cautions = [*_of_the_scene_itself(own, design), *_of_the_reference(scene, design, limits, reference, maps)]
-    return Verdict.of([*cautions, *cautions_of_scene(scene), *stale_models(scene)])
+    return Verdict.of([*cautions, *cautions_of_scene(scene)])
 
 
 def _of_the_scene_itself(own: Cell, design: Sequence[str]) -> Iterator[Caution]:
