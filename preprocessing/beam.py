@@ -17,9 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-AXIAL = np.array([[1, 0], [-1, 1], [0, 0], [0, 0]])  # powers of r (rows) in the functions of u_1, u_2
-HERMITE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]])  # of v_1, L th_1, v_2, L th_2
-POWERS = np.arange(4)
+from toolkit.beam_functions import AXIAL, HERMITE, POWERS
 
 
 def length(ends: np.ndarray) -> np.ndarray:

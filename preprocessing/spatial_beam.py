@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from preprocessing.beam import AXIAL, HERMITE, POWERS
+from toolkit.beam_functions import AXIAL, HERMITE, POWERS
 
 SECOND, THIRD = 1, 2
 """Numbers of the section's principal axes e_2 and e_3 among the axes of an element."""

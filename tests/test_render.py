@@ -27,6 +27,7 @@ from toolkit.render.panel import Panel, Window, multiples, tick_step
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.probe import RenderError, drawing, drawing_environment
 from toolkit.render.scene_picture import even, instant_windows, meanings
+from toolkit.render.skin_mesh import skin_mesh
 from toolkit.render.skin_shape import skin_shape
 from toolkit.render.symbols import symbols
 from toolkit.responses.shape_error import ShapeRMS
@@ -98,10 +99,9 @@ def test_an_interrupted_picture_leaves_the_old_one(opengl, wing, tmp_path, monke
 
 
 def test_drawn_stress_has_the_range_of_the_response(wing):
-    from toolkit.render import parts
 
     moment = Configuration(wing, 4)
-    drawn = parts.skin(skin_shape(moment, "skin"), 1.5, "stress", 0.0).point_data["stress"]
+    drawn = skin_mesh(skin_shape(moment, "skin"), 1.5, "stress", 0.0).point_data["stress"]
     largest = MaxStress(body="skin", when="end").value(wing)
     smallest = stress_field(wing, "skin")[0][-1].min()
     np.testing.assert_allclose([drawn.min(), drawn.max()], [smallest, largest], rtol=1e-12)  # round-off of the interpolation

@@ -13,7 +13,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from toolkit.render.configuration import Configuration
 from toolkit.render.look import choose_look
 from toolkit.render.mechanism_lines import mechanism
-from toolkit.render.parts import skin
+from toolkit.render.skin_mesh import skin_mesh
 from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.replaced_file import write_whole
 from toolkit.responses.stress import stress_field
@@ -86,7 +86,7 @@ def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray
     shape, label = skin_shape(moment, body), f"stress in {unit(moment.scene.units, 'stress')}"
     if shape is None:
         return None
-    mesh = skin(shape, thickness, label, 0.0)
+    mesh = skin_mesh(shape, thickness, label, 0.0)
     for x, variable in enumerate(moment.solution.system.design.names):
         values = fibre_values(drawn_model(moment, body), dstress[moment.step, :, x])
         mesh.point_data[f"stress by {variable}"] = np.repeat(values.ravel(), 2)

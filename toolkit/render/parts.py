@@ -1,4 +1,4 @@
-"""The parts of a picture as meshes in the plane: lines, dashes, tubes, dots, the skin with its stress."""
+"""The parts of a picture as meshes in the plane: lines, dashes, tubes, dots."""
 
 from __future__ import annotations
 
@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 import pyvista
 
-from toolkit.render.skin_shape import SkinShape
-
 
 def line(points: np.ndarray, height: float = 0.0) -> Any:
     """A polyline through points (n, 2) at a height above the plane; what is higher covers what is lower."""
-    return pyvista.lines_from_points(_lifted(points, height))
+    return pyvista.lines_from_points(lifted(points, height))
 
 
 def dashes(points: np.ndarray, length: float, height: float = 0.0) -> Any:
@@ -34,7 +32,7 @@ def tube(points: np.ndarray, radius: float) -> Any:
 
 def dot(point: np.ndarray, radius: float, height: float) -> Any:
     """A flat disc."""
-    return pyvista.Disc(center=_lifted(point[None], height)[0], inner=0.0, outer=radius, c_res=32)
+    return pyvista.Disc(center=lifted(point[None], height)[0], inner=0.0, outer=radius, c_res=32)
 
 
 def lines(every: list[np.ndarray], height: float) -> Any:
@@ -42,17 +40,6 @@ def lines(every: list[np.ndarray], height: float) -> Any:
     return pyvista.merge([line(points, height) for points in every])
 
 
-def skin(shape: SkinShape, thickness: float, name: str, height: float) -> Any:
-    """The skin as two bands, middle line to outer and to inner fibre, each with the stress of its fibre as point data of that name."""
-    fibres = shape.fibres(thickness)
-    edges = np.stack([fibres, np.broadcast_to(shape.line[:, :, None], fibres.shape)], axis=3)  # (n_e, points, fibre, edge, 2)
-    n = np.arange(edges[..., 0].size).reshape(edges.shape[:4])
-    quads = np.stack([n[:, :-1, :, 0], n[:, 1:, :, 0], n[:, 1:, :, 1], n[:, :-1, :, 1]], axis=-1).reshape(-1, 4)
-    faces = np.column_stack([np.full(len(quads), 4), quads])
-    mesh = pyvista.PolyData(_lifted(edges.reshape(-1, 2), height), faces=faces.ravel())
-    mesh.point_data[name] = np.repeat(shape.stress.ravel(), 2)
-    return mesh
-
-
-def _lifted(points: np.ndarray, height: float) -> np.ndarray:
+def lifted(points: np.ndarray, height: float) -> np.ndarray:
+    """Points (n, 2) of the plane at a height above it, (n, 3)."""
     return np.column_stack([points, np.full(len(points), height)]).astype(float)

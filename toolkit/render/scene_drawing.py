@@ -12,6 +12,7 @@ from toolkit.render.labels import write_names
 from toolkit.render.look import Look
 from toolkit.render.moment import names_by_place
 from toolkit.render.panel import FRAME, Panel
+from toolkit.render.skin_mesh import skin_mesh
 from toolkit.render.skin_shape import drawn_model, skin_shape
 from toolkit.render.symbols import clamps, symbols
 
@@ -72,7 +73,7 @@ def _draw_skins(panel: Panel, configuration: Configuration, look: Look, height: 
         if shape is None:
             continue
         name = f"stress of {body}"
-        band = parts.skin(shape, thickness, name, height)
+        band = skin_mesh(shape, thickness, name, height)
         actor = panel.draw(band, scalars=name, cmap=COLORS, clim=_limits(look), lighting=False)
         edges += [shape.fibres(thickness)[:, :, fibre].reshape(-1, 2) for fibre in range(2)]
     for edge in edges:

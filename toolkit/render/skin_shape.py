@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from toolkit.beam_functions import AXIAL, HERMITE, slope, values
 from toolkit.errors import InputError
 from toolkit.flexible_bodies import flexible_body
 from toolkit.reduced_model import Mesh, ReducedModel
@@ -84,12 +85,10 @@ def _displacement(mesh: Mesh, nodal: np.ndarray) -> tuple[np.ndarray, np.ndarray
     e = chord / length[:, None]
     n = np.column_stack([-e[:, 1], e[:, 0]])
     r = _ratios()
-    hermite = np.array([1 - 3 * r**2 + 2 * r**3, r - 2 * r**2 + r**3, 3 * r**2 - 2 * r**3, r**3 - r**2])
-    slope = np.array([6 * r**2 - 6 * r, 1 - 4 * r + 3 * r**2, 6 * r - 6 * r**2, 3 * r**2 - 2 * r])
     across = np.stack([_dot(n, nodal[start]), length * nodal[start, 2], _dot(n, nodal[end]), length * nodal[end, 2]], axis=1)
-    along = _dot(e, nodal[start])[:, None] * (1 - r) + _dot(e, nodal[end])[:, None] * r
-    moved = along[:, :, None] * e[:, None] + (across @ hermite)[:, :, None] * n[:, None]
-    return moved, (across @ slope) / length[:, None]
+    along = np.stack([_dot(e, nodal[start]), _dot(e, nodal[end])], axis=1) @ values(AXIAL, r)
+    moved = along[:, :, None] * e[:, None] + (across @ values(HERMITE, r))[:, :, None] * n[:, None]
+    return moved, (across @ values(slope(HERMITE), r)) / length[:, None]
 
 
 def _stress(configuration: Configuration, body: str, model: ReducedModel) -> np.ndarray:

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.compile_watch import watched_compilation
+from toolkit.memory_sizes import GIGABYTE
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene import Scene
@@ -17,7 +18,7 @@ from toolkit.sensitivity.analysis import Progress, Result, by_name, prepare, res
 from toolkit.sensitivity.backward_sweep import begin_sweep, end_sweep, sweep
 from toolkit.solution import Solution
 from toolkit.solvers.checkpoints import Checkpoint, checkpoint_states, solve_window, solve_windows, window_bounds
-from toolkit.solvers.run import GIGABYTE, Run, prepare_run
+from toolkit.solvers.run import Run, prepare_run
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 

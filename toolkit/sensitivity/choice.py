@@ -15,9 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toolkit.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.scene import Scene
 from toolkit.sensitivity.analysis import Kind, prepare, responses_of
-from toolkit.solvers.run import GIGABYTE, in_gigabytes
 from toolkit.system import System
 from toolkit.time_grid import time_grid
 

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 from toolkit.errors import CriticalStateError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.equilibrium import Equilibrium, inputs_at, static_matrix
-from toolkit.solvers.modes import ROUND_OFF, free_motions, is_symmetric, made_of
+from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
 from toolkit.solvers.saddle import factorised
 from toolkit.system import System
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from toolkit.errors import InputError
+from toolkit.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.run_options import RunOptions
-from toolkit.solvers.run import GIGABYTE, in_gigabytes
 from toolkit.system import System
 
 COPIES = 4

@@ -11,7 +11,7 @@ from toolkit.errors import ConvergenceError, SingularSystemError
 from toolkit.run_options import RunOptions
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
-from toolkit.solvers.modes import free_motions
+from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.saddle import factorised, free_count
 from toolkit.solvers.softness import softest
 from toolkit.system import System

@@ -5,20 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import LinAlgError, eig, eigh, null_space
+from scipy.linalg import LinAlgError, eig, eigh
 
 from toolkit.errors import SingularSystemError
 from toolkit.mode_shapes import told_apart
 from toolkit.solution import Solution
+from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
 from toolkit.validity.damped_modes import cautions_of_damping
 from toolkit.validity.spin import cautions_of_spin
 from toolkit.validity.verdict import Verdict
-
-ROUND_OFF = 1e-14
-"""Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
-from zero."""
-UNSYMMETRIC = 1e-9
-"""Part of the largest stiffness that following forces make unsymmetric at least, if they do so at all."""
 
 
 class Modes(NamedTuple):
@@ -69,32 +64,6 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
     return Modes(frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped]))
-
-
-def made_of(
-    stiffness: np.ndarray, phi_q: np.ndarray, multipliers: np.ndarray, weights: np.ndarray, motions: np.ndarray
-) -> np.ndarray:
-    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured by.
-
-    They are entries of the stiffness, and joint forces at levers of the scene's size: those of a balance, which has no stiffness, cancel in
-    each entry already.
-    """
-    sizes: np.ndarray = np.abs(motions)
-    lever = (np.abs(phi_q.T) @ np.abs(np.real(multipliers)) / weights).max(initial=0)
-    moves = (weights[:, None] * sizes).max(axis=0)
-    return sizes.T @ np.abs(stiffness) @ sizes + lever * np.outer(moves, moves)
-
-
-def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
-    """Basis of the motions that the joints allow, (n_q, n_free), in coordinates scaled to comparable size."""
-    if not len(phi_q):
-        return np.diag(1 / weights)
-    return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
-
-
-def is_symmetric(stiffness: np.ndarray, terms: float) -> bool:
-    """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
-    return bool(np.abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * np.abs(stiffness).max() + 10 * ROUND_OFF * terms)
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:

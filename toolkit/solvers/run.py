@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.memory_sizes import GIGABYTE, in_gigabytes
 from toolkit.run_options import RunOptions
 from toolkit.solvers.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.generalized_alpha import integrate
@@ -17,7 +18,6 @@ from toolkit.solvers.step_memory import History, Memory, Outcome, allocate_memor
 from toolkit.system import System
 from toolkit.time_grid import step_lengths, time_grid
 
-GIGABYTE = 1e9
 OVER_ALL, OF_FORCES = 100.0, 1e-3
 """What kept factors of modified Newton may move over a whole run, and in one equilibrium without inertia, in parts of the tolerance."""
 
@@ -93,12 +93,6 @@ def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) ->
             f"solver.memory = {options.memory:g} GB. Choose a larger {coarser}, a shorter time, or fewer design variables at once; "
             "or the adjoint method, which keeps checkpoints only, unless steps are chosen."
         )
-
-
-def in_gigabytes(count: float) -> str:
-    """A number of bytes for messages."""
-    size = count / GIGABYTE
-    return f"{size:.0f} GB" if size >= 1 else f"{size:.2g} GB"
 
 
 def empty_history(system: System, n_t: int, start: tuple) -> History:

@@ -29,7 +29,7 @@ from toolkit.flexible_bodies import elastic_coordinates
 from toolkit.near_ties import first_largest
 from toolkit.solution import Solution
 from toolkit.solvers.equilibrium import LEVELS, static_matrix
-from toolkit.solvers.modes import free_motions
+from toolkit.solvers.free_motions import free_motions
 from toolkit.validity.deformation import flexible_bodies
 from toolkit.validity.geometric_stiffness import Stiffening, stiffening
 

@@ -1,0 +1,38 @@
+"""Motions that the joints allow, and the stiffness against them: how large its terms are, and whether it is symmetric."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import null_space
+
+ROUND_OFF = 1e-14
+"""Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
+from zero."""
+UNSYMMETRIC = 1e-9
+"""Part of the largest stiffness that following forces make unsymmetric at least, if they do so at all."""
+
+
+def made_of(
+    stiffness: np.ndarray, phi_q: np.ndarray, multipliers: np.ndarray, weights: np.ndarray, motions: np.ndarray
+) -> np.ndarray:
+    """How large the terms are that the stiffness against motions (n_q, m) is the sum of, (m, m): what its round-off is measured by.
+
+    They are entries of the stiffness, and joint forces at levers of the scene's size: those of a balance, which has no stiffness, cancel in
+    each entry already.
+    """
+    sizes: np.ndarray = np.abs(motions)
+    lever = (np.abs(phi_q.T) @ np.abs(np.real(multipliers)) / weights).max(initial=0)
+    moves = (weights[:, None] * sizes).max(axis=0)
+    return sizes.T @ np.abs(stiffness) @ sizes + lever * np.outer(moves, moves)
+
+
+def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Basis of the motions that the joints allow, (n_q, n_free), in coordinates scaled to comparable size."""
+    if not len(phi_q):
+        return np.diag(1 / weights)
+    return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
+
+
+def is_symmetric(stiffness: np.ndarray, terms: float) -> bool:
+    """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
+    return bool(np.abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * np.abs(stiffness).max() + 10 * ROUND_OFF * terms)
