@@ -48,12 +48,12 @@ def formula_stamp(kernel: CPUDispatcher) -> str:
 
 @cache
 def layout(given: Any) -> str:
-    """A type of numba with the names of all fields: numba writes the types alone, but fields that change places change the code."""
+    """A type of numba with the names and places of all records: numba writes the types alone, but code finds its records by both."""
     if isinstance(given, tuple):
         return f"({', '.join(map(layout, given))})"
     if isinstance(given, types.BaseTuple):
-        name, fields = getattr(given, "instance_class", tuple).__name__, getattr(given, "fields", ())
-        return f"{name}{fields}{layout(tuple(getattr(given, 'types', ())))}"
+        kind, fields = getattr(given, "instance_class", tuple), getattr(given, "fields", ())
+        return f"{kind.__module__}.{kind.__name__}{fields}{layout(tuple(getattr(given, 'types', ())))}"
     if isinstance(given, types.FunctionType):
         return f"{layout(given.signature.return_type)} of {layout(given.signature.args)}"
     return str(given)
