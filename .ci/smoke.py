@@ -17,7 +17,7 @@ MODELS = Path(__file__).resolve().parents[1] / "models"
 FORMULAS = """
 import numpy as np
 from numba import types
-from toolkit.kernel import call, inlined, inner, kernel, plain, slots
+from toolkit.foundation.kernel import call, inlined, inner, kernel, plain, slots
 
 @inner
 def half(x):
@@ -56,8 +56,8 @@ def run(command: str, *arguments: object, code: int = 0) -> str:
     """Standard output of a command in this process, its standard error if it must fail."""
     from typer.testing import CliRunner
 
-    from preprocessing.cli import app as preprocess
-    from toolkit.cli import app
+    from preprocessing.commands.cli import app as preprocess
+    from toolkit.command_line.cli import app
 
     done = CliRunner().invoke(preprocess if command == "ffrf-preprocess" else app, list(map(str, arguments)))
     if done.exit_code != code or "Warning" in done.stderr or not isinstance(done.exception, SystemExit | None):

@@ -6,11 +6,11 @@ Run it after a change of those classes: python schemas/write_schemas.py
 import json
 from pathlib import Path
 
-from preprocessing.frame_file import FrameFile
-from preprocessing.skin_file import SkinFile
-from preprocessing.solids.body_file import BodyFile
-from toolkit.replaced_file import replaced
-from toolkit.scene_schema import DRAFT, scene_schema, tidy
+from preprocessing.recipes.frame.frame_file import FrameFile
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.solids.body_file import BodyFile
+from toolkit.foundation.files.replaced_file import replaced
+from toolkit.scene_file.schema import DRAFT, scene_schema, tidy
 
 skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexible skin of ffrf-toolkit"})
 body = tidy(

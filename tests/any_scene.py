@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.conformance.comparison import STEP, TOLERANCE
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives, inputs, plain_terms, random_state
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 
 def close(ours: np.ndarray, reference: np.ndarray, tolerance: float = TOLERANCE) -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from preprocessing.polygon_beam import polygon_beam
-from toolkit.reduced_model_file import save
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.reduced_model.file import save
 
 
 def save_beam(path: Path, *args, **kwargs) -> Path:

@@ -8,24 +8,24 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.component import Component, Place, on_both
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.joint import Joint
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
-from toolkit.scene import Scene
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.planar.joint import Joint
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.markers.component import Component, Place, on_both
+from toolkit.scene.scene import Scene
 
 SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)
 TABLE = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9))

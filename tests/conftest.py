@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from toolkit.command_line.rehearsal import rehearse
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 PLANE, SPACE = "four_bar_chain", "spatial_bracket"

@@ -5,31 +5,26 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
-from toolkit.responses.catalogue import (
-    Displacement,
-    JointForce,
-    KineticEnergy,
-    KSStress,
-    MaxStress,
-    Rotation,
-    StrainEnergy,
-    TimeIntegral,
-)
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.scene import Scene
 
 SOLVER = RunOptions(end_time=0.06, step=0.02, tolerance=1e-13, assemble=True, rho_inf=0.7, load_steps=1)
 """Few steps; Newton down to round-off, because a derivative is as exact as the state; lengths and start values move the bodies."""

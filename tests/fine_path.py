@@ -12,9 +12,9 @@ import numpy as np
 from scipy.linalg import null_space
 from scipy.optimize import brentq
 
-from toolkit.solvers.equilibrium import inputs_at, static_matrix
-from toolkit.solvers.static_start import start_of_path
-from toolkit.system import System
+from toolkit.solvers.static.equilibrium import inputs_at, static_matrix
+from toolkit.solvers.static.static_start import start_of_path
+from toolkit.system.system import System
 
 STRAIGHT = 0.996
 """Least cosine between the directions of neighbouring points, 5 degrees."""

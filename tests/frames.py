@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.assembly import Matrices, assemble
-from preprocessing.constrained_pencil import ConstrainedPencil
-from preprocessing.geometry import read_geometry
-from preprocessing.interface import interface_point
-from preprocessing.mesh import CurveMesh
-from preprocessing.patches import distribute
-from preprocessing.section import Section
-from preprocessing.skin_file import read_skin_file
+from preprocessing.assembly.assembly import Matrices, assemble
+from preprocessing.assembly.interface import interface_point
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import Section
+from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.recipes.skin.geometry import read_geometry
+from preprocessing.recipes.skin.skin_file import read_skin_file
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0)
 SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.toml"

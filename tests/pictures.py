@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from toolkit.render.probe import RenderError, drawing_environment
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.system import compile_scene
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 
 def rest(scene: Scene, steps: int, design: list[str] | None = None) -> Solution:

@@ -20,9 +20,9 @@ import numpy as np
 import scipy.linalg  # noqa: F401  loads its own copy of OpenBLAS
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
-from preprocessing.source_file import source
+from preprocessing.recipes.source_file import source
 from tests.solid_bodies import rectangle, write_body
-from toolkit.reduced_model import ReducedModel
+from toolkit.reduced_model.model import ReducedModel
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"

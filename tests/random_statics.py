@@ -9,25 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.loads.point_force import PointForce
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 SNAPPING = {

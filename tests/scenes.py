@@ -2,30 +2,23 @@
 
 from pathlib import Path
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.responses.catalogue import (
-    Displacement,
-    JointForce,
-    KineticEnergy,
-    KSStress,
-    MaxStress,
-    Rotation,
-    ShapeMax,
-    ShapeMSE,
-    ShapeRMS,
-    StrainEnergy,
-    TimeIntegral,
-)
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
+from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.scene import Scene
 
 MODELS = Path(__file__).parents[1] / "models" / "morphing_wing"
 WING = MODELS / "scene.toml"

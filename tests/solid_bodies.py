@@ -8,11 +8,11 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.elements import CUBE, CUBE_MIDDLES
-from preprocessing.solids.faces import TETRA_EDGES
-from preprocessing.solids.solid_mesh import SolidMesh
-from toolkit.reduced_model import InterfacePoint, ReducedModel
+from preprocessing.assembly.solids.elements import CUBE, CUBE_MIDDLES
+from preprocessing.mesh.faces import TETRA_EDGES
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.build_body import build_body
+from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 
 KINDS = ("triangle", "triangle6", "quad", "quad8", "quad9")
 MODULUS, DENSITY, WIDTH = 210e9, 7800.0, 0.05

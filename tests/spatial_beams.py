@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing import spatial_beam
-from preprocessing.reduction import spatial_motions, undeformed
-from preprocessing.section import Patch
-from preprocessing.section_shape import SectionShape, rectangle
-from preprocessing.spatial_assembly import BeamMesh, SpatialPatch, assemble
-from preprocessing.spatial_discretisation import SpatialDiscretisation
-from toolkit.spatial_model import SpatialInvariants, all_second_moments
+from preprocessing.assembly.spatial_assembly import BeamMesh, SpatialPatch, assemble
+from preprocessing.basis.reduction import spatial_motions, undeformed
+from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.elements import spatial_beam
+from preprocessing.elements.section import Patch
+from preprocessing.elements.section_shape import SectionShape, rectangle
+from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
 
 VALUES = {
     "youngs_modulus": 70.0, "density": 2.7, "thickness": 0.3, "width": 0.5, "damping_mass": 0.2, "damping_stiffness": 0.01,

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from preprocessing.build_frame import build_frame
-from preprocessing.solids.build_body import build_body
+from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing.recipes.solids.build_body import build_body
 from tests.cases import LINEAR, SINE, SUM, TABLE
 from tests.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.component import Component, Place, on_both
-from toolkit.joints.joint import Joint
+from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.planar.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
@@ -29,9 +29,9 @@ from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model_file import save
-from toolkit.scene import Scene
+from toolkit.markers.component import Component, Place, on_both
+from toolkit.reduced_model.file import save
+from toolkit.scene.scene import Scene
 
 AXIS = (0.8, -0.5, 0.6)
 KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [

@@ -8,6 +8,8 @@ from typing import Any
 from tests.every_number import FOLLOW, LEAD, SOLVER
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import Constant, Sine, SmoothStep
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
@@ -23,10 +25,12 @@ from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import Constant, Sine, SmoothStep
-from toolkit.responses.catalogue import Displacement, JointForce, KineticEnergy, KSStress, Rotation, StrainEnergy, TimeIntegral
-from toolkit.scene import Scene
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.stress.stress import KSStress
+from toolkit.scene.scene import Scene
 
 POINTS = {
     "O": (0.1, 0.2, -0.1),

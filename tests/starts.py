@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.scene import Scene
-from toolkit.solvers.initial_conditions import State, consistent_start
-from toolkit.system import System, compile_scene
+from toolkit.scene.scene import Scene
+from toolkit.solvers.start.initial_conditions import State, consistent_start
+from toolkit.system.system import System, compile_scene
 
 LEVELS = np.array([1.0, 0.0, 0.0])
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
-from toolkit.errors import InputError
-from toolkit.responses.catalogue import Displacement, JointForce, Rotation, TimeIntegral
-from toolkit.run_options import RunOptions
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import direct, prepare
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.transient import simulate
 
 ROUND_OFF = 1e-9
 """Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""

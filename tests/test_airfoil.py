@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.airfoil import read_airfoil
-from toolkit.errors import InputError
+from preprocessing.airfoil.airfoil import read_airfoil
+from toolkit.foundation.errors import InputError
 
 FILES = Path(__file__).parent / "data" / "airfoils"
 MORPHING = Path(__file__).parents[1] / "models" / "morphing_wing"

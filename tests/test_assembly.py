@@ -7,21 +7,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rod
-from toolkit.errors import ConvergenceError, InputError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.profile import Constant, Sine, Sum
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import Constant, Sine, Sum
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, InputError
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.responses.motion import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct, values_of
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 FREE = Sum(terms=(Constant(value=0.0), Sine(amplitude=0.3, frequency=0.8)))
 

@@ -8,24 +8,24 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.planar import rotation
-from toolkit.point import Point
-from toolkit.profile import Sine, SmoothStep, Sum
-from toolkit.reduced_model_file import load
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import Sine, SmoothStep, Sum
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.kinematics.planar import rotation
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.reduced_model.file import load
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import System, compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 TILDE = np.array([[0.0, -1.0], [1.0, 0.0]])

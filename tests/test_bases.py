@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from preprocessing.assembly import Matrices
-from preprocessing.basis import Basis, DesignRates
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.invariants import contract
-from preprocessing.mesh import CurveMesh
-from preprocessing.reduction import MEAN_AXES, reduced_basis, tangent_frame, undeformed
+from preprocessing.assembly.assembly import Matrices
+from preprocessing.assembly.invariants import contract
+from preprocessing.basis.basis import Basis, DesignRates
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.basis.reduction import MEAN_AXES, reduced_basis, tangent_frame, undeformed
+from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.frames import Frame, cantilever, matrices, relative, richardson, ring, varied, wing
-from toolkit.errors import InputError
-from toolkit.reduced_model import generalized_mass
-from toolkit.reduced_model_check import RIGID
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.checks import RIGID
+from toolkit.reduced_model.model import generalized_mass
 
 INSIDE = replace(wing(), points={"C": 9.62, "E": 25.0, "G": 30.0})
 """The skin with one interface point inside an element."""

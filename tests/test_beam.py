@@ -7,11 +7,11 @@ import pytest
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from preprocessing import beam
-from preprocessing.assembly import Matrices, Parts, assemble
-from preprocessing.mesh import mesh_curve
-from preprocessing.patches import distribute
-from preprocessing.section import Section
+from preprocessing.assembly.assembly import Matrices, Parts, assemble
+from preprocessing.elements import beam
+from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import Section
+from preprocessing.mesh.curve_mesh import mesh_curve
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=40.0)
 ENDS = np.array([[[3.0, -1.0], [7.0, 2.0]]])  # length 5, direction (0.8, 0.6)

@@ -8,28 +8,28 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model_file import load
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.solvers.undeformed import undeformed
-from toolkit.system import compile_scene
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.analyses.undeformed import undeformed
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.reduced_model.file import load
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 DATA = Path(__file__).parent / "data" / "benchmarks"
 GRAVITY = Gravity(acceleration=(0.0, -9.81))

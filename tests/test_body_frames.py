@@ -9,32 +9,32 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from preprocessing.build_frame import build_frame
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.build_frame import build_frame
 from tests.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.point_force import PointForce
+from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.spatial.point_force import SpatialPointForce
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.reduced_model_file import save
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.scene_cautions import cautions_of_scene
+from toolkit.reduced_model.file import save
+from toolkit.scene.scene import Scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 E, T, B, FORCE = 2e11, 0.01, 0.02, 1.0
 BENDING = E * B * T**3 / 12

@@ -8,23 +8,27 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
 from tests.test_benchmarks import CHAIN, slider_crank
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.responses.catalogue import Displacement, JointForce, KineticEnergy, KSStress, MaxStress, Rotation, TimeIntegral
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.energy import KineticEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Kind, values_of
 from toolkit.sensitivity.methods import gradients_by
 

@@ -9,16 +9,17 @@ import pytest
 
 from tests.benchmarks.chain import chain
 from tests.scenes import HANGING_DESIGN, hanging_skin
-from toolkit.errors import InputError
-from toolkit.responses.catalogue import JointForce, KSStress, Response
-from toolkit.responses.response import Partials
+from toolkit.analyses.checkpoints import solve_windows, window_bounds
+from toolkit.analyses.transient import simulate
+from toolkit.foundation.errors import InputError
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.response import Partials, Response
+from toolkit.responses.stress.stress import KSStress
 from toolkit.responses.windows import combine
-from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.analysis import direct, prepare
-from toolkit.solvers.checkpoints import solve_windows, window_bounds
-from toolkit.solvers.run import prepare_run
-from toolkit.solvers.transient import simulate
+from toolkit.solvers.transient.run import prepare_run
 
 ROUND_OFF = 1e-10
 """The states are the same to the last bit, and so are the stresses and what looks at one instant. Sums over windows are taken in

@@ -12,12 +12,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from toolkit.cli import app
 from toolkit.command_line.announcements import compile_before
-from toolkit.command_line.report import record_of
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity import certificate
+from toolkit.command_line.cli import app
+from toolkit.command_line.printed.report import record_of
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
+from toolkit.sensitivity.certificate import certificate
 
 ROOT = Path(__file__).parents[1]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")
@@ -52,7 +52,7 @@ def refused(*arguments: str) -> str:
 
 def start(*arguments: str, **options) -> subprocess.Popen:
     """Start a command in a process of its own."""
-    command = [sys.executable, "-m", "toolkit.cli", *arguments]
+    command = [sys.executable, "-m", "toolkit.command_line.cli", *arguments]
     return subprocess.Popen(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options)
 
 
@@ -258,14 +258,15 @@ def test_render_refuses_a_file_as_its_folder_before_it_simulates(tmp_path):
 
 def test_help_and_start_import_nothing_heavy():
     heavy = {"numba", "scipy", "h5py", "pyvista", "matplotlib", "gmsh", "preprocessing"}
-    code = f"import sys, toolkit.cli; print(*sorted({heavy} & set(sys.modules)))"
+    code = f"import sys, toolkit.command_line.cli; print(*sorted({heavy} & set(sys.modules)))"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout.split() == []
 
 
 def test_simulate_imports_no_drawing():
     code = (
-        f"import sys; from toolkit.cli import app; app(['modes', {SCENE!r}], standalone_mode=False); print(sorted(sys.modules))"
+        f"import sys; from toolkit.command_line.cli import app; app(['modes', {SCENE!r}], standalone_mode=False)\n"
+        "print(sorted(sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert "'numba'" in done.stdout
@@ -276,7 +277,7 @@ def test_simulate_imports_no_drawing():
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of another kind")
 def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
     code = (
-        "import os, signal, toolkit.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT);"
+        "import os, signal, toolkit.command_line.cli as c; c.read = lambda *_: os.kill(os.getpid(), signal.SIGINT);"
         "signal.signal(signal.SIGINT, signal.default_int_handler); c.main()"  # a process in the background is born deaf to it
     )
     command = [sys.executable, "-c", code, "statics", SCENE]

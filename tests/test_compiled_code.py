@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from toolkit import cli, compiled_code
+from toolkit.command_line import cli
 from toolkit.command_line.announcements import at_work
-from toolkit.compiled_code import CompiledCodeWarning
-from toolkit.errors import InputError
-from toolkit.scene_file import read_scene
+from toolkit.foundation.compiled import compiled_code
+from toolkit.foundation.compiled.compiled_code import CompiledCodeWarning
+from toolkit.foundation.errors import InputError
+from toolkit.scene_file.reader import read_scene
 
 PENDULUM = Path(__file__).parents[1] / "models" / "pendulum" / "scene.toml"
-SOURCE = "from toolkit.kernel import kernel\n\n\n@kernel\ndef twice(x):\n    return 2 * x\n"
+SOURCE = "from toolkit.foundation.kernel import kernel\n\n\n@kernel\ndef twice(x):\n    return 2 * x\n"
 
 
 @pytest.fixture
@@ -143,7 +144,7 @@ FORMULAS = """
 '''A module.'''
 from typing import NamedTuple
 import numpy as np
-from toolkit.kernel import inner, kernel
+from toolkit.foundation.kernel import inner, kernel
 
 FACTOR = 2.0
 
@@ -199,7 +200,7 @@ def test_code_is_that_of_the_formula_and_of_all_that_it_calls_and_survives_all_o
 
 
 MADE = """
-from toolkit.kernel import kernel
+from toolkit.foundation.kernel import kernel
 
 def times(factor):
     @kernel
@@ -235,7 +236,7 @@ def test_a_formula_that_uses_a_number_of_another_module_is_compiled_by_every_pro
 
 
 def test_a_docstring_that_is_a_constant_of_the_formula_too_counts(own):
-    text = "from toolkit.kernel import kernel\n\n@kernel\ndef twice(x):\n    'ab'\n    return x * len('ab')\n"
+    text = "from toolkit.foundation.kernel import kernel\n\n@kernel\ndef twice(x):\n    'ab'\n    return x * len('ab')\n"
     for length, edited in ((2, text), (3, text.replace("ab", "abc"))):
         own.write_text(edited)
         assert runpy.run_path(str(own))["twice"](1.0) == length

@@ -33,8 +33,8 @@ def completed(program: str, module: str, line: str) -> list[str]:
     ],
 )
 def test_commands_options_and_their_values_are_completed(line, offered):
-    assert completed("ffrf", "toolkit.cli", line) == offered
+    assert completed("ffrf", "toolkit.command_line.cli", line) == offered
 
 
 def test_options_of_the_preprocessing_are_completed():
-    assert completed("ffrf-preprocess", "preprocessing.cli", "ffrf-preprocess --fo") == ["--force"]
+    assert completed("ffrf-preprocess", "preprocessing.commands.cli", "ffrf-preprocess --fo") == ["--force"]

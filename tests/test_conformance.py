@@ -17,26 +17,26 @@ from tests.any_scene import (  # noqa: F401  (they run on the scenes of this mod
     test_state_derivatives_are_the_complex_step_of_the_residual,
 )
 from tests.cases import CASES, SINE, Case, write_models
-from toolkit.bodies.rigid import Rigid
-from toolkit.compilation.component_arrays import families
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.compilation.arrays.component_arrays import families
 from toolkit.conformance.check import check_joint, check_load, check_scene
 from toolkit.conformance.comparison import STEP
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_state_derivatives, inputs, plain_terms, random_state
-from toolkit.errors import ConformanceError
-from toolkit.joints.driver import PositionDriver
-from toolkit.joints.joint import Joint, PointJoint
-from toolkit.joints.slider import Slider
-from toolkit.kernel import kernel
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load
-from toolkit.loads.spring_damper import SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConformanceError
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.planar.driver import PositionDriver
+from toolkit.joints.planar.joint import Joint, PointJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
 
 
 @pytest.fixture(scope="session")
@@ -158,7 +158,7 @@ def test_a_wrong_derivative_of_a_users_joint_is_caught_and_named(mistake, tmp_pa
     line, message = MISTAKES[mistake]
     own = tmp_path / "own_joint.py"
     own.write_text(
-        "from toolkit.kernel import kernel\nfrom tests.test_conformance import parabola\n\n\n@kernel\n"
+        "from toolkit.foundation.kernel import kernel\nfrom tests.test_conformance import parabola\n\n\n@kernel\n"
         f"def spoiled(z, w, phi, phi_z, phi_zz, phi_zww):\n    parabola(z, w, phi, phi_z, phi_zz, phi_zww)\n    {line}\n"
     )
     spoiled = runpy.run_path(str(own))["spoiled"]

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from preprocessing.constrained_pencil import ConstrainedPencil
-from preprocessing.constraint_modes import constraint_modes
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.basis.constraint_modes import constraint_modes
 from tests.frames import cantilever, relative, varied, wing
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 
 def boundary(frame) -> np.ndarray:

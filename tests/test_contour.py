@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from scipy.special import ellipeinc
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.contour import Contour
-from preprocessing.skin import Skin
-from toolkit.errors import InputError
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.curve.contour import Contour
+from preprocessing.curve.skin import Skin
+from toolkit.foundation.errors import InputError
 
 DATA = Path(__file__).parent / "data"
 MORPHING = Path(__file__).parents[1] / "models" / "morphing_wing"

@@ -7,14 +7,14 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
-from preprocessing.corotational import Corotational
-from preprocessing.corotational_command import linear_stress
-from preprocessing.corotational_solve import solve_corotational
-from preprocessing.mesh import CurveMesh
+from preprocessing.corotational.command import linear_stress
+from preprocessing.corotational.elements import Corotational
+from preprocessing.corotational.solve import solve_corotational
+from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.frames import cantilever, matrices, ring
-from toolkit.errors import InputError
-from toolkit.validity.element_sections import Elements
-from toolkit.validity.second_order import mean_rows
+from toolkit.foundation.errors import InputError
+from toolkit.validity.bodies.element_sections import Elements
+from toolkit.validity.bodies.second_order import mean_rows
 
 LENGTH, MODULUS, THICKNESS, WIDTH = 100.0, 70000.0, 0.1, 10.0
 EI = MODULUS * WIDTH * THICKNESS**3 / 12

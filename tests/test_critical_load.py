@@ -9,17 +9,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.cli import app
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity import critical_load
-from toolkit.validity.corotational_check import compare_with_corotational
-from toolkit.validity.critical_load import compression
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.command_line.cli import app
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies import critical_load
+from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.critical_load import compression
 
 MODELS = Path(__file__).parents[1] / "models"
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)

@@ -12,14 +12,14 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from toolkit import preprocessing_process
-from toolkit.cli import app
-from toolkit.errors import InputError
-from toolkit.kernel import plain
-from toolkit.own_process import HOME, safe_path
-from toolkit.reduced_model_file import load
+from toolkit.command_line.cli import app
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.kernel import plain
+from toolkit.foundation.processes import preprocessing_process
+from toolkit.foundation.processes.own_process import HOME, safe_path
+from toolkit.reduced_model.file import load
 from toolkit.render.probe import RenderError, drawing_environment
-from toolkit.sensitivity.rebuilt_bodies import build_all
+from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
 from toolkit.studies.processes import side_by_side
 
 ROOT = Path(__file__).parents[1]
@@ -62,7 +62,7 @@ def test_a_new_wing_by_the_command_as_pip_installs_it(trap, tmp_path, monkeypatc
     monkeypatch.delenv("PYTHONPATH")
     script = tmp_path / "bin" / "ffrf"
     script.parent.mkdir()
-    script.write_text("import sys\nfrom toolkit.cli import main\nsys.exit(main())\n")
+    script.write_text("import sys\nfrom toolkit.command_line.cli import main\nsys.exit(main())\n")
     command = [sys.executable, str(script), "new", "wing", str(tmp_path / "wing"), "--airfoil", str(WING / "high_speed.dat")]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -115,7 +115,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     code = {file: re.sub(r'""".*?"""|#.*', "", file.read_text(), flags=re.DOTALL) for file in files}
     found = {file.relative_to(ROOT).as_posix() for file in files if starts.search(code[file])}
     assert found == {
-        *("toolkit/preprocessing_process.py", "toolkit/render/probe.py", "toolkit/studies/processes.py"),
+        *("toolkit/foundation/processes/preprocessing_process.py", "toolkit/render/probe.py", "toolkit/studies/processes.py"),
         "preprocessing/foreign_files/apart.py",
     }
 
@@ -132,7 +132,7 @@ def namesake(tmp_path, monkeypatch):
 def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     message = re.escape(f"'{namesake}' has the name of a part of this program, '{HOME / 'preprocessing'}', and comes before it")
     with pytest.raises(InputError, match=message):
-        preprocessing_process.run("preprocessing.new_wing_command", [])
+        preprocessing_process.run("preprocessing.new_wing.command", [])
     with pytest.raises(InputError, match=message):
         list(side_by_side(os.path.basename, {1: "a", 2: "b"}, 2, ""))
 
@@ -142,7 +142,7 @@ def test_the_preprocessing_does_not_work_with_a_namesake_of_the_runtime(tmp_path
     (tmp_path / "toolkit" / "__init__.py").touch()
     path = os.pathsep.join(map(str, (tmp_path, HOME)))
     done = subprocess.run(
-        [sys.executable, "-P", "-c", "import preprocessing.cli"],
+        [sys.executable, "-P", "-c", "import preprocessing.commands.cli"],
         env={**os.environ, "PYTHONPATH": path},
         capture_output=True,
         check=False,

@@ -11,27 +11,27 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.build import build
-from preprocessing.corotational import Corotational
-from preprocessing.corotational_command import Body, compare
-from preprocessing.mesh import CurveMesh
-from preprocessing.polygon_beam import polygon_beam
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.corotational.command import Body, compare
+from preprocessing.corotational.elements import Corotational
+from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.recipes.skin.build import build
 from tests.frames import SECTION, cantilever, ring
 from tests.scenes import hanging_skin
-from toolkit import preprocessing_process
-from toolkit.cli import app
-from toolkit.command_line.deformation import print_deformations, record_of_deformations
-from toolkit.design_point import DesignPoint
-from toolkit.reduced_model_file import load, save
-from toolkit.responses.joint_force import JointForce
-from toolkit.scene_file import read_scene
+from toolkit.command_line.cli import app
+from toolkit.command_line.printed.deformation import print_deformations, record_of_deformations
+from toolkit.foundation.processes import preprocessing_process
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare, solve
-from toolkit.validity.corotational_check import compare_with_corotational
-from toolkit.validity.critical_speed import critical_speed
-from toolkit.validity.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants
-from toolkit.validity.element_sections import Elements, Sections, sections
-from toolkit.validity.second_order import mean_rows, second_order_displacement, second_order_forces, stiffness_matrix
+from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.critical_speed import critical_speed
+from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants
+from toolkit.validity.bodies.element_sections import Elements, Sections, sections
+from toolkit.validity.bodies.second_order import mean_rows, second_order_displacement, second_order_forces, stiffness_matrix
 
 MODELS = Path(__file__).parents[1] / "models"
 WING, SPINNING = (str(MODELS / name / "scene.toml") for name in ("morphing_wing", "rotating_beam"))

@@ -9,7 +9,7 @@ from tests.scenes import hanging_skin
 from toolkit.compilation.dependence import affected_items, users_by_name
 from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 
 KINDS = ("start", "constant", "floating", "markers", "joints", "loads")
 

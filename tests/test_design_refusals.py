@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.build import build
+from preprocessing.recipes.skin.build import build
 from tests.test_element_variables import WING, write_wing
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import save
-from toolkit.scene_file import read_scene
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import save
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 CRAIG_BAMPTON = """[basis]
 kind = "craig-bampton"

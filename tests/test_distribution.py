@@ -74,7 +74,7 @@ def test_the_wheel_works_without_the_folder_of_the_project(shipped, tmp_path):
     _, installed = shipped
     (scene,) = installed.glob("*.data/data/share/ffrf-toolkit/models/morphing_wing/scene.toml")
     code = (
-        "import sys, toolkit, preprocessing.cli; from toolkit.cli import app; from typer.testing import CliRunner\n"
+        "import sys, toolkit, preprocessing.commands.cli; from toolkit.command_line.cli import app; from typer.testing import CliRunner\n"
         "print(toolkit.__file__, preprocessing.__file__)\n"
         "done = CliRunner().invoke(app, ['inspect', sys.argv[1], '--no-measure']); print(done.output); sys.exit(done.exit_code)\n"
     )

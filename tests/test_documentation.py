@@ -19,8 +19,9 @@ import pytest
 from docs.generators.comments import meanings, trailing_comment
 from docs.generators.formats import PLACE, TABLES, fill, kinds
 from docs.generators.formulas import FENCE, REFERENCE, TAG, hide_formulas
-from docs.generators.rooms import modules, page, rooms
-from toolkit.run_options import RunOptions
+from docs.generators.house import modules
+from docs.generators.rooms import page, rooms
+from toolkit.description.run_options import RunOptions
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.constrained_pencil import ConstrainedPencil
-from preprocessing.eigenpair_derivatives import adapted_modes, eigenvalue_rates, eigenvector_rates
-from preprocessing.normal_modes import normal_modes
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.basis.eigenpair_derivatives import adapted_modes, eigenvalue_rates, eigenvector_rates
+from preprocessing.basis.normal_modes import normal_modes
 from tests.frames import cantilever, pencil_rate, relative, richardson, ring, square, varied, wing
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 SYMMETRIC = {"ring": (ring(24, 100.0), 4), "square": (square(6), 6)}
 BREAKING = ("element", "sector", "shape")

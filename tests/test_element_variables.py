@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.build import build
-from preprocessing.patches import distribute
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import load, save
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from preprocessing.elements.patches import distribute
+from preprocessing.recipes.skin.build import build
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import values_of
 from toolkit.sensitivity.methods import gradients_by
 

@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from tests.scenes import WING, hanging_skin
-from toolkit.bodies.rigid import Rod
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 
 def linkage() -> Scene:

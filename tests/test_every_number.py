@@ -10,14 +10,14 @@ import pytest
 from tests.cases import write_models
 from tests.every_number import SCENES, rods
 from toolkit.bodies.body import Body
-from toolkit.bodies.ground import Ground
-from toolkit.description import Description
-from toolkit.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.load import Load
-from toolkit.profile import CURVES
-from toolkit.scene import Scene
+from toolkit.bodies.planar.ground import Ground
+from toolkit.description.description import Description
+from toolkit.description.profile import CURVES
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.joint import Joint
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.load import Load
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-9

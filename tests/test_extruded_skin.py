@@ -9,16 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.build import build
-from preprocessing.cli import main
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.elements import element_blocks
-from preprocessing.solids.extruded_skin import extrude
-from preprocessing.solids.mesh_file import read_mesh
+from preprocessing.assembly.solids.elements import element_blocks
+from preprocessing.commands.cli import main
+from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.recipes.skin.build import build
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.extruded_skin import extrude
 from tests.solid_bodies import moves
-from toolkit.errors import InputError
-from toolkit.reduced_model import ReducedModel
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.model import ReducedModel
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 STATIC = {"basis": {"kind": "static"}}

@@ -12,16 +12,16 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from preprocessing.build_frame import build_frame
-from preprocessing.cli import main
-from preprocessing.frame_design import frame_elements, frame_space
-from preprocessing.frame_file import read_frame_file
-from preprocessing.reduction import tangent_frame
-from toolkit.dependence import scattered
-from toolkit.errors import InputError
-from toolkit.reduced_model import MEAN_AXES, ReducedModel
-from toolkit.reduced_model_file import load, save
-from toolkit.spatial_model import SpatialInvariants
+from preprocessing.basis.reduction import tangent_frame
+from preprocessing.commands.cli import main
+from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
+from preprocessing.recipes.frame.frame_file import read_frame_file
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.file import load, save
+from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
+from toolkit.reduced_model.spatial_model import SpatialInvariants
 
 NAMES = [field.name for field in fields(SpatialInvariants)]
 

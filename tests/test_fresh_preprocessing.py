@@ -9,14 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.build import build
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.reduced_model_file import load, save
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.recipes.skin.build import build
+from toolkit.reduced_model.file import load, save
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
-from toolkit.sensitivity.fresh_models import FreshGradients, disagreements, fresh_gradients
+from toolkit.sensitivity.certificate.fresh_models import FreshGradients, disagreements, fresh_gradients
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 CHANGES = {

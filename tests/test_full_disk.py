@@ -14,8 +14,8 @@ from pathlib import Path
 
 import pytest
 
-from toolkit.errors import InputError
-from toolkit.replaced_file import replaced, write_whole
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import replaced, write_whole
 from toolkit.results.layout import ResultsFileError
 from toolkit.results.results_file import refuse_foreign
 
@@ -23,13 +23,13 @@ WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 WITHIN_LIMITS = """
 import contextlib, io, json, resource, sys
 from pathlib import Path
-import preprocessing.cli, toolkit.cli
+import preprocessing.commands.cli, toolkit.command_line.cli
 from toolkit.report.sheet import Drawing, sheet
-from toolkit.errors import ToolkitError
+from toolkit.foundation.errors import ToolkitError
 
 def run(program, *arguments):
     sys.argv, said = [program, *arguments], io.StringIO()
-    main = preprocessing.cli.main if program == "ffrf-preprocess" else toolkit.cli.main if program == "ffrf" else draw
+    main = preprocessing.commands.cli.main if program == "ffrf-preprocess" else toolkit.command_line.cli.main if program == "ffrf" else draw
     with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
         try:
             main()
@@ -91,7 +91,7 @@ def test_a_command_that_cannot_write_to_the_end_says_so_and_leaves_no_part_of_a_
 
 
 def test_the_output_of_a_command_that_nobody_can_take_is_one_message():
-    command = [sys.executable, "-P", "-c", "from toolkit.cli import main; main()", "inspect", str(WING / "skin.h5")]
+    command = [sys.executable, "-P", "-c", "from toolkit.command_line.cli import main; main()", "inspect", str(WING / "skin.h5")]
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 1

@@ -12,12 +12,12 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.build import build, input_hash
-from preprocessing.skin_file import read_skin_file
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.recipes.skin.build import build, input_hash
+from preprocessing.recipes.skin.skin_file import read_skin_file
 from tests.fuzz.toml_mutations import document, spoilt
-from toolkit.errors import ToolkitError
-from toolkit.reduced_model_file import save
+from toolkit.foundation.errors import ToolkitError
+from toolkit.reduced_model.file import save
 
 ROOT = Path(__file__).parents[1]
 AIRFOILS = sorted((ROOT / "tests" / "data" / "airfoils").glob("*.[dta]*"))

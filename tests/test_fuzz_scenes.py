@@ -11,10 +11,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.fuzz.toml_mutations import NAMES, NUMBERS, as_toml, document, spoilt, values
-from toolkit.command_line.inspection import describe_scene
-from toolkit.errors import ToolkitError
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.command_line.commands.inspection import describe_scene
+from toolkit.foundation.errors import ToolkitError
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
 
 ROOT = Path(__file__).parents[1]

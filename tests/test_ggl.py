@@ -10,21 +10,22 @@ from tests.test_benchmarks import four_bars, slider_crank
 from tests.test_orders import DESIGN, SECOND, driven_pendulum, orders
 from tests.test_orders import reference as reference
 from tests.test_orders import system as system
-from toolkit.errors import NeedsDirectError
+from toolkit.analyses.transient import simulate
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import NeedsDirectError
 from toolkit.linear.sparse_analysis import analyse
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.responses.catalogue import JointForce, Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.motion import Rotation
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import frozen, prepare
-from toolkit.sensitivity.certificate import certify
+from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solution import Solution
-from toolkit.solvers.ggl_pattern import ggl_pattern
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.solvers.transient.ggl.ggl_pattern import ggl_pattern
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 PENDULUM_DESIGN = [*DESIGN, "bodies.lower.angular_velocity", "loads.motor.curve.phase"]
 CRANK_DESIGN = ["points.T.y", "bodies.crank.inertia", "bodies.rod.mass", "loads.spring.stiffness", "loads.force.force.x"]

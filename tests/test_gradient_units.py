@@ -12,11 +12,11 @@ from tests.every_number import SCENES
 from tests.scenes import hanging_skin
 from tests.spatial_cases import write_models as write_spatial_models
 from tests.spatial_every_number import SCENES as SPATIAL_SCENES
-from toolkit.dimensions import Dimension, factor
-from toolkit.gradient_units import dimension_label, gradient_unit, gradient_units, per, variable_unit
-from toolkit.scene import Scene
-from toolkit.scene_dimensions import number_dimension, response_dimension
-from toolkit.scene_file import read_scene
+from toolkit.foundation.dimensions import Dimension, factor
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.dimensions import number_dimension, response_dimension
+from toolkit.scene_file.gradient_units import dimension_label, gradient_unit, gradient_units, per, variable_unit
+from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 IN_SI = {
@@ -84,7 +84,7 @@ def test_units_of_units():
 
 def test_a_number_that_nobody_has_given_a_dimension_is_a_question_mark(monkeypatch):
     scene = read_scene(MODELS / "slider_crank" / "scene.toml")
-    monkeypatch.setattr("toolkit.scene_dimensions.FIELDS", {})
+    monkeypatch.setattr("toolkit.scene_file.dimensions.FIELDS", {})
     assert gradient_unit(scene, "G", "k") == "J s / ?"
 
 

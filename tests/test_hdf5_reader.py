@@ -14,10 +14,10 @@ import pytest
 
 from tests.fuzz.good_files import PREPARED
 from tests.fuzz.sealed_hdf5 import blocks_of
-from toolkit.errors import ModelFileError
-from toolkit.hdf5 import Content, reading
-from toolkit.hdf5_reader.source import checksum
-from toolkit.reduced_model_file import load, stored_bytes
+from toolkit.foundation.errors import ModelFileError
+from toolkit.foundation.files.hdf5 import Content, reading
+from toolkit.foundation.files.hdf5_reader.source import checksum
+from toolkit.reduced_model.file import load, stored_bytes
 
 ROOT = Path(__file__).parents[1]
 MODELS = sorted((ROOT / "models").glob("*/*.h5"))
@@ -172,7 +172,7 @@ def test_the_number_that_ended_the_process_is_refused(model):
 
 
 def test_reading_does_without_the_library(model):
-    code = f"import sys; from toolkit.reduced_model_file import load; load({str(model)!r}); assert 'h5py' not in sys.modules"
+    code = f"import sys; from toolkit.reduced_model.file import load; load({str(model)!r}); assert 'h5py' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
 
 

@@ -11,14 +11,14 @@ import h5py
 import numpy as np
 import pytest
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.skin_file import read_skin_file
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.recipes.skin.skin_file import read_skin_file
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
-from toolkit.errors import InputError, ModelFileError
-from toolkit.reduced_model_file import load
+from toolkit.foundation.errors import InputError, ModelFileError
+from toolkit.reduced_model.file import load
 from toolkit.results.layout import ResultsFileError
 from toolkit.results.results_file import load_results
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 
 ROOT = Path(__file__).parents[1]
 WING = ROOT / "models" / "morphing_wing"

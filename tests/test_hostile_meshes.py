@@ -20,18 +20,18 @@ import pytest
 from scipy import sparse
 from typer.testing import CliRunner
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.cli import main
-from preprocessing.skin_file import read_skin_file
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import body_hash, build_body
-from preprocessing.solids.matrix_file import read_array, read_matrix, read_nodes, read_square
-from preprocessing.solids.mesh_file import read_mesh
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.commands.cli import main
+from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
+from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import body_hash, build_body
 from tests.solid_bodies import rectangle, write_body
-from toolkit.cli import app
-from toolkit.errors import InputError, ModelFileError
-from toolkit.reduced_model_file import load
-from toolkit.scene_file import read_scene
+from toolkit.command_line.cli import app
+from toolkit.foundation.errors import InputError, ModelFileError
+from toolkit.reduced_model.file import load
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare, solve
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
@@ -255,7 +255,7 @@ def test_kinds_without_elements_and_groups_without_members_count_for_nothing(tmp
     (tmp_path / "body.inp").write_text(PLATE)
     nothing = np.zeros(0, np.int64)
     found = {"points": np.eye(3), "cells": [["hexahedron20", nothing]], "groups": [["a", [["quad8", nothing]]]]}
-    monkeypatch.setattr("preprocessing.solids.mesh_file.read_apart", lambda *_, **__: found)
+    monkeypatch.setattr("preprocessing.mesh.mesh_file.read_apart", lambda *_, **__: found)
     with pytest.raises(InputError, match="holds no triangles and no quadrilaterals"):
         read_mesh(tmp_path / "body.inp")
     found["cells"].append(["triangle", np.array([[0, 1, 2]])])
@@ -395,7 +395,7 @@ def test_an_equilibrium_that_does_not_fit_into_memory_is_refused_with_its_size()
 
 
 def test_a_solid_without_the_package_that_writes_meshes_says_what_to_install(tmp_path, monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "preprocessing.solids.extruded_skin", None)
+    monkeypatch.setitem(sys.modules, "preprocessing.recipes.solids.extruded_skin", None)
     code, said = command(monkeypatch, capsys, str(WING / "skin.toml"), "--extrude", str(tmp_path / "solid.msh"))
     assert code == 1
     assert "a solid needs meshio and scikit-fem, which cannot be loaded" in said
@@ -408,12 +408,12 @@ def test_what_memory_does_not_hold_is_said_without_a_traceback(program, monkeypa
         raise MemoryError("Unable to allocate 8.18 GiB")
 
     if program == "toolkit":
-        monkeypatch.setattr("toolkit.command_line.inspection.describe", exhausted)
-        monkeypatch.setattr("toolkit.cli.describe", exhausted)
+        monkeypatch.setattr("toolkit.command_line.commands.inspection.describe", exhausted)
+        monkeypatch.setattr("toolkit.command_line.cli.describe", exhausted)
         done = CliRunner().invoke(app, ["inspect", str(WING / "skin.h5")])
         code, said = done.exit_code, done.stderr
     else:
-        monkeypatch.setattr("preprocessing.cli.source", exhausted)
+        monkeypatch.setattr("preprocessing.commands.cli.source", exhausted)
         code, said = command(monkeypatch, capsys, str(WING / "skin.toml"))
     assert (code, said) == (
         1,

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicHermiteSpline
 
-from preprocessing.interface import interface_point
-from preprocessing.mesh import mesh_curve
-from preprocessing.reduction import tangent_frame
-from toolkit.errors import InputError
+from preprocessing.assembly.interface import interface_point
+from preprocessing.basis.reduction import tangent_frame
+from preprocessing.mesh.curve_mesh import mesh_curve
+from toolkit.foundation.errors import InputError
 
 ANGLE = np.linspace(0.4, 3.6, 6)
 NODES = np.column_stack([80 * np.cos(ANGLE), 30 * np.sin(ANGLE)])

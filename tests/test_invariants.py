@@ -6,17 +6,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.assembly import assemble
-from preprocessing.build import build
-from preprocessing.discretisation import positions
-from preprocessing.invariants import contract, contract_derivative, polynomials, translation
-from preprocessing.mesh import mesh_curve
-from preprocessing.patches import distribute
-from preprocessing.reduction import tangent_frame, undeformed
-from preprocessing.section import Section
-from toolkit.dependence import scattered
-from toolkit.design_point import DesignPoint
-from toolkit.reduced_model import Invariants, generalized_mass
+from preprocessing.assembly.assembly import assemble
+from preprocessing.assembly.invariants import contract, contract_derivative, polynomials, translation
+from preprocessing.basis.reduction import tangent_frame, undeformed
+from preprocessing.discretisation.discretisation import positions
+from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import Section
+from preprocessing.mesh.curve_mesh import mesh_curve
+from preprocessing.recipes.skin.build import build
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.model import Invariants, generalized_mass
 
 MODELS = Path(__file__).parents[1] / "models" / "morphing_wing"
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0, damping_mass=3.0, damping_stiffness=2e-5)

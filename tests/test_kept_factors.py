@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from tests.scenes import WING
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import frozen
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 FOUR_BARS = Path(__file__).parents[1] / "models" / "four_bar_chain" / "scene.toml"
 ALLOWED = 1e-7

@@ -22,7 +22,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 import numpy as np
-from toolkit.reduced_model_file import load, save
+from toolkit.reduced_model.file import load, save
 from toolkit.results.results_file import load_results, save_results
 
 folder = Path(sys.argv[1])

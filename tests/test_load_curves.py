@@ -12,14 +12,14 @@ import pytest
 from scipy.interpolate import CubicSpline
 from typer.testing import CliRunner
 
-from toolkit.cli import app
+from toolkit.command_line.cli import app
 from toolkit.compilation.quantities import curves_of
-from toolkit.profile import Constant, Curve, Sine, SmoothStep, Sum, Table
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.description.profile import Constant, Curve, Sine, SmoothStep, Sum, Table
+from toolkit.description.time_grid import time_grid
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import Result, direct
-from toolkit.time_grid import time_grid
-from toolkit.validity.load_curves import LOST, loss_of
+from toolkit.validity.motion.load_curves import LOST, loss_of
 
 MODELS = Path(__file__).parents[1] / "models"
 SLED = """

@@ -8,9 +8,9 @@ import gmsh
 import numpy as np
 import pytest
 
-from preprocessing.gmsh_session import load_gmsh
-from preprocessing.mesh import mesh_curve, walk
-from toolkit.errors import InputError
+from preprocessing.mesh.curve_mesh import mesh_curve, walk
+from preprocessing.mesh.gmsh_session import load_gmsh
+from toolkit.foundation.errors import InputError
 
 
 def arc(n_nodes: int, radius: float = 2.0) -> np.ndarray:

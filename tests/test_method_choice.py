@@ -6,8 +6,10 @@ import pytest
 
 from tests.benchmarks.chain import chain
 from tests.scenes import WING, hanging_skin
-from toolkit.responses.catalogue import Displacement, JointForce, TimeIntegral
-from toolkit.scene_file import read_scene
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.methods import gradients_by

@@ -12,11 +12,11 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from preprocessing.solids.build_body import build_body
+from preprocessing.recipes.solids.build_body import build_body
 from tests.solid_bodies import compliance, frequencies
-from toolkit.errors import LimitPointError
-from toolkit.reduced_model_file import load
-from toolkit.scene_file import read_scene
+from toolkit.foundation.errors import LimitPointError
+from toolkit.reduced_model.file import load
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import Result, direct
 from toolkit.sensitivity.numerical import numerical
 

@@ -10,22 +10,22 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.spatial.test_frames import AREA, RHO, SECOND, E, Z, beam, elastic_frequencies
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.undeformed import undeformed
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.cli import app
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.spring_damper import RotationalSpringDamper
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.modes import Modes, solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.undeformed import undeformed
-from toolkit.system import compile_scene
-from toolkit.validity.start_cautions import cautions_of_start
+from toolkit.command_line.cli import app
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.start.start_cautions import cautions_of_start
 
 BEAM = Path(__file__).parents[1] / "models" / "rotating_beam" / "scene.toml"
 

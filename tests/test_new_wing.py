@@ -11,15 +11,15 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.build import build
-from preprocessing.contour import Contour
-from preprocessing.droop import drooped
-from preprocessing.new_wing import DROOP, new_wing
-from preprocessing.skin import Skin
-from toolkit.cli import app
-from toolkit.reduced_model_file import save
-from toolkit.scene_file import read_scene
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.curve.contour import Contour
+from preprocessing.curve.skin import Skin
+from preprocessing.new_wing.new_wing import DROOP, new_wing
+from preprocessing.recipes.skin.build import build
+from preprocessing.recipes.skin.droop import drooped
+from toolkit.command_line.cli import app
+from toolkit.reduced_model.file import save
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 
 ROOT = Path(__file__).parents[1]
@@ -145,8 +145,9 @@ def assert_matches(message: str, text: str) -> None:
 
 def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
     code = (
-        "import sys, toolkit.preprocessing_process as new; new.is_installed = lambda: False;"
-        f"from toolkit.cli import app; sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
+        "import sys, toolkit.foundation.processes.preprocessing_process as new; new.is_installed = lambda: False;"
+        "from toolkit.command_line.cli import app;"
+        f"sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 1

@@ -5,21 +5,21 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.errors import ConvergenceError
-from toolkit.joints.distance import Distance
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.joints.planar.distance import Distance
 from toolkit.joints.spatial.distance import SpatialDistance
-from toolkit.point import Point
 from toolkit.responses.motion import Displacement
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 from toolkit.validity.judge import judge
-from toolkit.validity.noisy_forces import _amplitudes, force_noise
+from toolkit.validity.motion.energy_balance import energy_balance
+from toolkit.validity.motion.noisy_forces import _amplitudes, force_noise
 
 SPEED = 2 * np.pi
 FORCE = SPEED**2

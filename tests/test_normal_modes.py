@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from preprocessing.mode_count import count_by_frequency, count_by_static_error, static_errors
-from preprocessing.normal_modes import cluster, normal_modes
-from preprocessing.rigid_modes import rigid_modes
+from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error, static_errors
+from preprocessing.basis.normal_modes import cluster, normal_modes
+from preprocessing.basis.rigid_modes import rigid_modes
 from tests.frames import SECTION, cantilever, relative, ring, square, varied, wing
-from toolkit.errors import InputError
-from toolkit.mode_shapes import EQUAL, told_apart
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.mode_shapes import EQUAL, told_apart
 
 FREE = {"ring": ring(24, 100.0), "square": square(6), "beam": cantilever(12, angle=0.4), "skin": wing()}
 

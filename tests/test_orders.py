@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.spring_damper import RotationalSpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.profile import Sine
-from toolkit.run_options import Baumgarte, RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.formulation import constraint_levels
-from toolkit.solvers.scheme import generalized_alpha
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import Sine
+from toolkit.description.run_options import Baumgarte, RunOptions
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene.scene import Scene
+from toolkit.solvers.transient.formulation import constraint_levels
+from toolkit.solvers.transient.scheme import generalized_alpha
+from toolkit.system.system import System, compile_scene
 
 DURATION, SAMPLES = 0.8, 20
 STEPS = (400, 800, 1600)

@@ -9,16 +9,16 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.cli import app as preprocess
-from preprocessing.solids.included_files import drawn_on
-from preprocessing.solids.matrix_file import read_matrix, read_nodes
-from preprocessing.solids.mesh_file import read_mesh
-from toolkit.cli import app
-from toolkit.errors import ToolkitError, without_content
-from toolkit.reduced_model_file import load
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.commands.cli import app as preprocess
+from preprocessing.mesh.included_files import drawn_on
+from preprocessing.mesh.matrix_file import read_matrix, read_nodes
+from preprocessing.mesh.mesh_file import read_mesh
+from toolkit.command_line.cli import app
+from toolkit.foundation.errors import ToolkitError, without_content
+from toolkit.reduced_model.file import load
 from toolkit.results.results_file import load_results
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 WING = MODELS / "morphing_wing"

@@ -8,12 +8,12 @@ import meshio
 import numpy as np
 import pytest
 
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.mesh_file import read_mesh
-from preprocessing.solids.overlaps import refuse_overlaps
-from preprocessing.solids.solid_mesh import SolidMesh
+from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.mesh.overlaps import refuse_overlaps
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.build_body import build_body
 from tests.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle, write_body
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 MODELS = Path(__file__).parents[1] / "models"
 TWICE = "lie in one another, so that their mass would count twice"

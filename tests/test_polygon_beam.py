@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.dependence import scattered
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError
-from toolkit.reduced_model import ReducedModel
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.model import ReducedModel
 
 SECTION = Section(youngs_modulus=2.0, density=3.0, thickness=0.1, width=0.5)
 ELBOW = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])

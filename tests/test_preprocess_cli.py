@@ -11,11 +11,11 @@ import h5py
 import numpy as np
 import pytest
 
-from preprocessing.build import WRITER_VERSION, build
-from preprocessing.cli import main
-from preprocessing.geometry import read_geometry
-from preprocessing.skin_file import read_skin_file
-from toolkit.reduced_model_file import load, save
+from preprocessing.commands.cli import main
+from preprocessing.recipes.skin.build import WRITER_VERSION, build
+from preprocessing.recipes.skin.geometry import read_geometry
+from preprocessing.recipes.skin.skin_file import read_skin_file
+from toolkit.reduced_model.file import load, save
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models" / "morphing_wing"

@@ -5,30 +5,30 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from preprocessing.source_file import source
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.recipes.source_file import source
 from tests.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.test_preprocess_cli import arrays
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.entry_scales import entry_scales
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.torque import Torque
-from toolkit.near_ties import first_largest, first_smallest
-from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model_file import load, save
-from toolkit.responses.stress import MaxStress
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.near_ties import first_largest, first_smallest
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.torque import Torque
+from toolkit.reduced_model.entry_scales import entry_scales
+from toolkit.reduced_model.file import load, save
+from toolkit.responses.stress.stress import MaxStress
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 

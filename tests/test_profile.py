@@ -5,7 +5,7 @@ import pytest
 from pydantic import ValidationError
 from scipy.interpolate import CubicSpline
 
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table, is_smooth
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table, is_smooth
 
 TIMES = np.linspace(-0.3, 2.3, 27)
 CORNERS = np.array([0.0, 0.25, 0.5, 1.1, 1.75, 2.0])  # where the third derivative of some curve jumps

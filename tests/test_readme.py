@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from typer.main import get_command
 
-from toolkit.cli import app
-from toolkit.scene_file import read_scene
+from toolkit.command_line.cli import app
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 
 ROOT = Path(__file__).parents[1]

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from tests.scenes import HANGING_DESIGN, MODELS, hanging_skin
-from toolkit.bodies.flexible import Flexible
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.model_body import FRAME
-from toolkit.hdf5 import Content
-from toolkit.joints.revolute import Revolute
-from toolkit.point import BodyPoint
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.description.point import BodyPoint
+from toolkit.foundation.files.hdf5 import Content
+from toolkit.joints.planar.revolute import Revolute
 from toolkit.receipt.cost import costs
 from toolkit.receipt.everything import prepare_everything, with_frames
 from toolkit.receipt.receipt import receipt
-from toolkit.reduced_model_file import load
-from toolkit.scene import Scene, forget_models
-from toolkit.scene_file import read_scene
+from toolkit.reduced_model.file import load
+from toolkit.scene.scene import Scene, forget_models
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, responses_of, solve
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 
 @pytest.fixture

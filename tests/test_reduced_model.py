@@ -10,12 +10,12 @@ import h5py
 import numpy as np
 import pytest
 
-from toolkit.dependence import Derivatives
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError, ModelFileError
-from toolkit.hdf5 import Content
-from toolkit.reduced_model import Invariants, ReducedModel
-from toolkit.reduced_model_file import PARTS, load, save
+from toolkit.foundation.errors import InputError, ModelFileError
+from toolkit.foundation.files.hdf5 import Content
+from toolkit.reduced_model.dependence import Derivatives
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import PARTS, load, save
+from toolkit.reduced_model.model import Invariants, ReducedModel
 
 SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.h5"
 

@@ -13,8 +13,8 @@ from numba.core import event
 
 from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
-from toolkit.compile_watch import KIND, watched_compilation
-from toolkit.scene_file import read_scene
+from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import repeated
 
 ROOT = Path(__file__).parents[1]
@@ -24,8 +24,8 @@ PROBE = """
 import json, sys
 from numba.core.registry import CPUDispatcher
 from toolkit.command_line.announcements import BACKWARDS, compile_before
-from toolkit.compile_watch import watched_compilation
-from toolkit.scene_file import read_scene
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
 from toolkit.sensitivity.methods import gradients_by
 
@@ -97,14 +97,16 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
         said.append(capsys.readouterr().err)
 
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", rehearse)
-    monkeypatch.setattr("toolkit.compiled_code._TOLD", set())
+    monkeypatch.setattr("toolkit.foundation.compiled.compiled_code._TOLD", set())
     scene = read_scene(MODELS / "pendulum" / "scene.toml")
     compile_before(scene, "transient")
     assert said == [f"compiling the formulas for this machine, once, {announcements.EXPECTED[2]} ...\n"]
     assert capsys.readouterr().err == "2 functions compiled in 0 s; they are kept on the disk.\n"
     compile_before(scene, "transient", quiet=True)
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr("toolkit.compiled_code._TOLD", {"kept"})  # a warning has said where it is, or that it is nowhere
+    monkeypatch.setattr(
+        "toolkit.foundation.compiled.compiled_code._TOLD", {"kept"}
+    )  # a warning has said where it is, or that it is nowhere
     compile_before(scene, "transient")
     assert capsys.readouterr().err.endswith("2 functions compiled in 0 s.\n")
 
@@ -133,9 +135,9 @@ def test_a_repetition_that_compiles_does_not_count(monkeypatch):
 def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):
     """One small function in a cache of its own; the second process finds it on the disk."""
     code = """
-from toolkit.compile_watch import watched_compilation
-from toolkit.joints.joint_kernel import SIGNATURE
-from toolkit.joints.revolute import revolute
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.joints.kernels.planar.joint_kernel import SIGNATURE
+from toolkit.joints.planar.revolute import revolute
 with watched_compilation() as watch:
     revolute.compile(SIGNATURE)
 print(watch.functions, watch.seconds > 0)

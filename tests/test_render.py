@@ -12,28 +12,28 @@ import toolkit.render.probe as probe
 from tests.cases import CASES, write_models
 from tests.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.scenes import hanging_skin
-from toolkit.bodies.rigid import Rod
-from toolkit.errors import InputError, ToolkitError
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.reduced_model_file import load, save
-from toolkit.render.configuration import Configuration
-from toolkit.render.curves import merged, shape_errors, stress_range
-from toolkit.render.labels import label_places
-from toolkit.render.look import choose_look
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.reduced_model.file import load, save
 from toolkit.render.moment import names_by_place
 from toolkit.render.panel import Panel, Window, multiples, tick_step
 from toolkit.render.pictures import chosen_steps, render_solution
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.curves import merged, shape_errors, stress_range
+from toolkit.render.plane.labels import label_places
+from toolkit.render.plane.look import choose_look
+from toolkit.render.plane.scene_picture import even, instant_windows, meanings
+from toolkit.render.plane.skin_mesh import skin_mesh
+from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.render.plane.symbols import symbols
 from toolkit.render.probe import RenderError, drawing, drawing_environment
-from toolkit.render.scene_picture import even, instant_windows, meanings
-from toolkit.render.skin_mesh import skin_mesh
-from toolkit.render.skin_shape import skin_shape
-from toolkit.render.symbols import symbols
 from toolkit.responses.shape_error import ShapeRMS
-from toolkit.responses.stress import MaxStress, stress_field
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 
 SCENE = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 WIDTH = 700
@@ -90,9 +90,9 @@ def test_an_interrupted_picture_leaves_the_old_one(opengl, wing, tmp_path, monke
         raise KeyboardInterrupt
 
     (tmp_path / "step-4.png").write_bytes(b"old")
-    import toolkit.render.scene_picture
+    import toolkit.render.plane.scene_picture
 
-    monkeypatch.setattr(toolkit.render.scene_picture, "draw_instant", interrupted)
+    monkeypatch.setattr(toolkit.render.plane.scene_picture, "draw_instant", interrupted)
     with pytest.raises(KeyboardInterrupt):
         render_solution(wing, tmp_path, instants=[1.0], width=WIDTH)
     assert [file.read_bytes() for file in tmp_path.iterdir()] == [b"old"]
@@ -120,8 +120,8 @@ def test_drawn_line_passes_through_the_nodes(wing):
 
 def test_drawn_line_stays_an_arc_under_a_rigid_rotation_of_the_nodes():
     """A small rotation by eps moves every point of the line by eps times its distance; the elements represent it exactly."""
-    from toolkit.reduced_model import Mesh
-    from toolkit.render.skin_shape import _displacement
+    from toolkit.reduced_model.model import Mesh
+    from toolkit.render.plane.skin_shape import _displacement
 
     nodes = np.array([[0.0, 0.0], [2.0, 1.0], [3.0, 3.0]])
     mesh = Mesh(nodes, np.array([[0, 1], [1, 2]]), np.zeros((9, 1)), nodes, nodes)

@@ -16,14 +16,15 @@ from PIL import Image
 from typer.testing import CliRunner
 
 from tests.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
-from toolkit.bodies.rigid import Rod
-from toolkit.cli import app
-from toolkit.errors import InputError
-from toolkit.gradient_units import per, variable_unit
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.replaced_file import replaced
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.command_line.cli import app
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import replaced
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
 from toolkit.report.viewer import viewer_data
@@ -31,11 +32,10 @@ from toolkit.report.write import write_report
 from toolkit.results.collect import collect
 from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.gradient_units import per, variable_unit
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, prepare, solve
-from toolkit.solvers.transient import simulate
 
 FIGURES = {
     "load_curves",
@@ -302,7 +302,15 @@ def test_the_browser_test_would_notice_an_error(tmp_path):
 
 def test_a_results_file_is_reported_by_a_process_that_has_computed_nothing(wing, tmp_path):
     """Monitors and figures need formulas that no run before them has compiled or loaded."""
-    command = [sys.executable, "-m", "toolkit.cli", "report", str(wing / "results.h5"), "-o", str(tmp_path / "again")]
+    command = [
+        sys.executable,
+        "-m",
+        "toolkit.command_line.cli",
+        "report",
+        str(wing / "results.h5"),
+        "-o",
+        str(tmp_path / "again"),
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert (tmp_path / "again" / "tables" / "monitors.csv").read_text() == (wing / "tables" / "monitors.csv").read_text()

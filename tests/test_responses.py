@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from tests.scenes import WING, hanging_skin
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import load, save
-from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.catalogue import Displacement, KSStress, MaxStress, Rotation, ShapeMSE, ShapeRMS, TimeIntegral
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import load, save
 from toolkit.responses.energy import KineticEnergy
-from toolkit.responses.instant import magnitude
-from toolkit.responses.shape_error import shape_error
-from toolkit.responses.stress import stress_field
-from toolkit.scene_file import read_scene
+from toolkit.responses.instant import TimeIntegral, magnitude
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.shape_error import ShapeMSE, ShapeRMS, shape_error
+from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
+from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, prepare, solve, values_of
 from toolkit.sensitivity.numerical import numerical
 

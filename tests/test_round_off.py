@@ -8,15 +8,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity import certificate
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.sensitivity.certificate import DisagreementError, certify
+from toolkit.sensitivity.certificate import certificate
+from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
+from toolkit.sensitivity.certificate.differences import direction, taylor_rates
+from toolkit.sensitivity.certificate.round_off import round_off
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.round_off import round_off
 from toolkit.sensitivity.sizes import variable_sizes
-from toolkit.sensitivity.studies import direction, taylor_rates
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 WING = MODELS / "morphing_wing" / "scene.toml"

@@ -4,20 +4,20 @@ import numpy as np
 import pytest
 
 from tests.scenes import MODELS, WING, hanging_skin
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import InputError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.statics import solve_statics
-from toolkit.system import compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
 
 
 def wing_in_python() -> Scene:

@@ -9,24 +9,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.cases import write_models
 from tests.every_number import SCENES
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
-from toolkit.description import Number
-from toolkit.design_point import DesignPoint
-from toolkit.dimensions import LABELLED, factor
-from toolkit.errors import InputError
-from toolkit.joints.revolute import Revolute
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import load
-from toolkit.reduced_model_units import converted_model
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.scene_units import converted, number_factor, response_factor
+from toolkit.description.description import Number
+from toolkit.foundation.dimensions import LABELLED, factor
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import UNIT_SYSTEMS
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.reduced_model.conversion import converted_model
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load
+from toolkit.reduced_model.model import ReducedModel
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.conversion import converted, number_factor, response_factor
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.units import UNIT_SYSTEMS
 
 
 def other(units: str) -> str:

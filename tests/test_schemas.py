@@ -11,14 +11,14 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
-from preprocessing.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_file import read_skin_file
 from tests.cases import KINDS, Case
 from tests.scenes import hanging_skin
 from toolkit.bodies.body import Body
-from toolkit.errors import InputError
-from toolkit.joints.joint import Joint
-from toolkit.loads.gravity import Gravity
-from toolkit.scene_file import read_scene, scene_from_table
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.joint import Joint
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.scene_file.reader import read_scene, scene_from_table
 
 ROOT = Path(__file__).parents[1]
 FILES = sorted(ROOT.glob("models/*/*.toml"))

@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 
-from preprocessing.build import build
+from preprocessing.recipes.skin.build import build
 from tests.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
-from toolkit.bodies.rigid import Rod
-from toolkit.errors import InputError
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.point import Point
-from toolkit.reduced_model_file import save
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
+from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
 from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.studies import step_study, taylor_rates
 
 AGREEMENT = 5e-10
 """Two orders of the same sums, for a skin that is 1e6 times stiffer in stretching than in bending: seen are 2e-10, whatever the

@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from preprocessing.airfoil import read_airfoil
-from preprocessing.bump import Bump, bumped
-from preprocessing.contour import Contour
-from preprocessing.geometry import Geometry, read_geometry, shape_parameters
-from preprocessing.interface import interface_point
-from preprocessing.reduction import undeformed
-from preprocessing.skin_file import SkinFile, read_skin_file
-from toolkit.errors import InputError
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.assembly.interface import interface_point
+from preprocessing.basis.reduction import undeformed
+from preprocessing.curve.bump import Bump, bumped
+from preprocessing.curve.contour import Contour
+from preprocessing.recipes.skin.geometry import Geometry, read_geometry, shape_parameters
+from preprocessing.recipes.skin.skin_file import SkinFile, read_skin_file
+from toolkit.foundation.errors import InputError
 
 MORPHING = Path(__file__).parents[1] / "models" / "morphing_wing"
 STEP = 1e-20  # of the complex step, in parts of the parameter: no difference is formed, nothing cancels

@@ -5,17 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.elasticity import solid_matrices
-from preprocessing.solids.elements import element_blocks
-from preprocessing.solids.faces import faces_of
-from preprocessing.solids.solid_mesh import SolidMesh
-from preprocessing.solids.solid_stress import stress_rows
+from preprocessing.assembly.solids.elasticity import solid_matrices
+from preprocessing.assembly.solids.elements import element_blocks
+from preprocessing.assembly.solids.stress import stress_rows
+from preprocessing.mesh.faces import faces_of
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.build_body import build_body
 from tests.solid_bodies import SPATIAL_KINDS, box
 from tests.test_spatial_solids import BASES, LENGTHS, body_file, responses
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import load, save
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
 
 STEP = 1e-30
 SHAPE = '\n[shape_variables.bulge]\nfield = "bulge.npy"\n'

@@ -13,21 +13,21 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from preprocessing.assembly import assemble
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.constrained_pencil import ConstrainedPencil
-from preprocessing.discretisation import DesignSpace, Discretisation
-from preprocessing.mesh import CurveMesh
-from preprocessing.normal_modes import normal_modes
-from preprocessing.patches import distribute
-from preprocessing.reduced import reduce
-from preprocessing.section import Section
-from preprocessing.solids.basis_change import BasisChange
-from preprocessing.solids.held_system import HeldSystem, factored
-from preprocessing.solids.solid_basis import SolidShapes, solid_shapes
-from preprocessing.solids.ties import Freedom, Tie
-from preprocessing.subspace_rates import subspace_rates
-from toolkit.reduced_model import place_parameter
+from preprocessing.assembly.assembly import assemble
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.basis.normal_modes import normal_modes
+from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
+from preprocessing.basis.solids.basis_change import BasisChange
+from preprocessing.basis.solids.held_system import HeldSystem, factored
+from preprocessing.basis.solids.ties import Freedom, Tie
+from preprocessing.basis.subspace_rates import subspace_rates
+from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.patches import distribute
+from preprocessing.elements.section import Section
+from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.reduction.reduced import reduce
+from toolkit.reduced_model.model import place_parameter
 
 STEP = 1e-30
 EXACT = 1e-9

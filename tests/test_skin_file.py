@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from preprocessing.skin_file import read_skin_file
-from toolkit.errors import InputError
+from preprocessing.recipes.skin.skin_file import read_skin_file
+from toolkit.foundation.errors import InputError
 
 EXAMPLE = (Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.toml").read_text()
 

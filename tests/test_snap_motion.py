@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.errors import ConvergenceError, LimitPointError
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.foundation.errors import ConvergenceError, LimitPointError
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "snap_through" / "scene.toml"
 ANGLE = "rotation of body 'body2'"

@@ -10,22 +10,22 @@ import pytest
 from scipy.optimize import brentq
 from typer.testing import CliRunner
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.cli import app
-from toolkit.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.command_line.cli import app
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, CriticalStateError, LimitPointError
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "snap_through" / "scene.toml"
 PAST = RunOptions(continuation="arc-length")

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 from tests.test_snap_through import LIMIT, TURN, truss
-from toolkit.bodies.rigid import Rigid
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.snap_through import snap_through
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.snap_through import snap_through
 
 MODELS = Path(__file__).parents[1] / "models"
 

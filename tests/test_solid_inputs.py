@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 from scipy import io, sparse
 
-from preprocessing.cli import main
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.discrete_body import discrete_body
+from preprocessing.commands.cli import main
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.solid_bodies import rectangle, write_body, write_mesh
-from toolkit.errors import InputError
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import load
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import load
+from toolkit.reduced_model.model import ReducedModel
 
 MESH = rectangle("quad8", (6, 2), 1.0, 0.2)
 LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()

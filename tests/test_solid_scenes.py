@@ -7,17 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from preprocessing.solids.build_body import build_body
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.recipes.solids.build_body import build_body
 from tests.solid_bodies import DENSITY, MODULUS, WIDTH, rectangle, write_body
-from toolkit.reduced_model_file import save
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.analyses.transient import simulate
+from toolkit.reduced_model.file import save
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, prepare, values_of
-from toolkit.sensitivity.fresh_models import disagreements, fresh_gradients
+from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.numerical import numerical
-from toolkit.solvers.transient import simulate
 
 LENGTH, HEIGHT = 0.5, 0.02
 CRAIG_BAMPTON = 'kind = "craig-bampton"\ncount = 4'

@@ -7,17 +7,17 @@ import pytest
 import skfem
 from scipy import sparse
 
-from preprocessing.solids import sparse_modes
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.discrete_body import discrete_body
-from preprocessing.solids.elasticity import solid_matrices
-from preprocessing.solids.elements import element_blocks
-from preprocessing.solids.lame import lame_factors
-from preprocessing.solids.outline import outline_of
-from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.solids.solid_stress import stress_rows
-from preprocessing.solids.ties import freedom, tie
+from preprocessing.assembly.solids.elasticity import solid_matrices
+from preprocessing.assembly.solids.elements import element_blocks
+from preprocessing.assembly.solids.lame import lame_factors
+from preprocessing.assembly.solids.stress import stress_rows
+from preprocessing.basis.solids import sparse_modes
+from preprocessing.basis.solids.ties import freedom, tie
+from preprocessing.mesh.outline import outline_of
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.solid_bodies import (
     DENSITY,
     KINDS,
@@ -29,9 +29,9 @@ from tests.solid_bodies import (
     rectangle,
     write_body,
 )
-from toolkit.design_point import DesignPoint
-from toolkit.reduced_model_file import load, save
-from toolkit.render.configuration import lines_of
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
+from toolkit.render.plane.configuration import lines_of
 
 BASES = {
     "full": 'kind = "full"',

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from toolkit.errors import InputError
-from toolkit.kernel import plain
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.linear_solver import linear_solver, solve_once
 from toolkit.linear.sparse_analysis import analyse

@@ -10,12 +10,12 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from preprocessing import beam, spatial_beam
-from preprocessing.section_shape import circle, general, rectangle, strip, tube
-from preprocessing.spatial_beam import SECOND, THIRD
-from preprocessing.spatial_invariants import NAMES
+from preprocessing.assembly.spatial_invariants import NAMES
+from preprocessing.elements import beam, spatial_beam
+from preprocessing.elements.section_shape import circle, general, rectangle, strip, tube
+from preprocessing.elements.spatial_beam import SECOND, THIRD
 from tests.spatial_beams import NU, VALUES, Beams, crooked, energy_of_invariants, kinetic_energy, straight
-from toolkit.spatial_model import PAIRS
+from toolkit.reduced_model.spatial_model import PAIRS
 
 T, B, E, RHO = (VALUES[name] for name in ("thickness", "width", "youngs_modulus", "density"))
 G, J = E / (2 * (1 + NU)), B * T**3 / 3 - 0.21 * T**4

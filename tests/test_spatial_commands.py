@@ -8,20 +8,20 @@ import json
 import numpy as np
 import pytest
 
-from preprocessing.build_frame import build_frame
+from preprocessing.recipes.frame.build_frame import build_frame
 from tests.spatial_cases import write_models
 from tests.spatial_every_number import SCENES
 from tests.test_cli import record, refused, run
 from tests.test_wrong_spatial_scenes import DOOR
-from toolkit.reduced_model_file import save
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.reduced_model.file import save
 from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results
-from toolkit.run_options import RunOptions
-from toolkit.scene_file import read_scene
-from toolkit.solvers.transient import simulate
+from toolkit.scene_file.reader import read_scene
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map
-from toolkit.system import compile_scene
-from toolkit.validity.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
 
 FLAG = """units = "m-kg-s"
 dimension = 3

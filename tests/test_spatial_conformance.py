@@ -16,22 +16,22 @@ from tests.any_scene import (  # noqa: F401  (they run on the scenes of this mod
     test_state_derivatives_are_the_complex_step_of_the_residual,
 )
 from tests.spatial_cases import AXIS, CASES, SpatialCase, write_models
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.component import Skeleton
 from toolkit.conformance.check import check_joint, check_load, check_scene
 from toolkit.conformance.formula import check_load_formula
-from toolkit.errors import ConformanceError, InputError
-from toolkit.joints.spatial.forms import Form, Row, on_axis
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConformanceError, InputError
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.kernels.spatial.forms import Form, Row, on_axis
 from toolkit.joints.spatial.joint import AxisJoint, SpatialPointJoint
-from toolkit.kernel import kernel
-from toolkit.loads.load import Load
+from toolkit.loads.planar.load import Load
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.markers.component import Skeleton
+from toolkit.scene.scene import Scene
+from toolkit.system.system import compile_scene
 
 
 @pytest.fixture(scope="session")

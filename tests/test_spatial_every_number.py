@@ -11,8 +11,8 @@ from tests.spatial_cases import write_models
 from tests.spatial_every_number import SCENES
 from tests.test_every_number import kinds_in, optional_numbers
 from tests.test_scene_units import differences
-from toolkit.profile import CURVES
-from toolkit.scene_kinds import kinds_of
+from toolkit.description.profile import CURVES
+from toolkit.scene.kinds import kinds_of
 from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-11

@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.build import build, design_space, file_at
-from preprocessing.geometry import read_geometry
-from preprocessing.reduction import tangent_frame
-from toolkit.dependence import scattered
-from toolkit.errors import InputError
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import load, save
-from toolkit.spatial_model import SpatialInvariants, all_second_moments
+from preprocessing.basis.reduction import tangent_frame
+from preprocessing.recipes.skin.build import build, design_space, file_at
+from preprocessing.recipes.skin.geometry import read_geometry
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.file import load, save
+from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
 
 SKIN = Path(__file__).parents[1] / "models" / "morphing_wing" / "skin.toml"
 NAMES = [field.name for field in fields(SpatialInvariants)]

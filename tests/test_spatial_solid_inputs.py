@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from scipy import io, sparse
 
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.discrete_body import discrete_body
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.solid_bodies import box, rectangle, write_body, write_mesh
 from tests.test_solid_inputs import same
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import load, save
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import load, save
 
 LENGTHS = (1.0, 0.3, 0.2)
 MESH = box("hexahedron20", (3, 1, 1), LENGTHS)

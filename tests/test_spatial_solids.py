@@ -7,19 +7,19 @@ import pytest
 import skfem
 from scipy.spatial.transform import Rotation
 
-from preprocessing.solids import sparse_modes
-from preprocessing.solids.body_file import read_body_file
-from preprocessing.solids.build_body import build_body
-from preprocessing.solids.discrete_body import discrete_body
-from preprocessing.solids.elasticity import solid_matrices
-from preprocessing.solids.elements import element_blocks, points_of
-from preprocessing.solids.faces import faces_of
-from preprocessing.solids.lame import lame_factors
-from preprocessing.solids.nested_dissection import dissected
-from preprocessing.solids.node_sets import spread_of
-from preprocessing.solids.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.solids.solid_stress import COMPONENTS, stress_rows
-from preprocessing.solids.ties import freedom, tie
+from preprocessing.assembly.solids.elasticity import solid_matrices
+from preprocessing.assembly.solids.elements import element_blocks, points_of
+from preprocessing.assembly.solids.lame import lame_factors
+from preprocessing.assembly.solids.stress import COMPONENTS, stress_rows
+from preprocessing.basis.solids import sparse_modes
+from preprocessing.basis.solids.nested_dissection import dissected
+from preprocessing.basis.solids.ties import freedom, tie
+from preprocessing.mesh.faces import faces_of
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.discrete_body import discrete_body
+from preprocessing.recipes.solids.node_sets import spread_of
 from tests.solid_bodies import (
     DENSITY,
     MODULUS,
@@ -31,9 +31,9 @@ from tests.solid_bodies import (
     moves,
     write_body,
 )
-from toolkit.design_point import DesignPoint
-from toolkit.reduced_model_file import load, save
-from toolkit.spatial_model import all_second_moments
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
+from toolkit.reduced_model.spatial_model import all_second_moments
 
 BASES = {
     "full": 'kind = "full"',

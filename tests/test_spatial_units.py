@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.build_frame import build_frame
+from preprocessing.recipes.frame.build_frame import build_frame
 from tests.spatial_cases import FRAME, write_models
 from tests.test_scene_units import arrays
-from toolkit.dependence import scattered
-from toolkit.design_point import DesignPoint
-from toolkit.dimensions import LABELLED, factor
-from toolkit.errors import InputError
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import load
-from toolkit.reduced_model_units import converted_model
+from toolkit.foundation.dimensions import LABELLED, factor
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.conversion import converted_model
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load
+from toolkit.reduced_model.model import ReducedModel
 
 LENGTHS = ("thickness", "width", "diameter", "wall")
 

@@ -9,25 +9,26 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from preprocessing.basis_choice import BasisChoice
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.scenes import WING
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.cli import app
-from toolkit.errors import InputError
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.reduced_model_file import save
-from toolkit.responses.catalogue import Displacement, KineticEnergy, Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.command_line.cli import app
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.reduced_model.file import save
+from toolkit.responses.energy import KineticEnergy
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare
-from toolkit.solvers.transient import simulate
 from toolkit.studies.stability.catalogue import MAPS, maps_of
 from toolkit.studies.stability.found import Cell, Mapped
 from toolkit.studies.stability.limits_found import breakdowns, stable_where

@@ -10,13 +10,13 @@ import meshio
 import numpy as np
 import pytest
 
-from preprocessing.source_file import source
+from preprocessing.recipes.source_file import source
 from tests.solid_bodies import rectangle, write_body
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import load, save
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.validity.stale_models import stale_models
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import load, save
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.validity.description.stale_models import stale_models
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"

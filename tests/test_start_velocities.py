@@ -8,29 +8,29 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
 from tests.starts import derivatives_agree, started
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import InputError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import Sine
-from toolkit.responses.catalogue import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import scene_from_table
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.analyses.undeformed import undeformed
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import Sine
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.responses.motion import Rotation
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import scene_from_table
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.solvers.undeformed import undeformed
-from toolkit.system import compile_scene
-from toolkit.validity.start_cautions import cautions_of_start, moved_bodies
-from toolkit.validity.start_state import start_lines, start_record, start_state
+from toolkit.system.system import compile_scene
+from toolkit.validity.start.start_cautions import cautions_of_start, moved_bodies
+from toolkit.validity.start.start_state import start_lines, start_record, start_state
 
 EXACT = 1e-12
 """Round-off of a solve, of velocities of order one; for derivatives, judged by a complex step, 1e-10."""

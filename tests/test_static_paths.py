@@ -9,22 +9,22 @@ from scipy.optimize import brentq
 from tests.benchmarks.static_paths import judged
 from tests.fine_path import FinePath
 from tests.random_statics import KINDS, SNAPPING, WING, random_scene
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
-from toolkit.joints.driver import PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
+from toolkit.joints.planar.driver import PositionDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import System, compile_scene
 
 PAST = RunOptions(continuation="arc-length")
 LOAD_STEPS = (5, 10, 11, 12, 20, 50, 200)

@@ -8,27 +8,27 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import ConvergenceError, SingularSystemError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.solvers.undeformed import undeformed
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.analyses.undeformed import undeformed
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 MODELS = Path(__file__).parents[1] / "models"
 NEWTON = 1e-9

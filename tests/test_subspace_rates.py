@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.constrained_pencil import ConstrainedPencil
-from preprocessing.normal_modes import normal_modes
-from preprocessing.subspace_rates import subspace_rates
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.basis.normal_modes import normal_modes
+from preprocessing.basis.subspace_rates import subspace_rates
 from tests.frames import cantilever, pencil_rate, relative, richardson, ring, square, varied, wing
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 POINT = {"P": 7.37}
 CASES = {

@@ -17,22 +17,22 @@ import pytest
 from scipy.special import ellipj, ellipk
 from typer.testing import CliRunner
 
-from toolkit.cli import app
-from toolkit.errors import InputError
-from toolkit.scene_file import read_scene
+from toolkit.command_line.cli import app
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.toml_file import parse_toml
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.studies import pool
-from toolkit.studies.accuracy import errors
-from toolkit.studies.axes import SOLVER_AXES, available, read_axes
-from toolkit.studies.budget import BudgetError, read_budget
-from toolkit.studies.grid import grid
-from toolkit.studies.pareto import pareto
-from toolkit.studies.quantity import Quantity
-from toolkit.studies.record import Record
-from toolkit.studies.richardson import limit
 from toolkit.studies.toml_fragment import toml_table
-from toolkit.studies.tradeoff import Plan, Tradeoff, plan, tradeoff
-from toolkit.toml_file import parse_toml
+from toolkit.studies.tradeoff.budget import BudgetError, read_budget
+from toolkit.studies.tradeoff.errors.accuracy import errors
+from toolkit.studies.tradeoff.errors.quantity import Quantity
+from toolkit.studies.tradeoff.errors.richardson import limit
+from toolkit.studies.tradeoff.pareto import pareto
+from toolkit.studies.tradeoff.runs import pool
+from toolkit.studies.tradeoff.settings.axes import SOLVER_AXES, available, read_axes
+from toolkit.studies.tradeoff.settings.grid import grid
+from toolkit.studies.tradeoff.settings.record import Record
+from toolkit.studies.tradeoff.tradeoff import Plan, Tradeoff, plan, tradeoff
 
 ROOT = Path(__file__).parents[1]
 PENDULUM = ROOT / "models" / "pendulum" / "scene.toml"
@@ -166,7 +166,7 @@ def test_no_member_of_the_pareto_set_is_dominated_and_all_others_are(pendulum):
 
 
 def test_the_recommended_fragment_pasted_into_the_scene_reproduces_the_error(pendulum, tmp_path):
-    from toolkit.studies.recommendation import changes, solver_fragment
+    from toolkit.studies.tradeoff.recommendation import changes, solver_fragment
 
     best, case = pendulum.recommended, pendulum.plan.case
     assert best is not None
@@ -221,7 +221,7 @@ def test_a_damaged_record_is_run_again(tmp_path):
 
 def test_a_killed_study_leaves_whole_records_and_goes_on_from_them(tmp_path):
     arguments = ["tradeoff", str(PENDULUM), *SET, "--axes", "step=0.02/0.01,rho_inf", "-o", str(tmp_path), "--jobs", "2", "-q"]
-    command = [sys.executable, "-m", "toolkit.cli", *arguments]
+    command = [sys.executable, "-m", "toolkit.command_line.cli", *arguments]
     process = subprocess.Popen(command, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     deadline = time.monotonic() + 60
 
@@ -334,9 +334,9 @@ def test_the_command_writes_table_json_and_picture(tmp_path):
 def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_model(tmp_path):
     """A coarse mesh is that of a skin file in which its keys stand, interface points at the same places."""
     pytest.importorskip("gmsh")
-    from preprocessing.build import build
-    from toolkit.reduced_model_file import load
-    from toolkit.studies.recommendation import skin_fragments
+    from preprocessing.recipes.skin.build import build
+    from toolkit.reduced_model.file import load
+    from toolkit.studies.tradeoff.recommendation import skin_fragments
 
     wing = Path(shutil.copytree(WING, tmp_path / "wing"))
     (wing / "skin.toml").write_text((wing / "skin.toml").read_text().replace("elements = 30", "elements = 12").replace("10 }", "4 }")
@@ -373,8 +373,8 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
 
 def remeshed(tmp_path: Path, more: str, elements: int, **keys):
     """The wing's skin file with more in it, meshed by another number of elements."""
-    from preprocessing.changed_keys import with_keys
-    from preprocessing.skin_file import read_skin_file
+    from preprocessing.recipes.skin.changed_keys import with_keys
+    from preprocessing.recipes.skin.skin_file import read_skin_file
 
     (tmp_path / "skin.toml").write_text((WING / "skin.toml").read_text().replace('clamp = "F"', 'clamp = "F"\n' + more, 1))
     arc_lengths = np.arange(31.0)  # of 30 elements of length 1

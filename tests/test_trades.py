@@ -9,29 +9,29 @@ import pytest
 
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.test_orders import DESIGN, driven_pendulum
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import ConvergenceError, InputError
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, InputError
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.torque import Torque
 from toolkit.responses.motion import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.adjoint import adjoint
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
-from toolkit.sensitivity.certificate import certify
+from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.numerical import numerical
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 UNEVEN = tuple(0.05 * np.round(np.cumsum([0, *np.tile([1, 2, 0.5], 4)]), 12))
 """Times of steps that change their length every time."""

@@ -8,20 +8,20 @@ from typing import Any
 
 import pytest
 
-from preprocessing.cli import main
+from preprocessing.commands.cli import main
 from tests.test_frame_models import BENT
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.joints.revolute import Revolute
+from toolkit.description.point import Point
+from toolkit.foundation.verdict import Verdict
+from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.spherical import Spherical
-from toolkit.loads.gravity import Gravity
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.point import Point
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.validity.material_questions import material_questions
-from toolkit.validity.scene_cautions import cautions_of_scene
-from toolkit.validity.verdict import Verdict
+from toolkit.reduced_model.material_questions import material_questions
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 WING, BRACKET = MODELS / "morphing_wing" / "scene.toml", MODELS / "spatial_bracket" / "scene.toml"

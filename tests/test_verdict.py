@@ -13,24 +13,24 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.random_scenes.scene import named_scene
-from toolkit.cli import app
-from toolkit.errors import InputError
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.command_line.cli import app
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Partials
 from toolkit.results.results_file import load_results, save_results
-from toolkit.run_options import RunOptions
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.adjoint import adjoint
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.analysis import direct
-from toolkit.sensitivity.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
+from toolkit.sensitivity.certificate.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
+from toolkit.sensitivity.errors.step_error import step_error
 from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.step_error import step_error
-from toolkit.solution import Solution
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.verdict import Caution, Verdict
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[1] / "models"
 PENDULUM, WING, BEAM = (MODELS / name / "scene.toml" for name in ("pendulum", "morphing_wing", "rotating_beam"))

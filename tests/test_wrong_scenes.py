@@ -11,24 +11,24 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.errors import ConvergenceError, InputError, ModelFileError, SingularSystemError
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.point import Point
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, SingularSystemError
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 TEXT = """

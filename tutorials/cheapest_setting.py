@@ -15,10 +15,10 @@ import tempfile
 from pathlib import Path
 
 from toolkit.report.work_precision import work_precision
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
-from toolkit.studies.recommendation import skin_fragments, solver_fragment
-from toolkit.studies.tradeoff import plan, tradeoff
+from toolkit.studies.tradeoff.recommendation import skin_fragments, solver_fragment
+from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 text = (folder / "scene.toml").read_text().partition("[solver]")[0].replace("duration = 1.0", "duration = 0.02")

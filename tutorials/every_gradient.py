@@ -12,11 +12,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.collections import LineCollection
 
-from preprocessing.build import build
-from toolkit.errors import InputError
-from toolkit.reduced_model_file import save
+from preprocessing.recipes.skin.build import build
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import save
 from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.build import build
-from toolkit.reduced_model_file import save
+from preprocessing.recipes.skin.build import build
+from toolkit.reduced_model.file import save
 from toolkit.report.sheet import COLORS, Drawing, Figure
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare, solve
 
 np.set_printoptions(formatter={"float": "{:.0e}".format})

@@ -10,14 +10,15 @@ The result is compared with the triangle formulas of school geometry.
 # %%
 import numpy as np
 
-from toolkit.bodies.rigid import Rod
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.responses.catalogue import JointForce, Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.motion import Rotation
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct
 
 TURN = 2 * np.pi / 3  # the crank turns by 120 degrees, softly, within a second

@@ -11,8 +11,8 @@ Run it as a script, or cell by cell in an editor that knows `# %%`. The first ru
 # %%
 from pathlib import Path
 
-from toolkit.responses.stress import stress_field
-from toolkit.scene_file import read_scene
+from toolkit.responses.stress.stress import stress_field
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 
 MODELS = Path(__file__).parents[1] / "models"

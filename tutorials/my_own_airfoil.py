@@ -14,10 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.build import build
-from preprocessing.new_wing import new_wing
-from toolkit.reduced_model_file import save
-from toolkit.scene_file import read_scene
+from preprocessing.new_wing.new_wing import new_wing
+from preprocessing.recipes.skin.build import build
+from toolkit.reduced_model.file import save
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 
 folder = Path(tempfile.mkdtemp())

@@ -7,15 +7,15 @@
 # the joint's parameters (6, ...): here n.
 
 # %%
-from toolkit.bodies.rigid import Rigid
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.conformance.check import check_joint
-from toolkit.joints.joint import Joint
-from toolkit.joints.revolute import Revolute
-from toolkit.kernel import kernel
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.responses.catalogue import Rotation
-from toolkit.scene import Scene
+from toolkit.description.point import Point
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.planar.joint import Joint
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.motion import Rotation
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct
 
 

@@ -18,16 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.bodies.flexible import Flexible
-from toolkit.joints.revolute import Revolute
-from toolkit.point import BodyPoint
-from toolkit.reduced_model_file import save
-from toolkit.responses.catalogue import MaxStress
-from toolkit.responses.stress import stress_field
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.description.point import BodyPoint
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.reduced_model.file import save
+from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct
 
 folder = Path(tempfile.mkdtemp())

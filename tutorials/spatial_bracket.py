@@ -13,12 +13,12 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.solids.build_body import build_body
-from toolkit.reduced_model_file import save
+from preprocessing.recipes.solids.build_body import build_body
+from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.probe import RenderError
-from toolkit.responses.stress import stress_field
-from toolkit.scene_file import read_scene
+from toolkit.responses.stress.stress import stress_field
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import Result, direct
 from toolkit.sensitivity.methods import gradients_by
 

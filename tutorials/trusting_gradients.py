@@ -11,10 +11,10 @@ The mechanism is the slider-crank of `models/`, whose gradients were published w
 # %%
 from pathlib import Path
 
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
 from toolkit.sensitivity.numerical import numerical
-from toolkit.sensitivity.studies import step_study, taylor_rates
 
 MODELS = Path(__file__).parents[1] / "models"
 short = {"solver.end_time": "1.0", "solver.step": "0.02"}  # 50 steps, for one of the ways is slow

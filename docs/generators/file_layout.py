@@ -6,8 +6,8 @@ from dataclasses import fields, is_dataclass
 
 from docs.generators.comments import meanings, words
 from docs.generators.key_tables import cell
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION
+from toolkit.reduced_model.file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION
+from toolkit.reduced_model.model import ReducedModel
 
 
 def layout() -> str:

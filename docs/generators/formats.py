@@ -10,10 +10,10 @@ from pydantic import BaseModel
 from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
-from preprocessing.frame_file import FrameFile
-from preprocessing.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection
-from preprocessing.skin_file import SkinFile
-from preprocessing.skin_tables import (
+from preprocessing.recipes.frame.frame_file import FrameFile
+from preprocessing.recipes.frame.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.skin.skin_tables import (
     Airfoil,
     BasisTable,
     ContourPoint,
@@ -25,8 +25,8 @@ from preprocessing.skin_tables import (
     ShapeMode,
     SkinCut,
 )
-from preprocessing.solids.body_file import BodyFile
-from preprocessing.solids.body_tables import (
+from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.recipes.solids.body_tables import (
     MatricesTable,
     MeshTable,
     Region,
@@ -36,12 +36,12 @@ from preprocessing.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
-from toolkit.point import BodyPoint
-from toolkit.profile import CURVES
+from toolkit.description.point import BodyPoint
+from toolkit.description.profile import CURVES
+from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.responses.catalogue import Response
-from toolkit.run_options import Baumgarte, RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_kinds import kinds_of
+from toolkit.scene.kinds import kinds_of
+from toolkit.scene.scene import Scene
 
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
 """Where a page wants a table."""

@@ -10,14 +10,14 @@ from mkdocs.structure.files import File
 
 from docs.generators.formats import fill
 from docs.generators.formulas import hide_formulas, show_formulas
-from docs.generators.rooms import overview, page, rooms
+from docs.generators.rooms import navigation, overview, page, rooms
 
 
 def on_config(config: Any) -> Any:
     """Put the pages of the reference into the navigation."""
     for entry in config.nav:
         if "Reference" in entry:
-            entry["Reference"] = [{"Rooms": "reference.md"}, *({room.title: room.page} for room in rooms())]
+            entry["Reference"] = [{"Rooms": "reference.md"}, *navigation()]
     return config
 
 

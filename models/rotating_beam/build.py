@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.reduced_model_file import save
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.reduced_model.file import save
 
 LENGTH, ELEMENTS = 1.0, 20
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)

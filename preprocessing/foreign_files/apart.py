@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 from preprocessing.foreign_files.bounds import LARGEST_FILE, Bounds
 from preprocessing.foreign_files.wire import receive
-from toolkit.errors import InputError, without_content
-from toolkit.own_process import command, environment, refuse_namesakes
-from toolkit.regular_file import size_of
+from toolkit.foundation.errors import InputError, without_content
+from toolkit.foundation.files.regular_file import size_of
+from toolkit.foundation.processes.own_process import command, environment, refuse_namesakes
 
 CHILD = "from preprocessing.foreign_files.child import main; main(*sys.argv[1:])"
 ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}

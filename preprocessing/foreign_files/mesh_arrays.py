@@ -9,7 +9,7 @@ from typing import Any
 import meshio
 import numpy as np
 
-from preprocessing.solids.element_kinds import KNOWN
+from preprocessing.foreign_files.element_kinds import KNOWN
 
 Elements = list[tuple[str, np.ndarray]]
 """Kind and nodes (n_e, n_local) of some elements."""

@@ -1,11 +1,11 @@
 """A chain of rods swinging under gravity: a mechanism whose size can be chosen."""
 
-from toolkit.bodies.rigid import Rod
-from toolkit.joints.revolute import Revolute
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.scene.scene import Scene
 
 
 def chain(n: int, step: float = 1e-3, steps: int = 200) -> Scene:

@@ -15,17 +15,18 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
-from preprocessing.build import build
-from preprocessing.section import QUANTITIES
+from preprocessing.elements.section import QUANTITIES
+from preprocessing.recipes.skin.build import build
 from tests.benchmarks.chain import chain
-from toolkit.reduced_model_file import save
-from toolkit.responses.catalogue import Displacement, JointForce
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.transient import simulate
+from toolkit.reduced_model.file import save
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.motion import Displacement
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import prepare, responses_of
-from toolkit.solvers.transient import simulate
-from toolkit.system import System
+from toolkit.system.system import System
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 REPEATS = 5

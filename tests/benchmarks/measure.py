@@ -10,10 +10,10 @@ from pathlib import Path
 from statistics import median
 
 from tests.benchmarks.chain import chain
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.analyses.transient import simulate
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml"
 REPEATS = 9

@@ -16,13 +16,13 @@ from scipy.optimize import nnls
 
 from tests.benchmarks.chain import chain
 from tests.benchmarks.measure import WING, variables
-from toolkit.responses.catalogue import JointForce
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.transient import simulate
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import prepare, responses_of
 from toolkit.sensitivity.choice import ADJOINT, DIRECT, adjoint_work, direct_work
-from toolkit.solvers.transient import simulate
 
 REPEATS = 3
 

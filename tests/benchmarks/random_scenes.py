@@ -39,12 +39,12 @@ import numpy as np
 
 from tests.random_scenes.reference import AGREED, Answers, Reference, answers, errors, reference
 from tests.random_scenes.scene import named_scene
-from toolkit.errors import ToolkitError
-from toolkit.scene import Scene
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Verdict
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Result, again, prepare, result, solve
-from toolkit.solution import Solution
-from toolkit.validity.energy_balance import energy_balance
-from toolkit.validity.verdict import Verdict
+from toolkit.system.solution import Solution
+from toolkit.validity.motion.energy_balance import energy_balance
 
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""

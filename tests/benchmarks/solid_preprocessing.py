@@ -33,9 +33,9 @@ def unknowns(kind: str, across: int) -> int:
 
 def measure(kind: str, across: int) -> None:
     """Build one body and print what it cost."""
-    from preprocessing.solids.build_body import build_body
+    from preprocessing.recipes.solids.build_body import build_body
     from tests.solid_bodies import box, write_body
-    from toolkit.reduced_model_file import save
+    from toolkit.reduced_model.file import save
 
     with tempfile.TemporaryDirectory() as folder:
         mesh = box(kind, (5 * across, across, across), (1.0, 0.2, 0.2))

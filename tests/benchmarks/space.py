@@ -12,16 +12,16 @@ import time
 from pathlib import Path
 from statistics import median
 
-from preprocessing.build_frame import build_frame
+from preprocessing.recipes.frame.build_frame import build_frame
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.point import BodyPoint, Point
-from toolkit.reduced_model_file import save
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.reduced_model.file import save
+from toolkit.scene.scene import Scene
+from toolkit.system.system import compile_scene
 
 REPEATS = 5
 STEPS = 200

@@ -15,11 +15,11 @@ import numpy as np
 
 from tests.fine_path import FinePath, Outcome
 from tests.random_statics import KINDS, random_scene
-from toolkit.errors import BifurcationError, LimitPointError, ToolkitError
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.statics import solve_statics
-from toolkit.system import System, compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import BifurcationError, LimitPointError, ToolkitError
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
 
 LOAD_STEPS = (10, 1, 3, 50)
 LENGTH = 0.004

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.run_options import RunOptions
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
-from toolkit.validity.deformation import deformation
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.critical_speed import critical_speed, too_fast_at_start, too_fast_in_motion
+from toolkit.validity.bodies.deformation import deformation
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 CRITICAL = 1.875104068711961**2 * float(np.sqrt(210e9 * 0.02**2 / 12 / 7800.0))

@@ -5,19 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.spring_damper import SpringDamper
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.transient import simulate
-from toolkit.solvers.undeformed import undeformed
-from toolkit.system import compile_scene
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.transient import simulate
+from toolkit.analyses.undeformed import undeformed
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 RATIOS = [1e-8, 1e-4, 1.0, 1e4, 1e8]
 GRAVITY = 9.81

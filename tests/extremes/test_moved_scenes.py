@@ -11,20 +11,20 @@ import pytest
 from tests.cases import write_models
 from tests.every_number import SCENES
 from tests.scenes import WING, hanging_skin
-from toolkit.bodies.flexible import Flexible
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.planar import rotation
-from toolkit.point import Point
-from toolkit.responses.joint_force import JointForce
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.description.point import Point
+from toolkit.kinematics.planar import rotation
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Response
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
+from toolkit.system.solution import Solution
 
 NAMES = [*SCENES, "hanging skin", "wing"]
 FAR = 1e4

@@ -9,15 +9,15 @@ from pydantic import ValidationError
 
 from tests.scenes import WING
 from tests.test_trades import damped_slider, swinging
-from toolkit.errors import ConvergenceError, SingularSystemError
-from toolkit.loads.torque import Torque
-from toolkit.profile import Constant, Table
-from toolkit.run_options import RunOptions
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.description.profile import Constant, Table
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 FORMULATIONS = pytest.mark.parametrize("formulation", ["index-1", "index-3", "ggl"])
 

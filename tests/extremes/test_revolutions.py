@@ -7,19 +7,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.bodies.rigid import Rod
-from toolkit.errors import ConvergenceError
-from toolkit.flexible_bodies import flexible_body
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.point import Point
-from toolkit.profile import SmoothStep
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.system import System, compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 BEAM = Path(__file__).parents[2] / "models" / "rotating_beam" / "scene.toml"
 SPEED, MODULUS, DENSITY, AREA = 50.0, 210e9, 7800.0, 1e-3

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from toolkit.errors import SingularSystemError
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
 
 ROOT = Path(__file__).parents[2]
 CHAIN = ROOT / "models" / "four_bar_chain" / "scene.toml"

@@ -7,18 +7,18 @@ import pytest
 from scipy.special import ellipj, ellipk
 
 from tests.scenes import WING
-from toolkit.bodies.rigid import Rigid
-from toolkit.errors import ConvergenceError
-from toolkit.joints.distance import Distance
-from toolkit.loads.gravity import Gravity
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.joints.planar.distance import Distance
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import System, compile_scene
 
 GRAVITY = 9.81
 STEPS = {1e-7: 1e-4, 1e-6: 1e-3, 1e-5: 1e-2, 1e-4: 0.1, 1e-3: 1.0, 1e-2: 1.0, 0.05: 1.0, 0.1: 1.0}

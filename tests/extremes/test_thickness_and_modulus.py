@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 
 from tests.scenes import MODELS, WING
-from toolkit.bodies.flexible import Flexible
-from toolkit.errors import ConvergenceError, CriticalPointError
-from toolkit.loads.point_force import PointForce
-from toolkit.point import BodyPoint
-from toolkit.reduced_model_file import load
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.deformation import deformation
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.description.point import BodyPoint
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, CriticalPointError
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.reduced_model.file import load
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.deformation import deformation
 
 THICKNESSES = [0.05, 0.15, 0.5, 1.5, 5.0, 15.0, 50.0]
 NOMINAL, MODULUS, TORQUE = 1.5, 70000.0, 4200.0

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from tests.scenes import WING
-from toolkit.errors import ConvergenceError
-from toolkit.scene_file import read_scene
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.deformation import deformation
+from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.deformation import deformation
 
 
 def wing(factor: float, **changes: str):

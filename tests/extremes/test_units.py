@@ -8,31 +8,26 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.section import Section
+from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
-from toolkit.joints.distance import Distance
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.responses.catalogue import (
-    Displacement,
-    JointForce,
-    KineticEnergy,
-    KSStress,
-    MaxStress,
-    Rotation,
-    StrainEnergy,
-    TimeIntegral,
-)
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Kind, direct
 
 LENGTH, MASS = 1e3, 1e-3
@@ -141,7 +136,7 @@ def test_a_change_of_units_changes_nothing(tmp_path, kind: Kind, solver):
 
 def test_the_two_models_differ_by_units_alone(tmp_path):
     """The invariants have the units of mass, length and stiffness, so that the test above compares the same beam."""
-    from toolkit.reduced_model_file import load
+    from toolkit.reduced_model.file import load
 
     models = []
     for units in ("m-kg-s", "mm-t-s"):

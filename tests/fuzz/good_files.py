@@ -11,13 +11,13 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.polygon_beam import polygon_beam
-from preprocessing.section import Section
-from toolkit.dependence import Derivatives
-from toolkit.reduced_model import ReducedModel, Shape
-from toolkit.reduced_model_file import save
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.reduced_model.dependence import Derivatives
+from toolkit.reduced_model.file import save
+from toolkit.reduced_model.model import ReducedModel, Shape
 from toolkit.results.results_file import save_results
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct
 
 ROOT = Path(__file__).parents[2]

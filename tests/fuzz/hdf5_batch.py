@@ -19,13 +19,13 @@ import numpy as np
 
 from tests.fuzz.hostile_hdf5 import spoilt_attributes, spoilt_bytes, spoilt_objects
 from tests.fuzz.sealed_hdf5 import sealed_files
-from toolkit.command_line.inspection import describe_model, describe_results
-from toolkit.errors import ToolkitError
-from toolkit.reduced_model_file import is_reduced_model, load
+from toolkit.command_line.commands.inspection import describe_model, describe_results
+from toolkit.foundation.errors import ToolkitError
+from toolkit.reduced_model.file import is_reduced_model, load
 from toolkit.results.csv_tables import export_csv
 from toolkit.results.restore import restore_scene
 from toolkit.results.results_file import load_results, refuse_foreign
-from toolkit.scene_file import read_scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
 
 MODEL_OBJECTS = ["invariants", "invariants/stiffness", "invariants/inertia", "invariants/mass", "derivatives",

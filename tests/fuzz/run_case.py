@@ -18,24 +18,28 @@ from typing import Any
 
 from preprocessing.foreign_files import apart
 from preprocessing.foreign_files.bounds import Bounds
-from preprocessing.solids import mesh_file
+from preprocessing.mesh import mesh_file
 from tests.fuzz.case import Case, Ended
-from toolkit.errors import ToolkitError
-from toolkit.own_process import command, environment
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.processes.own_process import command, environment
 
 MEMORY = 3 * 2**30
 """Bytes of address space of a command, besides what the program takes itself."""
 SECONDS, READER_SECONDS = 60, 2
 """Time of a command on the clock, and processor time of a reader in it."""
 MODELS = Path(__file__).parents[2] / "models"
-PROGRAMS = {"ffrf": "toolkit.cli", "ffrf-preprocess": "preprocessing.cli"}
+PROGRAMS = {"ffrf": "toolkit.command_line.cli", "ffrf-preprocess": "preprocessing.commands.cli"}
 LOADED = (
-    "preprocessing.cli",
-    *("preprocessing.solids.build_body", "preprocessing.foreign_files.mesh_arrays", "preprocessing.foreign_files.matrix_entries"),
+    "preprocessing.commands.cli",
+    *(
+        "preprocessing.recipes.solids.build_body",
+        "preprocessing.foreign_files.mesh_arrays",
+        "preprocessing.foreign_files.matrix_entries",
+    ),
     *("preprocessing.foreign_files.child", "scipy.io"),
 )
 """What is loaded before the first case."""
-SCENES = ("toolkit.cli", "toolkit.sensitivity.analysis", "toolkit.scene_file", "toolkit.compilation")
+SCENES = ("toolkit.command_line.cli", "toolkit.sensitivity.analysis", "toolkit.scene_file.reader", "toolkit.compilation")
 """What is loaded before cases that have scenes."""
 
 
@@ -51,8 +55,8 @@ def load(names: tuple[str, ...]) -> None:
 def _build_once() -> None:
     """Build a good body, which loads what is loaded late."""
     from preprocessing.foreign_files import child
-    from preprocessing.solids.build_body import build_body
-    from toolkit.reduced_model_file import save
+    from preprocessing.recipes.solids.build_body import build_body
+    from toolkit.reduced_model.file import save
 
     for model in ("bracket", "spatial_bracket"):
         found = child.reading("mesh", str(MODELS / model / "bracket.msh"))["found"]
@@ -65,7 +69,7 @@ def _build_once() -> None:
 
 def _solve_once() -> None:
     """Find the equilibrium of all scenes, which loads the compiled formulas."""
-    from toolkit.scene_file import read_scene
+    from toolkit.scene_file.reader import read_scene
     from toolkit.sensitivity.analysis import direct
 
     for scene in sorted(MODELS.glob("*/scene.toml")):

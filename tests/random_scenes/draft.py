@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from tests.random_scenes.draw import Draw
-from toolkit.point import BodyPoint, Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
+from toolkit.scene.scene import Scene
 
 
 @dataclass

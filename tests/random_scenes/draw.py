@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 
 T = TypeVar("T")
 

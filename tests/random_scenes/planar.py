@@ -9,17 +9,17 @@ import numpy as np
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from tests.random_scenes.planar_links import Link, answers, hinge, link, pushes, whirl
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver, PositionDriver
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
-from toolkit.loads.spring_damper import RotationalSpringDamper, SpringDamper
-from toolkit.loads.torque import Torque
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
 
 SWING = 1.3
 """Period of a hanging link, s."""
@@ -227,7 +227,7 @@ def _drive(d: Draft, body: str, point: str, turns: bool = False) -> None:
 
 
 def _force(d: Draft, joint: str) -> Any:
-    from toolkit.responses.joint_force import JointForce
+    from toolkit.responses.forces.joint_force import JointForce
 
     component: Any = "magnitude" if joint != "lead" or d.joints[joint].kind != "angle-driver" else "torque"
     return JointForce(joint=joint, component=component)

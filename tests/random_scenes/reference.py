@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.errors import ToolkitError
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.instant import Instant, TimeIntegral
 from toolkit.responses.motion import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import evaluate_with_gradients, prepare, responses_of, solve
-from toolkit.solution import Solution
-from toolkit.system import System
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
 
 AGREED = 0.01
 """Difference of the two finer runs above which an answer is not known."""

@@ -8,7 +8,7 @@ from tests.random_scenes import planar, spatial
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import Draw
 from tests.random_scenes.solver import random_options
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 
 PLANAR_PART = 0.5
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.random_scenes.draft import Draft
 from tests.random_scenes.draw import rounded
-from toolkit.run_options import Baumgarte, RunOptions
+from toolkit.description.run_options import Baumgarte, RunOptions
 
 FINEST, COARSEST = 1 / 300, 1 / 4
 """Steps in parts of the scene's period."""

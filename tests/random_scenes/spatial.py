@@ -24,7 +24,7 @@ from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.responses.joint_force import JointForce
+from toolkit.responses.forces.joint_force import JointForce
 
 
 def chain(d: Draft) -> None:

@@ -7,6 +7,9 @@ from pathlib import Path
 from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.description.point import BodyPoint
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
@@ -16,11 +19,11 @@ from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint
-from toolkit.profile import SmoothStep
-from toolkit.responses.catalogue import Displacement, JointForce, KineticEnergy, Rotation, StrainEnergy, TimeIntegral
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.scene.scene import Scene
 
 ROD = """units = "m-kg-s"
 clamp = ["T"]

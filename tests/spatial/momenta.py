@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.spatial import partials_of_quaternion
-from toolkit.system import System
+from toolkit.kinematics.spatial import partials_of_quaternion
+from toolkit.system.system import System
 
 
 def momentum(system: System, q: np.ndarray, v: np.ndarray) -> np.ndarray:

@@ -1,6 +1,6 @@
 """Energy and momenta of a body of spatial beams in motion, by Gauss points along its elements and equal masses in its section.
 
-No matrix of the preprocessing or of the runtime takes part: only the shape functions of `preprocessing.spatial_beam`.
+No matrix of the preprocessing or of the runtime takes part: only the shape functions of `preprocessing.elements.spatial_beam`.
 """
 
 from __future__ import annotations
@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from preprocessing import spatial_beam
-from preprocessing.frame_design import frame_elements, frame_space
-from preprocessing.frame_file import FrameFile
-from preprocessing.reduction import reduced_basis
-from preprocessing.spatial_discretisation import SpatialDiscretisation
+from preprocessing.basis.reduction import reduced_basis
+from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.elements import spatial_beam
+from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
+from preprocessing.recipes.frame.frame_file import FrameFile
 
 
 class Frame(NamedTuple):

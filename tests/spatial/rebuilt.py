@@ -12,35 +12,35 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.body import Body, Placed
-from toolkit.bodies.flexible import Flexible
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRigidBody
-from toolkit.bodies.start_velocity import StartVelocity
-from toolkit.description import Positive
-from toolkit.joints.distance import Distance
-from toolkit.joints.driver import AngleDriver
-from toolkit.joints.joint import Joint
-from toolkit.joints.revolute import Revolute
-from toolkit.joints.rigid_joint import RigidJoint
-from toolkit.joints.slider import Slider
+from toolkit.description.description import Positive
+from toolkit.description.point import Point
+from toolkit.joints.planar.distance import Distance
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.joint import Joint
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
-from toolkit.loads.gravity import Gravity
-from toolkit.loads.point_force import PointForce
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.torque import Torque
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.loads.spring_damper import SpringDamper
-from toolkit.loads.torque import Torque
-from toolkit.point import Point
-from toolkit.scene import Scene
-from toolkit.solution import Solution
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
 
 Z = (0.0, 0.0, 1.0)
 CLOSING = ("x", "y")

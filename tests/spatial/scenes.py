@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from preprocessing.build_frame import build_frame
-from toolkit.point import Point
-from toolkit.reduced_model_file import save
+from preprocessing.recipes.frame.build_frame import build_frame
+from toolkit.description.point import Point
+from toolkit.reduced_model.file import save
 
 
 def at(**places: tuple[float, float, float]) -> dict[str, Point]:

@@ -9,28 +9,28 @@ import pytest
 from scipy.linalg import eig
 
 from tests.spatial.scenes import at, save_frame
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.component import Skeleton
+from toolkit.description.point import BodyPoint
+from toolkit.description.profile import Constant
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.kernels.spatial.forms import LOCKED, Row
 from toolkit.joints.spatial.driver import SpatialAngleDriver
-from toolkit.joints.spatial.forms import LOCKED, Row
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
+from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint
-from toolkit.profile import Constant
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.solvers.undeformed import undeformed
-from toolkit.spatial import matrix_of, quaternion_of
-from toolkit.system import System, compile_scene
+from toolkit.markers.component import Skeleton
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
 
 Z = (0.0, 0.0, 1.0)
 AXIS = (0.3, -0.2, 1.0)

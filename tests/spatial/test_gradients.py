@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from tests.spatial.mechanism import spatial_crank
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.description.run_options import RunOptions
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 
 DESIGN = [

@@ -6,20 +6,20 @@ import numpy as np
 import pytest
 
 from tests.spatial.scenes import at
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.errors import ConvergenceError
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.kinematics.spatial import matrix_of
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.profile import SmoothStep
 from toolkit.responses.motion import Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import direct
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.spatial import matrix_of
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 Z = (0.0, 0.0, 1.0)
 

@@ -9,21 +9,21 @@ import pytest
 
 from tests.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.errors import InputError
+from toolkit.description.point import BodyPoint
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
 from toolkit.loads.spatial.pressure import Pressure
-from toolkit.point import BodyPoint
-from toolkit.profile import SmoothStep
-from toolkit.reduced_model_file import save
+from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Displacement
-from toolkit.responses.stress import KSStress, MaxStress
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.system.system import compile_scene
 
 LENGTH, WIDTH, HEIGHT = 1.0, 0.1, 0.06
 TOP = f"\n[pressure_surfaces.top]\nbox = [0, {-WIDTH}, {HEIGHT / 2}, {LENGTH}, {WIDTH}, {HEIGHT / 2}]\n"

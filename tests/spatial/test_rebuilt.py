@@ -11,20 +11,20 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.build import build
+from preprocessing.recipes.skin.build import build
 from tests.spatial.momenta import kinetic_energy
 from tests.spatial.rebuilt import angle, angle_rates, force, in_space, place
-from toolkit.joints.driver import AngleDriver
-from toolkit.profile import SmoothStep
-from toolkit.reduced_model_file import save
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.scene_file import read_scene
-from toolkit.solution import Solution
-from toolkit.solvers.modes import solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.reduced_model.file import save
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[2] / "models"
 SAME = 1e-8

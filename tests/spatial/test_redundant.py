@@ -9,26 +9,26 @@ import pytest
 from scipy.linalg import null_space
 
 from tests.spatial.scenes import at
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.errors import InputError, SingularSystemError
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.profile import SmoothStep
-from toolkit.redundant_joints import joint_terms
-from toolkit.responses.joint_force import COMPONENTS, JointForce
+from toolkit.responses.forces.joint_force import COMPONENTS, JointForce
+from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.motion import Rotation
-from toolkit.responses.spatial_joint_force import spatial_joint_force
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.system.redundant_joints import joint_terms
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
 
 Z = (0.0, 0.0, 1.0)
 MASS, WIDTH, HEIGHT, GRAVITY, TORQUE = 15.0, 1.0, 2.0, 9.81, 5.0

@@ -5,14 +5,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.build_frame import build_frame
+from preprocessing.recipes.frame.build_frame import build_frame
 from tests.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.solid_bodies import box, cantilever
-from toolkit.bodies.rigid import Rod
+from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.command_line.report_command import refuse_space
-from toolkit.errors import InputError
+from toolkit.command_line.commands.report_command import refuse_space
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import SmoothStep
+from toolkit.foundation.errors import InputError
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
@@ -21,26 +23,24 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint, Point
-from toolkit.profile import SmoothStep
-from toolkit.reduced_model_file import save
+from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
 from toolkit.render.probe import drawing
-from toolkit.render.spatial.arrows import arrows
-from toolkit.render.spatial.body_shape import body_shape
-from toolkit.render.spatial.camera import ISOMETRIC, Camera
-from toolkit.render.spatial.configuration import SpatialConfiguration
-from toolkit.render.spatial.curves import stress_extremes
-from toolkit.render.spatial.look import choose_spatial_look, outermost
+from toolkit.render.space.arrows import arrows
+from toolkit.render.space.body_shape import body_shape
+from toolkit.render.space.camera import ISOMETRIC, Camera
+from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.space.curves import stress_extremes
+from toolkit.render.space.look import choose_spatial_look, outermost
 from toolkit.render.view import View
-from toolkit.responses.stress import MaxStress, stress_field
-from toolkit.scene import Scene
-from toolkit.spatial import matrix_of, quaternion_of
+from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.scene.scene import Scene
 
 WIDTH, LENGTHS = 600, (1.0, 0.2, 0.15)
 TOP = "[pressure_surfaces.top]\nbox = [0.0, -0.1, 0.075, 1.0, 0.1, 0.075]\n"
@@ -223,8 +223,8 @@ def test_beams_are_closed_round_their_fibres(folder):
 
 
 def test_what_is_clamped_is_still(folder):
-    from toolkit.render.spatial.parts import clamped_faces
-    from toolkit.render.spatial.symbols import clamped_points
+    from toolkit.render.space.parts import clamped_faces
+    from toolkit.render.space.symbols import clamped_points
 
     (clamp,) = clamped_points(SpatialConfiguration(rest(gallows(folder), 0), 0))
     np.testing.assert_allclose(clamp, 0, atol=1e-15)  # the node A
@@ -236,7 +236,7 @@ def test_what_is_clamped_is_still(folder):
 
 
 def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
-    from toolkit.render.spatial.symbols import spatial_symbols
+    from toolkit.render.space.symbols import spatial_symbols
 
     scene = gallows(folder)
     joint = Prismatic(bodies=("ground", "rod"), point="E", axis=(0.0, 0.0, 2.0))
@@ -313,8 +313,8 @@ def test_a_point_is_drawn_at_the_pixel_that_the_panel_says(opengl, perspective, 
     points = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, 0.5], [1.2, -0.4, 0.9]])
     with drawing():
         from toolkit.render.canvas import canvas
-        from toolkit.render.spatial.panel import SpatialPanel
-        from toolkit.render.spatial.parts import ball
+        from toolkit.render.space.panel import SpatialPanel
+        from toolkit.render.space.parts import ball
 
         with canvas(tmp_path / "balls.png", 400, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (50, 40, 320, 240), 10, Camera.framing(points, 320 / 240, 0.1, perspective))
@@ -333,8 +333,8 @@ def test_a_mesh_that_is_drawn_in_front_covers_what_is_nearer(opengl, perspective
     points = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]])  # one behind the other
     with drawing():
         from toolkit.render.canvas import canvas
-        from toolkit.render.spatial.panel import SpatialPanel
-        from toolkit.render.spatial.parts import ball
+        from toolkit.render.space.panel import SpatialPanel
+        from toolkit.render.space.parts import ball
 
         with canvas(tmp_path / "balls.png", 300, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (0, 0, 300, 300), 10, Camera.framing(points, 1.0, 0.5, perspective))

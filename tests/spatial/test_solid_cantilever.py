@@ -16,23 +16,23 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 from tests.solid_bodies import DENSITY, MODULUS, box, cantilever, moves
+from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.description.point import BodyPoint
+from toolkit.description.profile import Sine
+from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.driver import SpatialPositionDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.point import BodyPoint
-from toolkit.profile import Sine
-from toolkit.reduced_model import ReducedModel
-from toolkit.reduced_model_file import save
+from toolkit.reduced_model.file import save
+from toolkit.reduced_model.model import ReducedModel
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.modes import Modes, solve_modes
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 LENGTH, WIDTH, HEIGHT, POISSON = 1.0, 0.06, 0.04, 0.0  # the clamp of a solid holds its contraction, which a beam knows nothing of
 SHEAR, AREA = MODULUS / (2 * (1 + POISSON)), WIDTH * HEIGHT

@@ -8,20 +8,20 @@ import numpy as np
 import pytest
 
 from tests.starts import derivatives_agree, started
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.errors import InputError
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
-from toolkit.validity.start_cautions import cautions_of_start, moved_bodies
-from toolkit.validity.start_state import start_record
+from toolkit.scene.scene import Scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.start.start_cautions import cautions_of_start, moved_bodies
+from toolkit.validity.start.start_state import start_record
 
 EXACT = 1e-12
 """Round-off of a solve, of velocities of order one; for derivatives, judged by a complex step, 1e-10."""

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 
 from tests.spatial.scenes import at
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.spherical import Spherical
+from toolkit.kinematics.spatial import angular_velocity
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.spatial import angular_velocity
-from toolkit.system import compile_scene
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 
 DATA = Path(__file__).parents[1] / "data" / "benchmarks"
 TOP, FREE = (json.loads((DATA / f"{name}.json").read_text()) for name in ("heavy_top", "free_rigid_body_dzhanibekov"))

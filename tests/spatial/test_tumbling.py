@@ -7,16 +7,16 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from preprocessing.frame_file import read_frame_file
+from preprocessing.recipes.frame.frame_file import read_frame_file
 from tests.spatial.momenta import kinetic_energy, momenta, spin, strain_energy
 from tests.spatial.quadrature import Motion, raw_frame, total
 from tests.spatial.scenes import save_frame
+from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.spatial import matrix_of, quaternion_of
-from toolkit.system import System, compile_scene
+from toolkit.description.run_options import RunOptions
+from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
 
 CORNERS = np.array([[0.0, 0.0, 0.0], [0.7, 0.0, 0.0], [0.7, 0.5, 0.0], [0.7, 0.5, 0.3]])
 CENTRE = (0.7 * CORNERS[:2].sum(0) + 0.5 * CORNERS[1:3].sum(0) + 0.3 * CORNERS[2:].sum(0)) / 3

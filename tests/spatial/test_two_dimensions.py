@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from tests.spatial.scenes import at
-from toolkit.bodies.rigid import Rigid
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.point import Point
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.solvers.transient import simulate
-from toolkit.system import compile_scene
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.scene.scene import Scene
+from toolkit.system.system import compile_scene
 
 
 def test_plane_space_plane_space():

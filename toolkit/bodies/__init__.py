@@ -1,1 +1,1 @@
-"""Bodies: what has mass and coordinates, and the markers through which all else sees them."""
+"""Bodies: what has mass and coordinates."""

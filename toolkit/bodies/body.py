@@ -8,8 +8,8 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from toolkit.description import Registered
-from toolkit.reduced_model import ReducedModel
+from toolkit.description.description import Registered
+from toolkit.reduced_model.model import ReducedModel
 
 
 class Placed(Protocol):

@@ -10,10 +10,10 @@ import numpy as np
 from pydantic import ConfigDict
 
 from toolkit.bodies.body import Body, Placed
-from toolkit.description import Number
-from toolkit.design_point import DesignPoint
-from toolkit.errors import InputError
-from toolkit.reduced_model import MEAN_AXES, ReducedModel, place_parameter
+from toolkit.description.description import Number
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""

@@ -13,7 +13,7 @@ from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColum
 from rich.progress import Progress as Bar
 
 if TYPE_CHECKING:
-    from toolkit.scene import Scene
+    from toolkit.scene.scene import Scene
 
 Kind = Literal["transient", "static"]
 Progress = Callable[[int, int], None]
@@ -30,7 +30,7 @@ def at_work(
     All that the analysis of the scene calls is compiled before, if it never was on this machine, and it is said so; `method` is that of
     gradients by the variables in `design`.
     """
-    from toolkit.compiled_code import CompiledCodeWarning
+    from toolkit.foundation.compiled.compiled_code import CompiledCodeWarning
 
     with warnings.catch_warnings():
         if quiet:
@@ -43,8 +43,8 @@ def at_work(
 def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: bool = False) -> None:
     """Rehearse an analysis, so that nothing is compiled in it, and say so if that compiles anything."""
     from toolkit.command_line.rehearsal import rehearse
-    from toolkit.compile_watch import watched_compilation
-    from toolkit.compiled_code import is_kept
+    from toolkit.foundation.compiled.compile_watch import watched_compilation
+    from toolkit.foundation.compiled.compiled_code import is_kept
 
     def announce() -> None:
         if not quiet:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.errors import InputError
-from toolkit.listed_names import listed
-from toolkit.outside_files import told_outside
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.outside_files import told_outside
+from toolkit.foundation.listed_names import listed
 
 if TYPE_CHECKING:
-    from toolkit.scene import Scene
+    from toolkit.scene.scene import Scene
 
 
 EVERY = "all"
@@ -41,7 +41,7 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and 
 
 def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:
     """The scene with its changed values; a remark tells what it takes from outside of its folder."""
-    from toolkit.scene_file import read_scene
+    from toolkit.scene_file.reader import read_scene
 
     pairs = dict(split(change) for change in changes or [])
     scene = read_scene(path, pairs)

@@ -10,12 +10,12 @@ import typer
 
 from toolkit.command_line.announcements import Kind, at_work
 from toolkit.command_line.arguments import read, split
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 if TYPE_CHECKING:
-    from toolkit.scene import Scene
+    from toolkit.scene.scene import Scene
     from toolkit.sensitivity.analysis import Result
-    from toolkit.solution import Solution
+    from toolkit.system.solution import Solution
 
 Output = Annotated[
     Path | None, typer.Option("--output", metavar="FILE.h5", help="Keep states, stress, responses and gradients in this file.")

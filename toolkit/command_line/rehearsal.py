@@ -8,23 +8,23 @@ from __future__ import annotations
 
 from typing import Any
 
-from toolkit.bodies.rigid import Rod
+from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.joints.revolute import Revolute
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.gravity import Gravity
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.point import Point
-from toolkit.responses.joint_force import JointForce
+from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients, has_adjoint
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
-from toolkit.system import formulas_of
-from toolkit.validity.energy_balance import energy_balance
+from toolkit.system.system import formulas_of
 from toolkit.validity.judge import judge
+from toolkit.validity.motion.energy_balance import energy_balance
 
 
 def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.errors import InputError
-from toolkit.scene import Scene
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
 
 TINY = np.finfo(float).tiny
 LEAST = {

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from toolkit.description import Description
-from toolkit.loads.gravity import Gravity
+from toolkit.description.description import Description
+from toolkit.description.point import BodyPoint
+from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.point import BodyPoint
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 
 Item = tuple[str, str]
 """Group and name, for example ("points", "A")."""

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.listed_names import quoted
-from toolkit.reduced_model import MEAN_AXES
-from toolkit.scene import Scene
+from toolkit.foundation.listed_names import quoted
+from toolkit.reduced_model.model import MEAN_AXES
+from toolkit.scene.scene import Scene
 
 
 def grounded(scene: Scene) -> dict[str, Body]:

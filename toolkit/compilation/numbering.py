@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.component import Component
-from toolkit.errors import InputError
-from toolkit.joints.joint_kernel import ROWS
-from toolkit.joints.spatial.joint_kernel import ROWS as SPATIAL_ROWS
-from toolkit.loads.load import Load
-from toolkit.scene import Scene
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.planar.joint_kernel import ROWS
+from toolkit.joints.kernels.spatial.joint_kernel import ROWS as SPATIAL_ROWS
+from toolkit.loads.planar.load import Load
+from toolkit.markers.component import Component
+from toolkit.scene.scene import Scene
 
 QUATERNION = 4
 """Coordinates of an orientation that has a length to keep."""

@@ -6,21 +6,21 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.compilation.body_arrays import constant_part, floating_part
-from toolkit.compilation.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
-from toolkit.compilation.numbering import Numbering, weights
-from toolkit.compilation.pattern import Pattern, block, build_pattern
-from toolkit.compilation.quantities import Quantities, named_loads
-from toolkit.compilation.spatial_arrays import (
+from toolkit.compilation.arrays.body_arrays import constant_part, floating_part
+from toolkit.compilation.arrays.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
+from toolkit.compilation.arrays.spatial_arrays import (
     frames_part,
     pressure_part,
     spatial_floating_part,
     spatial_joint_arrays,
     spatial_marker_arrays,
 )
-from toolkit.compilation.touched import touched
-from toolkit.equations import Plan
-from toolkit.scene import Scene
+from toolkit.compilation.numbering import Numbering, weights
+from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
+from toolkit.compilation.patterns.touched import touched
+from toolkit.compilation.quantities import Quantities, named_loads
+from toolkit.equations.equations import Plan
+from toolkit.scene.scene import Scene
 
 
 def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:

@@ -15,16 +15,16 @@ import numpy as np
 from toolkit.bodies.body import ConstantNumbers
 from toolkit.compilation.dependence import Item, affected_items, users_by_name
 from toolkit.compilation.numbering import Numbering
-from toolkit.component import Component
-from toolkit.errors import InputError
-from toolkit.joints.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
-from toolkit.joints.spatial.forms import Form, Row
-from toolkit.loads.load import Load
-from toolkit.loads.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
-from toolkit.loads.load_kernel import SPATIAL_ARGUMENTS
+from toolkit.description.profile import Curve
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
+from toolkit.joints.kernels.spatial.forms import Form, Row
+from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
+from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
+from toolkit.loads.planar.load import Load
 from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
-from toolkit.profile import Curve
-from toolkit.scene import Scene
+from toolkit.markers.component import Component
+from toolkit.scene.scene import Scene
 
 T = TypeVar("T")
 STEP = 1e-30

@@ -8,11 +8,11 @@ import numpy as np
 
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.joints.joint import Joint
+from toolkit.joints.planar.joint import Joint
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.row_checks import check_rows
-from toolkit.loads.load import Load
-from toolkit.scene import Scene
+from toolkit.loads.planar.load import Load
+from toolkit.scene.scene import Scene
 
 
 def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from toolkit.errors import ConformanceError
+from toolkit.foundation.errors import ConformanceError
 
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.compilation.component_arrays import families
+from toolkit.compilation.arrays.component_arrays import families
 from toolkit.compilation.quantities import loads_of
 from toolkit.conformance.comparison import STEP, compare
-from toolkit.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
-from toolkit.kernel import plain
-from toolkit.scene import Scene
-from toolkit.system import System, compile_scene
+from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
+from toolkit.foundation.kernel import plain
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
 
 LEVELS = np.array([1.0, 0.7, 0.3])
 """Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""

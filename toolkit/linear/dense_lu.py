@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.kernel import inner, kernel
+from toolkit.foundation.kernel import inner, kernel
 
 SWEEPS = 5
 """Each sweep takes the square root of what the largest entries differ from 1: five leave a factor 4 of 1e18."""

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.kernel import copy, inner, kernel
+from toolkit.foundation.kernel import copy, inner, kernel
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.linear.sparse_lu import factor, multiply, solve, solve_block

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
 
 SHORTEST_RUN = 4
 """Length from which a run of neighbouring entries is updated as a slice, not entry by entry (measured on a beam)."""

@@ -22,7 +22,7 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
-from toolkit.kernel import inner, kernel
+from toolkit.foundation.kernel import inner, kernel
 
 
 @kernel

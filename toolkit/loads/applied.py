@@ -6,9 +6,9 @@ from typing import Self
 
 from pydantic import field_validator, model_validator
 
-from toolkit.component import Place, on_both
-from toolkit.description import Description
-from toolkit.profile import Constant, Curve
+from toolkit.description.description import Description
+from toolkit.description.profile import Constant, Curve
+from toolkit.markers.component import Place, on_both
 
 
 class AppliedForce(Description):

@@ -7,8 +7,8 @@ from typing import Any, Self
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.component import Place, Skeleton, on_both
-from toolkit.description import Description, NotNegative, Number
+from toolkit.description.description import Description, NotNegative, Number
+from toolkit.markers.component import Place, Skeleton, on_both
 
 
 class PointSpring(Description):

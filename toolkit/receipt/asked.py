@@ -8,10 +8,10 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import rigid_bodies
 from toolkit.responses.shape_error import ShapeResponse
-from toolkit.responses.stress import StressResponse
-from toolkit.scene import Scene
+from toolkit.responses.stress.stress import StressResponse
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import responses_of
-from toolkit.system import System
+from toolkit.system.system import System
 
 MOST_NAMES = 12
 """More variables than this are counted together."""

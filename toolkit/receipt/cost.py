@@ -9,16 +9,16 @@ from statistics import median
 
 import numpy as np
 
-from toolkit.errors import ToolkitError
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.description.time_grid import time_grid
+from toolkit.foundation.errors import ToolkitError
 from toolkit.receipt.everything import grounded_bodies, prepare_everything, with_frames
 from toolkit.receipt.files import bytes_read
 from toolkit.receipt.unknowns import multiplications
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene, forget_models
+from toolkit.scene.scene import Scene, forget_models
 from toolkit.sensitivity.analysis import prepare
-from toolkit.solvers.transient import simulate
-from toolkit.system import System
-from toolkit.time_grid import time_grid
+from toolkit.system.system import System
 
 FIRST, LONG = 16, 0.05
 """Least steps of a measured run, and the time that the dearest one shall take, in s."""

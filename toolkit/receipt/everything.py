@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from toolkit.bodies.model_body import FRAME, ModelBody
-from toolkit.joints.rigid_joint import RigidJoint
+from toolkit.description.point import BodyPoint
+from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
-from toolkit.point import BodyPoint
-from toolkit.reduced_model_file import PARTS
-from toolkit.scene import Scene
+from toolkit.reduced_model.file import PARTS
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import prepare
-from toolkit.system import System
+from toolkit.system.system import System
 
 
 def grounded_bodies(scene: Scene) -> dict[str, ModelBody]:

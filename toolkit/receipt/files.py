@@ -8,10 +8,10 @@ from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.compilation.quantities import pressures_of
 from toolkit.receipt.asked import asking
 from toolkit.receipt.line import Line
-from toolkit.reduced_model_file import stored_bytes
+from toolkit.reduced_model.file import stored_bytes
 from toolkit.responses.shape_error import ShapeResponse
-from toolkit.responses.stress import model_parameter
-from toolkit.system import System
+from toolkit.responses.stress.stress import model_parameter
+from toolkit.system.system import System
 
 UNREAD = {
     "affine": "every parameter has its nominal value, no variable changes one",

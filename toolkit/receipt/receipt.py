@@ -12,7 +12,7 @@ from toolkit.receipt.files import files
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import terms
 from toolkit.receipt.unknowns import coordinates, matrix, rows
-from toolkit.scene import Scene, forget_models
+from toolkit.scene.scene import Scene, forget_models
 from toolkit.sensitivity.analysis import prepare
 
 

@@ -10,7 +10,7 @@ from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.spatial.body import SpatialFloatingNumbers
 from toolkit.receipt.line import Line
-from toolkit.system import System
+from toolkit.system.system import System
 
 
 def terms(system: System) -> list[Line]:

@@ -9,7 +9,7 @@ from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.receipt.everything import grounded_bodies
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import frame_of, rigid_bodies
-from toolkit.system import System
+from toolkit.system.system import System
 
 WHOLE_FRAME = {2: 3, 3: 7}
 """Dimension -> coordinates of a frame that moves and turns; rows that hold it where it is, a quaternion's length among them."""

@@ -10,16 +10,16 @@ from xml.etree import ElementTree
 import numpy as np
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
-from toolkit.render.configuration import Configuration
-from toolkit.render.look import choose_look
+from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.units import unit
 from toolkit.render.mechanism_lines import mechanism
-from toolkit.render.skin_mesh import skin_mesh
-from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
-from toolkit.replaced_file import write_whole
-from toolkit.responses.stress import stress_field
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.look import choose_look
+from toolkit.render.plane.skin_mesh import skin_mesh
+from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
+from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import safe_name
-from toolkit.solution import Solution
-from toolkit.units import unit
+from toolkit.system.solution import Solution
 
 
 def export_paraview(solution: Solution, directory: str | Path) -> Path:
@@ -65,7 +65,7 @@ def _vtp(mesh: Any) -> bytes:
 
 
 def _spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
-    from toolkit.render.spatial.series import spatial_meshes
+    from toolkit.render.space.series import spatial_meshes
 
     return spatial_meshes(solution)
 

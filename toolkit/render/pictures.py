@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.errors import InputError
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import replaced
 from toolkit.render.gif import MOST_FRAMES, write_animation
 from toolkit.render.probe import drawing
 from toolkit.render.view import View
-from toolkit.replaced_file import replaced
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 _INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
@@ -94,20 +94,20 @@ class _Artist(NamedTuple):
 
 def _artist(solution: Solution, view: View) -> _Artist:
     if solution.system.scene.dimension == 3:
-        from toolkit.render.spatial.configuration import SpatialConfiguration
-        from toolkit.render.spatial.curves import draw_spatial_curves
-        from toolkit.render.spatial.look import choose_spatial_look
-        from toolkit.render.spatial.scene_picture import draw_spatial_instant, draw_spatial_overview
+        from toolkit.render.space.configuration import SpatialConfiguration
+        from toolkit.render.space.curves import draw_spatial_curves
+        from toolkit.render.space.look import choose_spatial_look
+        from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
 
         return _Artist(
             lambda step: SpatialConfiguration(solution, step),
             lambda steps: choose_spatial_look(solution, steps, view),
             draw_spatial_instant, draw_spatial_overview, draw_spatial_curves,
         )  # fmt: skip
-    from toolkit.render.configuration import Configuration
-    from toolkit.render.curves import draw_curves
-    from toolkit.render.look import choose_look
-    from toolkit.render.scene_picture import draw_instant, draw_overview
+    from toolkit.render.plane.configuration import Configuration
+    from toolkit.render.plane.curves import draw_curves
+    from toolkit.render.plane.look import choose_look
+    from toolkit.render.plane.scene_picture import draw_instant, draw_overview
 
     return _Artist(
         lambda step: Configuration(solution, step),

@@ -9,9 +9,9 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from importlib.util import find_spec
 
-from toolkit.errors import ToolkitError
-from toolkit.own_process import command
-from toolkit.own_process import environment as own_environment
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.processes.own_process import command
+from toolkit.foundation.processes.own_process import environment as own_environment
 
 VARIABLE = "VTK_DEFAULT_OPENGL_WINDOW"
 LIBRARIES = {"vtkEGLRenderWindow": "libEGL.so.1", "vtkOSOpenGLRenderWindow": "libOSMesa.so.8"}

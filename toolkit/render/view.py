@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from toolkit.errors import InputError
-from toolkit.scene import Scene
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
 
 
 @dataclass(frozen=True)

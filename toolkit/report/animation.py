@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.units import unit
 from toolkit.render.gif import MOST_FRAMES, gif
-from toolkit.render.skin_shape import skin_shape
-from toolkit.replaced_file import write_whole
+from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.report.figures.stress_motion import BAND
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import draw_band, draw_mechanism, draw_outlines, equal_axes, panel_height, window
 from toolkit.report.sheet import sheet, symmetric
-from toolkit.units import unit
 
 RESOLUTION = 130
 """Pixels per inch."""

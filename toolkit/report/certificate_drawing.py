@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from toolkit.report.sheet import Drawing, sheet, style
-from toolkit.sensitivity.certificate import Certificate, digits
+from toolkit.sensitivity.certificate.certificate import Certificate, digits
 
 MOST_BARS = 40
 """Gradients that are drawn one by one; of more, those on which the methods agree least."""

@@ -6,16 +6,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from toolkit.bodies.flexible import Flexible
-from toolkit.render.configuration import Configuration
-from toolkit.render.skin_shape import skin_shape
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Kind, Result
-from toolkit.sensitivity.certificate import Certificate, compare
+from toolkit.sensitivity.certificate.certificate import Certificate, compare
 from toolkit.sensitivity.numerical import numerical
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")

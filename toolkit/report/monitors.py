@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.equations import allocate_work
-from toolkit.solution import Solution
-from toolkit.validity.drift import largest_drift
-from toolkit.validity.energy_balance import EnergyBalance, energy_balance
+from toolkit.equations.equations import allocate_work
+from toolkit.system.solution import Solution
+from toolkit.validity.motion.drift import largest_drift
+from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
 
 
 class Monitors(NamedTuple):

@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
 
-from toolkit.render.configuration import Configuration
+from toolkit.foundation.units import unit
 from toolkit.render.moment import names_by_place
-from toolkit.render.skin_shape import drawn_model, skin_shape
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import drawn_model, skin_shape
 from toolkit.report.sheet import COLORS, SIGNED, WIDTH
-from toolkit.units import unit
 
 MARGIN = 0.14
 """Round what is shown, relative to half of its extent: room for names of joints and for the thickness of bands."""

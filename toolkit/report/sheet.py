@@ -14,8 +14,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.render.settings import drawing_settings
-from toolkit.replaced_file import write_whole
 
 WIDTH = 5.6
 """Inches. On a screen of 400 pixels a letter of 10 points is still 9 pixels high."""

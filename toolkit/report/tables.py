@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.gradient_units import per, variable_unit
+from toolkit.foundation.units import unit
 from toolkit.report.material import Material
-from toolkit.responses.aggregation import gap_bound, kreisselmeier_steinhauser
-from toolkit.responses.stress import KSStress
+from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
+from toolkit.responses.stress.stress import KSStress
 from toolkit.results.csv_tables import write_csv
-from toolkit.units import unit
+from toolkit.scene_file.gradient_units import per, variable_unit
 
 AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Parameters of the table, beside the scene's own."""

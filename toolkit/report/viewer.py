@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 from matplotlib import colormaps
 
-from toolkit.render.configuration import Configuration
-from toolkit.render.skin_shape import POINTS, drawn_model, skin_shape
+from toolkit.foundation.units import unit
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import POINTS, drawn_model, skin_shape
 from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import window
 from toolkit.report.sheet import SIGNED, symmetric
-from toolkit.units import unit
 
 EVERY = (POINTS - 1) // 4
 """Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""

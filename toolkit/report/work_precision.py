@@ -8,10 +8,10 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 
 from toolkit.report.sheet import COLORS, Drawing, sheet
-from toolkit.studies.judged import Judged
-from toolkit.studies.pareto import pareto
-from toolkit.studies.setting import Setting
-from toolkit.studies.tradeoff import Tradeoff
+from toolkit.studies.tradeoff.errors.judged import Judged
+from toolkit.studies.tradeoff.pareto import pareto
+from toolkit.studies.tradeoff.settings.setting import Setting
+from toolkit.studies.tradeoff.tradeoff import Tradeoff
 
 LEAST = 1e-15
 """Errors below are drawn here."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from toolkit.errors import InputError
-from toolkit.replaced_file import write_whole
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.report import page
 from toolkit.report.animation import animate
 from toolkit.report.figures.catalogue import FIGURES

@@ -7,7 +7,7 @@ from scipy.sparse import coo_array
 
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 
 class KineticEnergy(Instant):

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Rotation
-from toolkit.solution import Solution
-from toolkit.validity.verdict import Caution
+from toolkit.system.solution import Solution
 
 LOOKED_AT = 500
 """Instants, evenly spread over the motion."""

@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.description import NotNegative
-from toolkit.errors import InputError
+from toolkit.description.description import NotNegative
+from toolkit.description.time_grid import time_grid
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import unit
 from toolkit.responses.response import Partials, Response
-from toolkit.solution import Solution
-from toolkit.time_grid import time_grid
-from toolkit.units import unit
+from toolkit.system.solution import Solution
 
 
 class Instant(Response):

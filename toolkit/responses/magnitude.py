@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.responses.instant import Instant, TimeIntegral
 from toolkit.responses.response import Response
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 INSTANTS = 40
 """A quantity is looked at in so many instants, evenly spread over the motion."""

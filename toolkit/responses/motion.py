@@ -6,16 +6,16 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.description import Triple
-from toolkit.errors import InputError
-from toolkit.joints.spatial.joint_kernel import angle_of
-from toolkit.kernel import plain
-from toolkit.marker_states import marker_states
+from toolkit.description.description import Triple
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.kernel import plain
+from toolkit.joints.kernels.spatial.joint_kernel import angle_of
+from toolkit.kinematics.spatial import axes_along
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
-from toolkit.solution import Solution
-from toolkit.spatial import axes_along
-from toolkit.system import System
+from toolkit.system.marker_states import marker_states
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
 
 
 class MarkerResponse(Instant):

@@ -7,9 +7,9 @@ from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from toolkit.description import Registered
-from toolkit.solution import Solution
-from toolkit.units import unit
+from toolkit.description.description import Registered
+from toolkit.foundation.units import unit
+from toolkit.system.solution import Solution
 
 
 class Partials(NamedTuple):
@@ -31,7 +31,7 @@ class Response(Registered):
     """Base of all responses; a new one is one subclass with `partials`."""
 
     quantity: ClassVar[str] = "none"
-    """What it is, for its unit: a key of `toolkit.units`."""
+    """What it is, for its unit: a key of `toolkit.foundation.units`."""
 
     @property
     def needs_motion(self) -> bool:

@@ -6,15 +6,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.dependence import scattered
-from toolkit.errors import InputError
-from toolkit.flexible_bodies import design_point, elastic_coordinates, flexible_body
-from toolkit.near_ties import SAME, first_largest
-from toolkit.reduced_model import Shape
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.reduced_model.dependence import scattered
+from toolkit.reduced_model.model import Shape
 from toolkit.responses.response import Partials, Response
-from toolkit.responses.stress import design_rates
-from toolkit.scene import Scene
-from toolkit.solution import Solution
+from toolkit.responses.stress.stress import design_rates
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
+from toolkit.system.solution import Solution
 
 
 def target_shape(scene: Scene, body: str) -> Shape:

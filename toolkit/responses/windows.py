@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.errors import InputError
-from toolkit.near_ties import SAME, first_largest
-from toolkit.responses.aggregation import kreisselmeier_steinhauser
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.responses.instant import Instant, TimeIntegral
 from toolkit.responses.response import Response
 from toolkit.responses.shape_error import ShapeResponse
-from toolkit.responses.stress import KSStress, MaxStress, StressResponse
+from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
+from toolkit.responses.stress.stress import KSStress, MaxStress, StressResponse
 
 
 @singledispatch

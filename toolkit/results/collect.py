@@ -11,15 +11,15 @@ from importlib.metadata import PackageNotFoundError, version
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.errors import InputError
-from toolkit.flexible_bodies import flexible_body
+from toolkit.foundation.errors import InputError
 from toolkit.responses.shape_error import shape_error_history
-from toolkit.responses.stress import stress_field
+from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Result, again, evaluate_with_gradients, moving, result
-from toolkit.solution import Solution
+from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import Solution
 
 WRITERS = ("ffrf-toolkit", "numpy", "scipy", "numba", "h5py")
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.replaced_file import write_whole
+from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.results.results import BodyResults, Results
 
 STATES = {"coordinates": "q", "velocities": "v", "accelerations": "a"}

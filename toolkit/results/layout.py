@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from toolkit.errors import ToolkitError
-from toolkit.hdf5 import Content
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.files.hdf5 import Content
 
 SCHEMA = "ffrf-results"
 SCHEMA_VERSION = 2

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from toolkit.results.layout import STATES, ResultsFileError
 from toolkit.results.results import Results
-from toolkit.scene import Scene
-from toolkit.scene_file import scene_from_table
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import scene_from_table
 from toolkit.sensitivity.analysis import prepare
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 
 def restore_scene(results: Results, directory: str | Path | None = None) -> Scene:

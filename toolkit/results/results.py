@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.validity.verdict import Caution, Verdict
+from toolkit.foundation.verdict import Caution, Verdict
 
 
 @dataclass(frozen=True)
@@ -119,6 +119,6 @@ class Results:
 
     def unit(self, quantity: str) -> str:
         """Label of a quantity, for example of "stress"."""
-        from toolkit.units import unit
+        from toolkit.foundation.units import unit
 
         return unit(self.units, quantity)

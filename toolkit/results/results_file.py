@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from toolkit.hdf5 import Content, reading, schema_of, write_array, writing
+from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_array, writing
 from toolkit.results import layout
 from toolkit.results.about import About
 from toolkit.results.collect import collect
 from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.analysis import Result
-from toolkit.solution import Solution
+from toolkit.system.solution import Solution
 
 if TYPE_CHECKING:
     import h5py

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from toolkit.description import Description
-from toolkit.errors import InputError
-from toolkit.point import Point
-from toolkit.scene import Scene
+from toolkit.description.description import Description
+from toolkit.description.point import Point
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
 
 
 def table_of(scene: Scene) -> dict[str, Any]:
-    """Tables that `toolkit.scene_file.scene_from_table` makes the same scene from, with every number as it is now.
+    """Tables that `toolkit.scene_file.reader.scene_from_table` makes the same scene from, with every number as it is now.
 
     Raises
     ------

@@ -11,25 +11,25 @@ from typing import Any, Literal, TypeVar, get_args
 
 import numpy as np
 
-from toolkit.compile_watch import watched_compilation
-from toolkit.design import Design
-from toolkit.errors import InputError
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.description.design import Design
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.folded_rotations import folded_rotations
 from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
 from toolkit.responses.response import Response
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
-from toolkit.sensitivity.force_cautions import force_cautions
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.errors.force_cautions import force_cautions
+from toolkit.sensitivity.errors.step_cautions import step_cautions
+from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.sizes import variable_sizes
-from toolkit.sensitivity.step_cautions import step_cautions
-from toolkit.sensitivity.step_error import Repeat, StepError, step_error
-from toolkit.solution import Solution
-from toolkit.solvers.statics import solve_statics
-from toolkit.solvers.transient import simulate
-from toolkit.system import System, compile_scene
+from toolkit.system.solution import Solution
+from toolkit.system.system import System, compile_scene
 from toolkit.validity.judge import cautions, measures
-from toolkit.validity.motion import SUSPICIOUS
-from toolkit.validity.verdict import Caution, Verdict
+from toolkit.validity.motion.motion import SUSPICIOUS
 
 T = TypeVar("T")
 Kind = Literal["transient", "static"]

@@ -15,11 +15,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.memory_sizes import GIGABYTE, in_gigabytes
-from toolkit.scene import Scene
+from toolkit.description.time_grid import time_grid
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import Kind, prepare, responses_of
-from toolkit.system import System
-from toolkit.time_grid import time_grid
+from toolkit.system.system import System
 
 DIRECT = np.array([3.8, 0.22, 0.0015, 0.0013])
 """Price in us of the parts of `direct_work`."""

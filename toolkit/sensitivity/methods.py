@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from toolkit.errors import NeedsDirectError
-from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint
+from toolkit.foundation.errors import NeedsDirectError
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.analysis import Kind, Progress, Result, direct
 from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.numerical import numerical

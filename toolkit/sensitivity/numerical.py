@@ -15,11 +15,12 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.statics import equilibrium_beside
 from toolkit.compilation.quantities import STEP
-from toolkit.design import DesignVariable
-from toolkit.errors import InputError
-from toolkit.run_options import RunOptions
-from toolkit.scene import Scene
+from toolkit.description.design import DesignVariable
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.analysis import (
     Kind,
     Progress,
@@ -34,11 +35,10 @@ from toolkit.sensitivity.analysis import (
     timed,
     values_of,
 )
+from toolkit.sensitivity.errors.step_error import Gradients, Values
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.sizes import typical_size
-from toolkit.sensitivity.step_error import Gradients, Values
-from toolkit.solution import Solution
-from toolkit.solvers.statics import equilibrium_beside
+from toolkit.system.solution import Solution
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
 

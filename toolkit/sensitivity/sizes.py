@@ -7,8 +7,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from toolkit.design import DesignVariable
-from toolkit.scene import Scene
+from toolkit.description.design import DesignVariable
+from toolkit.scene.scene import Scene
 
 EPS = float(np.finfo(float).eps)
 

@@ -1,1 +1,1 @@
-"""Solvers: time integration, statics, frequencies, consistent starts, linear systems."""
+"""Solvers: the algorithms behind motions, equilibria and consistent starts; whoever wants their verdict too asks `analyses`."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.errors import InputError
-from toolkit.memory_sizes import GIGABYTE, in_gigabytes
-from toolkit.run_options import RunOptions
-from toolkit.system import System
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.system.system import System
 
 COPIES = 4
 """Of the matrix of an equilibrium: itself, scaled, its factors, and what LAPACK works in."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
-from toolkit.errors import SingularSystemError
+from toolkit.foundation.errors import SingularSystemError
 from toolkit.linear.dense_lu import SWEEPS
 from toolkit.linear.linear_solver import linear_solver, solve_once
-from toolkit.system import System
+from toolkit.system.system import System
 
 NULL, ALIKE = 1e-12, 10.0
 """Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.bodies.poses import update_poses
-from toolkit.equations import allocate_work
-from toolkit.errors import ConvergenceError
-from toolkit.joints.spatial.joint_kernel import angle_of
-from toolkit.kernel import kernel
+from toolkit.equations.equations import allocate_work
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.kernels.spatial.joint_kernel import angle_of
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.system import System
+from toolkit.markers.poses import update_poses
+from toolkit.system.system import System
 
 HALF_TURN = (
     "its angle in space is one of (-pi, pi], so that its torque would change sign. Use smaller angles, or a scene in the plane."

@@ -9,8 +9,8 @@ from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import TypeVar
 
-from toolkit.errors import ToolkitError
-from toolkit.own_process import refuse_namesakes, safe_spawning
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.processes.own_process import refuse_namesakes, safe_spawning
 
 Key = TypeVar("Key")
 Task = TypeVar("Task")

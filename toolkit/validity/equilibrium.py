@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from toolkit.solution import Solution
-from toolkit.validity.verdict import Caution
+from toolkit.foundation.verdict import Caution
+from toolkit.system.solution import Solution
 
 
 def limits_passed(solution: Solution) -> Iterator[Caution]:

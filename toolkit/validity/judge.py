@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from toolkit.solution import Solution
-from toolkit.validity.curve_overshoot import overshooting_tables
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
-from toolkit.validity.load_curves import unseen_curves
-from toolkit.validity.motion import coarse_steps, left_over, measured, unbalanced_energy
-from toolkit.validity.noisy_forces import noisy_forces
-from toolkit.validity.physics import critical_loads, excessive_speeds, large_deformations
-from toolkit.validity.scene_cautions import cautions_of_scene
-from toolkit.validity.snap_through import snap_through
-from toolkit.validity.spring_length import springs_through_zero
-from toolkit.validity.start_cautions import cautions_of_start
-from toolkit.validity.verdict import Caution, Verdict
+from toolkit.validity.motion.curve_overshoot import overshooting_tables
+from toolkit.validity.motion.load_curves import unseen_curves
+from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
+from toolkit.validity.motion.noisy_forces import noisy_forces
+from toolkit.validity.motion.snap_through import snap_through
+from toolkit.validity.motion.spring_length import springs_through_zero
+from toolkit.validity.start.start_cautions import cautions_of_start
 
 
 def judge(solution: Solution) -> Verdict:

@@ -10,8 +10,8 @@ import numpy as np
 from pydantic import model_validator
 
 from toolkit.bodies.body import Body, ConstantNumbers, Placed
-from toolkit.description import Triple
-from toolkit.spatial import axes_along, quaternion_rate
+from toolkit.description.description import Triple
+from toolkit.kinematics.spatial import axes_along, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
 """Names of a quaternion's coordinates."""

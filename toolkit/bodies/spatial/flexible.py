@@ -8,9 +8,9 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
-from toolkit.description import Triple
-from toolkit.spatial import matrix_of, quaternion_of
-from toolkit.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
+from toolkit.description.description import Triple
+from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
 
 
 class SpatialFlexible(ModelBody, SpatialBody):

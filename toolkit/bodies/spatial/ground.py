@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from toolkit.bodies.body import Placed
-from toolkit.bodies.ground import Ground
+from toolkit.bodies.planar.ground import Ground
 from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers, pose_of
 
 

@@ -10,7 +10,7 @@ from pydantic import field_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, no_constants, pose_of
-from toolkit.description import Number, Positive
+from toolkit.description.description import Number, Positive
 
 INERTIA = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of moments of inertia."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.component import Skeleton
+from toolkit.joints.kernels.spatial.forms import Row, apart
 from toolkit.joints.places import BetweenPoints
-from toolkit.joints.spatial.forms import Row, apart
 from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.markers.component import Skeleton
 
 
 class SpatialDistance(BetweenPoints, SpatialJoint):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.component import Skeleton
-from toolkit.joints.driver import Driven
-from toolkit.joints.spatial.forms import TURNED, Row, on_axis
+from toolkit.joints.kernels.spatial.forms import TURNED, Row, on_axis
+from toolkit.joints.planar.driver import Driven
 from toolkit.joints.spatial.joint import AxisJoint
+from toolkit.markers.component import Skeleton
 
 
 class SpatialAngleDriver(Driven, AxisJoint):

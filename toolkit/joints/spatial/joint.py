@@ -5,11 +5,11 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
-from toolkit.about_axis import AboutAxis
-from toolkit.component import Skeleton
-from toolkit.joints.joint import Joint
+from toolkit.joints.kernels.spatial.forms import Row
 from toolkit.joints.places import AtPoint
-from toolkit.joints.spatial.forms import Row
+from toolkit.joints.planar.joint import Joint
+from toolkit.markers.about_axis import AboutAxis
+from toolkit.markers.component import Skeleton
 
 
 class SpatialJoint(Joint):

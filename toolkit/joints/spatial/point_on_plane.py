@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from toolkit.component import Skeleton
-from toolkit.joints.spatial.forms import Row, on_axis
+from toolkit.joints.kernels.spatial.forms import Row, on_axis
 from toolkit.joints.spatial.joint import AxisJoint
+from toolkit.markers.component import Skeleton
 
 
 class PointOnPlane(AxisJoint):

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from toolkit.component import Skeleton
-from toolkit.errors import InputError
-from toolkit.joints.spatial.forms import Form, Row
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.spatial.forms import Form, Row
 from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.markers.component import Skeleton
 
 NUMBERS, VECTORS = 24, 8
 """Of the poses of both markers."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.component import Skeleton
-from toolkit.description import Triple
-from toolkit.joints.spatial.forms import TOGETHER, Row, perpendicular
+from toolkit.description.description import Triple
+from toolkit.joints.kernels.spatial.forms import TOGETHER, Row, perpendicular
 from toolkit.joints.spatial.joint import SpatialPointJoint
+from toolkit.markers.component import Skeleton
 
 SQUARE = 1e-9
 """Largest cosine between axes that are perpendicular but for round-off of the input."""

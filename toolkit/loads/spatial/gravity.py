@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from toolkit.description import Registered, Triple
+from toolkit.description.description import Registered, Triple
 
 
 class SpatialGravity(Registered):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from toolkit.loads.load import Load
+from toolkit.loads.planar.load import Load
 
 
 class SpatialLoad(Load):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from toolkit.component import Skeleton
-from toolkit.description import Triple
-from toolkit.kernel import kernel
+from toolkit.description.description import Triple
+from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedForce
-from toolkit.loads.load_kernel import SPATIAL_CURVE
+from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
 from toolkit.loads.spatial.load import SpatialLoad
+from toolkit.markers.component import Skeleton
 
 
 @kernel

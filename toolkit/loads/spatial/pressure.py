@@ -8,10 +8,10 @@ import numpy as np
 
 from toolkit.bodies.body import Placed
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.description import Number, Registered
-from toolkit.errors import InputError
-from toolkit.listed_names import listed
-from toolkit.profile import Constant, Curve
+from toolkit.description.description import Number, Registered
+from toolkit.description.profile import Constant, Curve
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed
 
 
 class PressureNumbers(NamedTuple):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from toolkit.about_axis import AboutAxis
-from toolkit.joints.spatial.joint_kernel import angle_of
-from toolkit.kernel import kernel
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.kernels.spatial.joint_kernel import angle_of
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import TurnSpring
+from toolkit.markers.about_axis import AboutAxis
 
 
 @kernel

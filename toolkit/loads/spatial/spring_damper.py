@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.kernel import kernel
+from toolkit.foundation.kernel import kernel
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import PointSpring
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from toolkit.gradient_units import per, variable_unit
+from toolkit.foundation.units import unit
 from toolkit.report.figures.skin_error import mark_points, targeted
 from toolkit.report.material import Material
 from toolkit.report.sheet import Drawing, sheet, style
-from toolkit.units import unit
+from toolkit.scene_file.gradient_units import per, variable_unit
 
 
 def error_sensitivity(material: Material) -> list[Drawing]:

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.loads.torque import Torque
+from toolkit.foundation.units import unit
+from toolkit.loads.planar.torque import Torque
 from toolkit.report.material import Material
 from toolkit.report.sheet import Drawing, sheet, style
-from toolkit.units import unit
 
 
 def load_curves(material: Material) -> list[Drawing]:

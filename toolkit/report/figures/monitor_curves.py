@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.foundation.units import unit
 from toolkit.report.material import Material
 from toolkit.report.sheet import Drawing, sheet, style
-from toolkit.units import unit
 
 
 def monitor_curves(material: Material) -> list[Drawing]:

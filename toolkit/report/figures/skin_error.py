@@ -6,12 +6,12 @@ from typing import Any
 
 from matplotlib.axes import Axes
 
-from toolkit.flexible_bodies import flexible_body
-from toolkit.point import BodyPoint
+from toolkit.description.point import BodyPoint
+from toolkit.foundation.units import unit
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import UNDEFORMED, draw_line, draw_outlines, equal_axes, panel_height, window
 from toolkit.report.sheet import COLORS, Drawing, sheet
-from toolkit.units import unit
+from toolkit.system.flexible_bodies import flexible_body
 
 
 def targeted(material: Material) -> list[str]:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.render.skin_shape import skin_shape
+from toolkit.foundation.units import unit
+from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import draw_band, draw_mechanism, equal_axes, panel_height, window
 from toolkit.report.sheet import Drawing, sheet, symmetric
-from toolkit.units import unit
 
 INSTANTS = 4
 BAND = 0.022

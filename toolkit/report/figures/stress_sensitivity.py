@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from toolkit.gradient_units import per, variable_unit
-from toolkit.render.skin_shape import drawn_model, fibre_values, skin_shape
+from toolkit.foundation.units import unit
+from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.report.figures.stress_motion import BAND, stress
 from toolkit.report.material import Material
 from toolkit.report.shape_panel import draw_band, equal_axes, panel_height, window
 from toolkit.report.sheet import SIGNED, Drawing, sheet, symmetric
-from toolkit.units import unit
+from toolkit.scene_file.gradient_units import per, variable_unit
 
 
 def stress_sensitivity(material: Material) -> list[Drawing]:

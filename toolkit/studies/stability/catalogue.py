@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from toolkit.errors import InputError
-from toolkit.scene import Scene
-from toolkit.scene_units import converted
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import UNIT_SYSTEMS
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.conversion import converted
 from toolkit.studies.stability.map import Axis, Map
 from toolkit.studies.stability.physics_maps import PHYSICS
 from toolkit.studies.stability.solver_maps import baumgarte_map, step_map
-from toolkit.units import UNIT_SYSTEMS
 
 MAPS = ("step", "baumgarte", *PHYSICS, "units")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from toolkit.scene import Scene
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.scene.scene import Scene
 from toolkit.studies.stability.found import Cell, Mapped, Reference
 from toolkit.studies.stability.verdict import Limits
-from toolkit.validity.scene_cautions import cautions_of_scene
-from toolkit.validity.verdict import Caution, Verdict
+from toolkit.validity.description.scene_cautions import cautions_of_scene
 
 ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
 """Class of the scene itself -> what it does, for those that give no number."""

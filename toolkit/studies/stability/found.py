@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from toolkit.scene import Scene
+from toolkit.foundation import verdict as validity
+from toolkit.scene.scene import Scene
 from toolkit.studies.stability.map import Map
 from toolkit.studies.stability.measure import Measured
 from toolkit.studies.stability.verdict import Limits, Verdict
-from toolkit.validity import verdict as validity
 
 
 @dataclass(frozen=True)

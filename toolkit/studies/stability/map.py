@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 
 Judge = Literal["reference", "half step", "own units"]
 

@@ -10,15 +10,15 @@ from typing import Any, Literal
 
 import numpy as np
 
-from toolkit.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
-from toolkit.scene import Scene
-from toolkit.sensitivity.adjoint import adjoint_gradients
+from toolkit.analyses.transient import simulate
+from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.analysis import by_name, evaluate_with_gradients, prepare
 from toolkit.sensitivity.numerical import typical_size
-from toolkit.solution import Solution
-from toolkit.solvers.transient import simulate
-from toolkit.system import System
-from toolkit.validity.created_energy import created_energy
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+from toolkit.validity.motion.created_energy import created_energy
 
 Status = Literal["ended", "failed", "refused"]
 Slopes = dict[str, dict[str, float]]

@@ -9,14 +9,14 @@ import numpy as np
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.rigid import Rigid, Rod
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.dimensions import LABELLED
-from toolkit.errors import InputError
-from toolkit.scene import Scene
-from toolkit.scene_dimensions import dimensions, number_dimension
+from toolkit.foundation.dimensions import LABELLED
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import unit
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.dimensions import dimensions, number_dimension
 from toolkit.studies.stability.map import Axis, Map, over, scaled
-from toolkit.units import unit
 
 THICKNESSES = (1 / 30, 0.1, 1 / 3, 1.0, 10 / 3, 10.0, 100 / 3)
 """Three decades: 0.05 to 50 mm of a skin of 1.5 mm."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 
-from toolkit.scene import Scene
+from toolkit.scene.scene import Scene
 from toolkit.studies.processes import Progress, side_by_side
 from toolkit.studies.stability.measure import Measured, measure
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.errors import InputError
-from toolkit.run_options import Baumgarte
-from toolkit.scene import Scene
+from toolkit.description.run_options import Baumgarte
+from toolkit.description.time_grid import time_grid
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import unit
+from toolkit.scene.scene import Scene
 from toolkit.studies.stability.map import Axis, Map, over, with_options
-from toolkit.time_grid import time_grid
-from toolkit.units import unit
 
 FINER, COARSER = (100, 30, 10, 3), (3, 10, 30, 100, 300, 1000)
 """Steps, as divisors and multiples of the scene's own: half a decade apart; finer ones are whole parts, so that times stay on the grid."""

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from toolkit.scene import Scene
-from toolkit.scene_units import number_factor, response_factor
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.conversion import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
 from toolkit.studies.processes import Progress
 from toolkit.studies.stability.catalogue import maps_of

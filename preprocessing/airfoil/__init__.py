@@ -1,0 +1,1 @@
+"""Airfoil files of any common format, brought into one normal form or refused."""

@@ -1,0 +1,126 @@
+"""Read an airfoil file of any common format into one normal form, or say what is wrong with it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from preprocessing.airfoil.checks import check
+from preprocessing.airfoil.format import Loop, recognise
+from preprocessing.airfoil.normal_form import CLOSED_TAIL, normal_form
+from preprocessing.airfoil.table import read_text, split_table
+from preprocessing.curve.contour import Contour
+from toolkit.foundation.errors import InputError
+
+UNITS = ("chord", "percent", "mm", "m")
+_CHORD_RANGE = (0.9, 1.1)  # largest x of a section in fractions of its chord
+
+
+@dataclass(frozen=True, eq=False)
+class Airfoil:
+    """A section as rows in fractions of the chord, in the frame of its file: neither shifted, turned nor normalised.
+
+    `points` (n, 2) run trailing edge, upper side, leading edge, lower side, trailing edge, anticlockwise. An open
+    trailing edge stays open. `repairs` and `warnings` tell what was changed and what looks odd, with line numbers.
+    """
+
+    name: str
+    points: np.ndarray
+    format: str
+    repairs: tuple[str, ...]
+    warnings: tuple[str, ...]
+
+    @property
+    def trailing_edge_gap(self) -> float:
+        """Distance between the first and the last row, in chords."""
+        return float(np.linalg.norm(self.points[0] - self.points[-1]))
+
+    @property
+    def closed(self) -> bool:
+        return self.trailing_edge_gap < CLOSED_TAIL
+
+    @cached_property
+    def leading_edge(self) -> np.ndarray:
+        """Point (2,) of the spline farthest from the middle of the trailing edge."""
+        return self._contour.position(self._contour.leading_edge)
+
+    @cached_property
+    def thickness(self) -> tuple[float, float]:
+        """Largest thickness normal to the chord line, and its place along it, both as fractions of the chord.
+
+        The chord line runs from the leading edge to the middle of the trailing edge; 2000 samples of the spline per side.
+        """
+        chord = (self.points[0] + self.points[-1]) / 2 - self.leading_edge
+        frame = np.array([chord, [-chord[1], chord[0]]]) / (chord @ chord)
+        nose, end = self._contour.leading_edge, self._contour.length
+        upper, lower = (
+            frame @ (self._contour.position(np.linspace(nose, tail, 2000)) - self.leading_edge).T for tail in (0.0, end)
+        )
+        thickness = upper[1] - np.interp(upper[0], *lower)
+        i = int(np.argmax(thickness))
+        return float(thickness[i]), float(upper[0, i])
+
+    @cached_property
+    def _contour(self) -> Contour:
+        return Contour.through(self.points, 1.0)
+
+
+def read_airfoil(path: str | Path, units: str | None = None, chord: float | None = None) -> Airfoil:
+    """Read a Selig, XFOIL plain, Lednicer (with or without header), OpenVSP .af or single-element MSES file.
+
+    Parameters
+    ----------
+    path : str or Path
+        File of coordinates.
+    units : str
+        "chord" (default) for fractions of the chord, "percent" of the chord, or "mm" or "m" together with `chord`.
+    chord : float
+        Chord length in the stated length unit, for "mm" and "m" only.
+
+    Raises
+    ------
+    InputError
+        The message names the file and, where there is one, the line, and says what to do: unreadable file,
+        unclear scale, several elements, rows missing or out of order, surfaces that cross.
+    """
+    path = Path(path)
+    divisor = _divisor(units, chord)
+    try:
+        loop = recognise(split_table(read_text(path)))
+        loop = normal_form(_scaled(loop, divisor, units))
+        warnings = loop.warnings + check(loop)
+    except InputError as error:
+        raise InputError(f"airfoil {path.name}: {error}") from error
+    loop.points.flags.writeable = False
+    return Airfoil(loop.name or path.stem, loop.points, loop.format, loop.repairs, warnings)
+
+
+def _divisor(units: str | None, chord: float | None) -> float:
+    """What makes fractions of the chord of the file's numbers."""
+    if units is not None and units not in UNITS:
+        raise InputError(f"airfoil units {units!r} are unknown; available: {', '.join(UNITS)}.")
+    if units not in ("mm", "m"):
+        if chord is not None:
+            raise InputError(f"a chord length ({chord:g}) goes with units 'mm' or 'm' only; here units are {units or 'chord'!r}.")
+        return 100.0 if units == "percent" else 1.0
+    if chord is None or not (np.isfinite(chord) and chord > 0):
+        raise InputError(f"airfoil units {units!r} need chord=<length of the chord in {units}>, got {chord!r}.")
+    return float(chord)
+
+
+def _scaled(loop: Loop, divisor: float, units: str | None) -> Loop:
+    """Points in fractions of the chord; refuses to guess if the largest x is not about one."""
+    largest = float(loop.points[:, 0].max())
+    low, high = _CHORD_RANGE
+    if not low <= largest / divisor <= high:
+        if units is None:
+            remedy = 'State units="percent", or units="mm" or "m" with chord=<length>, or scale the file'
+        else:
+            remedy = f"Check units={units!r}" + (f" and chord={divisor:g}" if units in ("mm", "m") else "")
+        raise InputError(
+            f"x reaches {largest:g}, that is {largest / divisor:g} chord where {low:g} to {high:g} is expected. {remedy}."
+        )
+    return replace(loop, points=loop.points / divisor)

@@ -1,0 +1,129 @@
+"""What an airfoil loop in normal form must fulfil to be one section: refusals, and warnings for what only looks odd."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from preprocessing.airfoil.format import Loop
+from toolkit.foundation.errors import InputError
+
+MIN_ROWS, MAX_ROWS = 10, 3000  # the crossing test takes the square of them: 2 s and half a GB at the limit
+MIN_NOSE_ROWS, NOSE = 9, 0.05  # rows wanted ahead of this fraction of the chord
+TAIL = 0.98  # behind it crossing surfaces and caps are a matter of rounding
+LARGEST_GAP = 0.3  # chord
+SHARPEST_TURN = 30.0  # degrees, behind the nose
+SHARPEST_NOSE, HOLLOW_NOSE = 90.0, 10.0  # degrees to the left and right; noses of real files, some of few rows, reach 68 and 2
+FOLD = 120.0  # degrees; no rounded nose turns so far at one row
+_ROUNDING = 1e-5  # chord; the usual files hold five decimals
+
+
+def check(loop: Loop) -> tuple[str, ...]:
+    """Warnings of a loop in fractions of the chord.
+
+    Raises
+    ------
+    InputError
+        The loop cannot be a section.
+    """
+    if len(loop.points) < MIN_ROWS:
+        raise InputError(f"only {len(loop.points)} rows; at least {MIN_ROWS} are needed. Complete the file.")
+    if len(loop.points) > MAX_ROWS:
+        raise InputError(
+            f"{len(loop.points)} rows; at most {MAX_ROWS} are accepted. Keep every n-th row, more of them at the nose."
+        )
+    _refuse_gaps(loop)
+    _refuse_reversals(loop)
+    warnings = _crossings(loop)
+    _refuse_negative_thickness(loop)
+    return warnings + _kinks(loop) + _coarse_nose(loop)
+
+
+def _refuse_gaps(loop: Loop) -> None:
+    gaps = np.linalg.norm(np.diff(loop.points, axis=0, append=loop.points[:1]), axis=1)
+    i = int(np.argmax(gaps))
+    if gaps[i] > LARGEST_GAP:
+        after = loop.lines[(i + 1) % len(loop.lines)]
+        raise InputError(
+            f"gap of {gaps[i]:.3g} chord between lines {loop.lines[i]} and {after}; at most {LARGEST_GAP} is accepted. "
+            "Add the rows that are missing there."
+        )
+
+
+def _refuse_reversals(loop: Loop) -> None:
+    """x may only fall to the leading edge and only rise behind it, apart from rounding and a cap at the tail."""
+    x = loop.points[:, 0]
+    nose = int(np.argmin(x))
+    back_up = x[: nose + 1] - np.minimum.accumulate(x[: nose + 1])
+    back_down = np.maximum.accumulate(x[nose:]) - x[nose:]
+    back = np.concatenate([back_up, back_down[1:]])
+    bad = np.flatnonzero((back > _ROUNDING) & (x < TAIL))
+    if bad.size:
+        raise InputError(
+            f"x turns back at line {loop.lines[bad[0]]} (x = {x[bad[0]]:g}), away from the leading edge. The rows are out of "
+            "order or belong to several sections; give one loop trailing edge, upper side, leading edge, lower side."
+        )
+
+
+def _crossings(loop: Loop) -> tuple[str, ...]:
+    """Warnings for surfaces that cross at the tail; segments of a loop that cross elsewhere are refused."""
+    pairs = _crossing_segments(loop.points)
+    where = [(loop.points[i], f"near x = {loop.points[i, 0]:g} (lines {loop.lines[i]} and {loop.lines[j]})") for i, j in pairs]
+    for point, text in where:
+        if point[0] < TAIL:
+            raise InputError(f"the contour crosses itself {text}. Mend the rows; only behind {TAIL} chord this is tolerated.")
+    return tuple(f"the surfaces cross at the tail {text}" for _, text in where)
+
+
+def _crossing_segments(points: np.ndarray) -> list[tuple[int, int]]:
+    """Pairs i < j of segments (row i to i + 1) that properly cross: the ends of each lie on both sides of the other."""
+    a, b = points[:-1], points[1:]
+    side_a, side_b = _cross(b - a, a[None] - a[:, None]), _cross(b - a, b[None] - a[:, None])
+    split = side_a * side_b < 0  # [i, j]: line i separates the ends of segment j
+    i, j = np.nonzero(np.triu(split & split.T, k=2))
+    return [(int(k), int(m)) for k, m in zip(i, j, strict=True)]
+
+
+def _cross(direction: np.ndarray, offset: np.ndarray) -> np.ndarray:
+    """direction[i] x offset[i, j], shape (n, n)."""
+    return direction[:, None, 0] * offset[..., 1] - direction[:, None, 1] * offset[..., 0]
+
+
+def _refuse_negative_thickness(loop: Loop) -> None:
+    """The upper side lies above the lower; surfaces that meet in a common row and change sides escape the crossing test."""
+    nose = int(np.argmin(loop.points[:, 0]))
+    upper, lower = loop.points[nose::-1], loop.points[nose:]
+    x = np.unique(loop.points[:, 0])
+    x = x[x < TAIL]
+    thickness = np.interp(x, *upper.T) - np.interp(x, *lower.T)
+    if thickness.max() <= _ROUNDING:
+        raise InputError("the section has no thickness: upper and lower side are one line. Check the column of y.")
+    i = int(np.argmin(thickness))
+    if thickness[i] < -_ROUNDING:
+        raise InputError(
+            f"negative thickness {thickness[i]:.2g} chord at x = {x[i]:g}: the upper side lies below the lower. Mend these rows."
+        )
+
+
+def _kinks(loop: Loop) -> tuple[str, ...]:
+    """Warnings for sharp turns ahead of the tail, and a refusal where the contour folds back upon itself.
+
+    The nose turns sharply between few rows, but only to the left: there a turn to the right is what gives a wrong row away.
+    """
+    step = np.diff(loop.points, axis=0)
+    angle = np.degrees(np.arctan2(step[:, 1], step[:, 0]))
+    turn = (np.diff(angle) + 180) % 360 - 180
+    x = loop.points[1:-1, 0]
+    sharp = np.where(x > NOSE, np.abs(turn) > SHARPEST_TURN, (turn > SHARPEST_NOSE) | (turn < -HOLLOW_NOSE))
+    found = [(np.abs(turn[i]), loop.lines[i + 1], x[i]) for i in np.flatnonzero(sharp & (x < TAIL))]
+    for degrees, line, at in found:
+        if degrees > FOLD:
+            raise InputError(
+                f"line {line}: the contour folds back by {degrees:.0f} degrees at x = {at:g}. Mend or remove that row."
+            )
+    return tuple(f"line {line}: kink of {degrees:.0f} degrees at x = {at:g}" for degrees, line, at in found)
+
+
+def _coarse_nose(loop: Loop) -> tuple[str, ...]:
+    rows = int(np.sum(loop.points[:, 0] < NOSE))
+    text = f"only {rows} rows ahead of {NOSE:g} chord; {MIN_NOSE_ROWS} or more give a trustworthy nose"
+    return (text,) if rows < MIN_NOSE_ROWS else ()

@@ -1,0 +1,169 @@
+"""Recognise the format of an airfoil table and bring its rows into one loop; the scale is not touched."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from preprocessing.airfoil.table import Table
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LARGEST
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """Rows (n, 2) from trailing edge to trailing edge, the line of each in the file, and what was done to get there."""
+
+    points: np.ndarray
+    lines: np.ndarray
+    format: str
+    name: str = ""
+    repairs: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+    def take(self, rows, *repairs: str) -> Loop:
+        """The same loop with the selected rows, and the repairs that this means."""
+        return replace(self, points=self.points[rows], lines=self.lines[rows], repairs=self.repairs + repairs)
+
+
+def recognise(table: Table) -> Loop:
+    """The loop of a table in one of the formats Selig, XFOIL plain, Lednicer (with or without header), OpenVSP, MSES.
+
+    The formats differ in their first lines and in where x falls back from the trailing to the leading edge:
+    nowhere in a loop, once between the two blocks of Lednicer and OpenVSP files.
+
+    Raises
+    ------
+    InputError
+        Several elements, counts that do not agree with the rows, one surface only, numbers that are not finite.
+    """
+    _refuse_elements(table)
+    loop = _coordinates(table)
+    vsp_counts = _openvsp_counts(table.header)
+    if vsp_counts:
+        return _joined(replace(loop, format="OpenVSP", name=table.header[min(1, len(table.header) - 1)]), vsp_counts, "header")
+    if _has_mses_domain(table):
+        note = f"line {loop.lines[0]}: grid domain of an MSES file, not needed"
+        return _oriented_from_tail(replace(loop, format="MSES").take(slice(1, None), note))
+    counts = _count_line(loop)
+    if counts:
+        return _joined(replace(loop.take(slice(1, None)), format="Lednicer"), counts, f"line {loop.lines[0]}")
+    return _oriented_from_tail(_without_numeric_title(loop))
+
+
+def _coordinates(table: Table) -> Loop:
+    points = np.array([row[:2] for row in table.rows])
+    lines = np.array(table.lines)
+    bad = np.flatnonzero(~(np.abs(points) <= LARGEST).all(axis=1))
+    if bad.size:
+        raise InputError(
+            f"line {lines[bad[0]]}: a coordinate is not finite or beyond {LARGEST:g}. Replace it by its value or remove the row."
+        )
+    _refuse_counting_column(table)
+    domain = _has_mses_domain(table)
+    wide = [line for row, line in zip(table.rows[domain:], table.lines[domain:], strict=True) if len(row) > 2]
+    warnings = (f"line {wide[0]}: more than two columns in {len(wide)} rows, only the first two are used",) if wide else ()
+    name = table.header[0] if table.header else ""
+    return Loop(points, lines, "Selig" if name else "XFOIL plain", name, table.repairs, warnings)
+
+
+def _has_mses_domain(table: Table) -> bool:
+    """The first row of an MSES file is the domain of a grid, four or five numbers ahead of rows of two."""
+    return len(table.rows[0]) >= 4 and len(table.rows) > 1 and len(table.rows[1]) == 2
+
+
+def _refuse_counting_column(table: Table) -> None:
+    """A first column 1, 2, 3, ... ahead of x and y."""
+    first = np.array([row[0] for row in table.rows])
+    if len(first) > 1 and min(map(len, table.rows)) > 2 and np.all(np.diff(first) == 1):
+        raise InputError(
+            f"line {table.lines[0]}: the first column only counts the rows ({first[0]:g}, {first[1]:g}, ...). Remove it; the first "
+            "two columns must be x and y."
+        )
+
+
+def _refuse_elements(table: Table) -> None:
+    """ISES and MSES files separate their elements by a row `999. 999.`."""
+    for row, line in zip(table.rows, table.lines, strict=True):
+        if row[:2] == (999.0, 999.0):
+            raise InputError(
+                f"line {line}: '999. 999.' separates the elements of an ISES/MSES file with several elements; one closed section "
+                "is needed. Copy one element into a file of its own."
+            )
+
+
+def _openvsp_counts(header: tuple[str, ...]) -> tuple[int, int] | None:
+    """Counts of an OpenVSP header, whose lines hold a number and its meaning."""
+    text = "\n".join(header)
+    if re.search(r"^1\s+Sym Flag", text, re.MULTILINE):
+        raise InputError("OpenVSP file with symmetry flag 1 (one surface only). Export it with both surfaces.")
+    counts = re.findall(r"^(\d{1,9})\s+Num Pnts", text, re.MULTILINE)
+    return (int(counts[0]), int(counts[1])) if len(counts) == 2 else None
+
+
+def _count_line(loop: Loop) -> tuple[int, int] | None:
+    """Counts of a Lednicer file: two whole numbers above 1.5, followed by a row at the leading edge."""
+    first, rest = loop.points[0], loop.points[1:]
+    if len(rest) < 2 or not np.all((first > 1.5) & (first == np.round(first))):
+        return None
+    return (int(first[0]), int(first[1])) if rest[0, 0] < 0.5 * rest[:, 0].max() else None
+
+
+def _without_numeric_title(loop: Loop) -> Loop:
+    """A title such as "63 412" reads like a row; whole numbers that dwarf all coordinates give it away."""
+    first, rest = loop.points[0], loop.points[1:]
+    if len(rest) and not loop.name and np.all(first == np.round(first)) and first.max() > 1.5 >= np.abs(rest).max():
+        name = f"{first[0]:g} {first[1]:g}"
+        note = f"line {loop.lines[0]}: numbers {name} far off the other rows, taken as the title"
+        return replace(loop, format="Selig", name=name).take(slice(1, None), note)
+    return loop
+
+
+def _joined(loop: Loop, counts: tuple[int, int], where: str) -> Loop:
+    """One loop from an upper and a lower block that both start at the leading edge, whose row is kept once."""
+    upper, lower = counts
+    if upper + lower != len(loop.points):
+        raise InputError(
+            f"{where} announces {upper} + {lower} rows, but {len(loop.points)} follow. Mend the counts or complete the rows."
+        )
+    x = loop.points[:, 0]
+    if x[upper - 1] < 0.5 * x.max() or x[upper] > 0.5 * x.max():
+        raise InputError(
+            f"{where} announces {upper} upper rows, but line {loop.lines[upper]} (x = {x[upper]:g}) starts no second block "
+            "at the leading edge. Mend the counts or list both blocks from the leading to the trailing edge."
+        )
+    shared = bool(np.all(loop.points[0] == loop.points[upper]))
+    return loop.take(np.r_[np.arange(upper)[::-1], upper + shared : upper + lower])
+
+
+def _oriented_from_tail(loop: Loop) -> Loop:
+    """The loop itself if it starts at the trailing edge, else made to: two blocks are joined, a loop is turned."""
+    x = loop.points[:, 0]
+    middle = 0.5 * x.max()
+    falls = np.flatnonzero(np.diff(x) < -middle)
+    if x[0] > middle and x[-1] > middle:
+        return loop
+    if x[0] <= middle and x[-1] > middle and len(falls) == 1:
+        split = int(falls[0]) + 1
+        name = "Lednicer without counts" if loop.name else "headless Lednicer"
+        return _joined(replace(loop, format=name), (split, len(x) - split), f"line {loop.lines[split]}")
+    if x[0] <= middle and x[-1] <= middle and not len(falls):
+        return _turned(loop)
+    raise InputError(
+        f"x runs from {x[0]:g} (line {loop.lines[0]}) to {x[-1]:g} (line {loop.lines[-1]}) and falls back to the leading edge "
+        f"{len(falls)} times: a surface is missing or there are several sections. Give one loop trailing edge, upper side, "
+        "leading edge, lower side, trailing edge."
+    )
+
+
+def _turned(loop: Loop) -> Loop:
+    """A loop that starts at the leading edge, turned to start at the trailing edge (whose row then stands at both ends)."""
+    x = loop.points[:, 0]
+    tail, n = int(np.argmax(x)), len(x)
+    closed = int(np.all(loop.points[0] == loop.points[-1]))
+    # An open trailing edge has two rows there: the loop is cut between them.
+    start = tail + 1 if tail + 1 < n and abs(x[tail + 1] - x[tail]) < 1e-3 * x[tail] else tail
+    note = f"line {loop.lines[0]}: loop started at the leading edge, turned to start at line {loop.lines[start]}"
+    return loop.take(np.r_[start:n, closed : tail + 1], note)

@@ -1,0 +1,39 @@
+"""Symmetric contractions with a basis: Psi^T K Psi part by part, with the digits that the roots of the parts keep."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from preprocessing.assembly.assembly import Part, Parts
+from preprocessing.elements.section import monomial
+
+
+def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: np.ndarray) -> np.ndarray:
+    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f).
+
+    Thin beams are a million times stiffer along than across. In K u of a shape that bends, the stiff parts cancel and take six
+    digits along; as the square of a strain they are what they are.
+    """
+    own = [part for part in parts.parts if part.name == name]
+    return sum((monomial(values, part.factors) * energy(part, psi) for part in own), np.zeros((psi.shape[1],) * 2))
+
+
+def energy(part: Part, psi: Any) -> Any:
+    """What one part adds for unit parameters; Psi sparse or dense."""
+    if part.root is None:
+        return symmetric(psi.T @ (part.matrix @ psi))
+    strain = part.root.rows @ psi
+    return part.root.weight * (strain.T @ strain)
+
+
+def symmetric(matrix: Any) -> Any:
+    """Without the part of the products' round-off that is not."""
+    return (matrix + matrix.T) / 2
+
+
+def antisymmetric(matrix: Any) -> Any:
+    """Likewise."""
+    return (matrix - matrix.T) / 2

@@ -1,0 +1,1 @@
+"""Solid elements: shape functions, elasticity, matrices and stress."""

@@ -1,0 +1,1 @@
+"""Reduction bases and their derivatives: boundary, constraint modes, normal modes."""

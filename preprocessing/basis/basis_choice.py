@@ -1,0 +1,56 @@
+"""What a person chooses of a reduction basis: its kind, its number of modes, and whether it follows the design."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from toolkit.foundation.errors import InputError
+
+KINDS = ("full", "eigenmodes", "craig-bampton", "static")
+BOUNDARIES = ("clamped", "free")
+DERIVATIVES = ("differentiated", "frozen")
+WAYS = ("count", "frequency", "static_error")
+_WAYS_OF_KIND = {"full": (), "static": (), "eigenmodes": WAYS, "craig-bampton": ("count", "frequency")}
+_WHY_NOT = {
+    "full": "the full basis keeps every coordinate",
+    "static": "a static basis has no eigenmodes",
+    "craig-bampton": "a Craig-Bampton basis is statically exact at its interface points with any number of modes",
+    "eigenmodes": "",
+}
+
+
+@dataclass(frozen=True)
+class BasisChoice:
+    """A basis before it is computed; `count`, `frequency` and `static_error` are three ways to say how many modes."""
+
+    kind: str
+    boundary: str = "clamped"  # of eigenmodes: clamped at the body's clamped node, or free about mean axes
+    count: int | None = None
+    frequency: float | None = None  # highest, in Hz
+    static_error: float | None = None  # relative error of the compliance at the interface points
+    derivative: str = "differentiated"  # or "frozen": the shapes stay what they are when the design changes
+
+    @property
+    def follows_places(self) -> bool:
+        """Whether the shapes change with the places of the interface points."""
+        return self.kind in ("craig-bampton", "static") and self.derivative == "differentiated"
+
+    def __post_init__(self) -> None:
+        for name, allowed in (("kind", KINDS), ("boundary", BOUNDARIES), ("derivative", DERIVATIVES)):
+            if getattr(self, name) not in allowed:
+                raise InputError(f"{name} {getattr(self, name)!r} is unknown; available: {', '.join(allowed)}.")
+        if self.boundary == "free" and self.kind != "eigenmodes":
+            raise InputError(f'boundary "free" belongs to eigenmodes; a {self.kind} basis is clamped. Leave the key out.')
+        self._check_number_of_modes()
+
+    def _check_number_of_modes(self) -> None:
+        ways = _WAYS_OF_KIND[self.kind]
+        given = [way for way in WAYS if getattr(self, way) is not None]
+        if foreign := [way for way in given if way not in ways]:
+            remedy = f"Give {' or '.join(ways)}" if ways else "Leave the key out"
+            raise InputError(f"{', '.join(foreign)} does not fit to {self.kind}: {_WHY_NOT[self.kind]}. {remedy}.")
+        if ways and len(given) != 1:
+            raise InputError(f"{self.kind} needs exactly one of {', '.join(ways)}; got {', '.join(given) or 'none'}.")
+        least = 1 if self.kind == "eigenmodes" else 0
+        if self.count is not None and self.count < least:
+            raise InputError(f"count {self.count} cannot be meant; {self.kind} needs at least {least}.")

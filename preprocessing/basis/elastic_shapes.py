@@ -1,0 +1,58 @@
+"""The columns Psi of a basis as parts that know their own derivatives: constraint modes and eigenmodes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.basis.constraint_modes import ConstraintModes
+from preprocessing.basis.normal_modes import NormalModes
+from preprocessing.basis.subspace_rates import subspace_rates
+
+
+class ElasticShapes(Protocol):
+    """Some columns of Psi."""
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Shapes on the nodal coordinates, (n, k)."""
+
+    def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
+        """Their derivatives by the design variables whose dK, dM and dR are given, (n, k, n_x)."""
+
+
+@dataclass(frozen=True, eq=False)
+class InterfaceShapes:
+    """Constraint modes of the interface points; those of the clamped nodes, the first `n_clamp`, are held at zero."""
+
+    modes: ConstraintModes
+    n_clamp: int
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Shapes (n, n_r - n_clamp)."""
+        return self.modes.shapes[:, self.n_clamp :]
+
+    def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
+        """Derivatives (n, n_r - n_clamp, n_x)."""
+        return self.modes.rates(d_pencils)[:, self.n_clamp :]
+
+
+@dataclass(frozen=True, eq=False)
+class ModeShapes:
+    """Eigenmodes, which change within the derivative of their span."""
+
+    modes: NormalModes
+
+    @property
+    def columns(self) -> np.ndarray:
+        """Shapes (n, m)."""
+        return self.modes.columns
+
+    def rates(self, d_pencils: Sequence[ConstrainedPencil]) -> np.ndarray:
+        """Derivatives (n, m, n_x)."""
+        return self.modes.turned(subspace_rates(self.modes, d_pencils))

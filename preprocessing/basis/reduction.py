@@ -1,0 +1,175 @@
+"""Reference conditions and bases: what the elastic coordinates of the body mean."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from preprocessing.basis.basis import Basis
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.basis.boundary import Boundary, clamped_boundary, coordinates_of, free_boundary, with_points
+from preprocessing.basis.constrained_pencil import ConstrainedPencil, constrained_pencil
+from preprocessing.basis.constraint_modes import constraint_modes
+from preprocessing.basis.elastic_shapes import ElasticShapes, InterfaceShapes, ModeShapes
+from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error
+from preprocessing.basis.normal_modes import NormalModes, normal_modes
+from preprocessing.basis.subspace_rates import refuse_cut_cluster
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.model import MEAN_AXES
+
+IDENTITY = "differentiated: identity on the free coordinates, the same at every design"
+
+DEPENDENT = 1e-11
+"""Smallest eigenvalue of the mass matrix of frame and basis, scaled to a unit diagonal; the runtime refuses bodies below a tenth of it."""
+
+
+def undeformed(nodes: np.ndarray) -> np.ndarray:
+    """xi (n,): node positions (n_nodes, d) on the translations, and zero on the rotations, because the elements are straight."""
+    return np.column_stack([nodes, np.zeros((len(nodes), per_node(nodes) - nodes.shape[1]))]).ravel()
+
+
+def per_node(nodes: np.ndarray) -> int:
+    """Coordinates of a node of nodes (n_nodes, d): two displacements and a rotation in the plane, three of each in space."""
+    return 3 if nodes.shape[1] == 2 else 6
+
+
+def tangent_frame(nodes: np.ndarray, node: int | Sequence[int], name: str) -> Basis:
+    """All nodal coordinates of nodes (n_nodes, d) but those of one, or of several, to which the frame is tied; nothing is reduced.
+
+    The frame keeps the axes and the origin of the nodes' coordinates and moves with the clamped node as with a rigid wall.
+    """
+    n = per_node(nodes) * len(nodes)
+    free = np.delete(np.arange(n), coordinates_of(node, len(nodes), per_node(nodes)))
+    psi = np.eye(n)[:, free]
+    return Basis(
+        np.column_stack([undeformed(nodes), psi]),
+        clamped_in_tangent_frame(name),
+        IDENTITY,
+    )
+
+
+def clamped_in_tangent_frame(name: str) -> str:
+    """The reference condition of a body whose frame is tied to one of its nodes."""
+    return f"tangent frame: the nodal coordinates of {name} are clamped in the frame of the undeformed shape"
+
+
+def reduced_basis(
+    choice: BasisChoice,
+    mass: Any,
+    stiffness: Any,
+    nodes: np.ndarray,
+    node: int | Sequence[int],
+    name: str,
+    interface_rows: Mapping[str, np.ndarray],
+) -> Basis:
+    """The basis that was chosen, at one design.
+
+    Parameters
+    ----------
+    mass, stiffness : (n, n), sparse or dense
+        M and K on all n = 3 n_nodes nodal coordinates, in space 6 n_nodes.
+    nodes : (n_nodes, d)
+    node, name : int or several, str
+        The node that is clamped (unless the boundary is free), and what to call it.
+    interface_rows : name -> (3, n), in space (6, n)
+        Rows that give displacement and rotation of an interface point from the nodal coordinates.
+
+    Raises
+    ------
+    InputError
+        The choice asks for what the mesh or its interface points cannot give.
+    """
+    if choice.kind == "full":
+        return tangent_frame(nodes, node, name)
+    pencil = constrained_pencil(stiffness, mass)
+    clamped = clamped_boundary(len(pencil.mass), node, per_node(nodes))
+    if choice.kind == "eigenmodes":
+        boundary = free_boundary(len(pencil.mass)) if choice.boundary == "free" else clamped
+    else:
+        boundary = with_points(clamped, interface_rows, pencil.mass)
+    interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
+    parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
+    psi = np.column_stack([part.columns for part in parts])
+    _refuse_dependent(np.column_stack([_motions_of_the_frame(nodes), psi]), pencil.mass, boundary)
+    return Basis(
+        np.column_stack([undeformed(nodes), psi]),
+        MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
+        _description(choice, boundary, modes),
+        np.concatenate([found.frequencies for found in modes] or [np.zeros(0)]),
+        boundary,
+        tuple(parts) if choice.derivative == "differentiated" else (),
+    )
+
+
+def _interface_shapes(choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary) -> list[ElasticShapes]:
+    if choice.kind == "eigenmodes":
+        return []
+    if not boundary.points:
+        raise InputError(
+            f"a {choice.kind} basis needs an interface point away from the clamped node; got {', '.join(boundary.on_clamp) or 'none'}."
+        )
+    return [InterfaceShapes(constraint_modes(pencil.stiffness, boundary.rows), boundary.n_clamp)]
+
+
+def _modes(
+    choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary, interface_rows: Mapping[str, np.ndarray]
+) -> list[NormalModes]:
+    """The modes that the choice asks for: one set, or none for a static basis."""
+    if choice.kind == "static":
+        return []
+    every = normal_modes(ConstrainedPencil(pencil.stiffness, pencil.mass, boundary.rows))
+    kept = every.lowest(_count(choice, every, interface_rows))
+    if choice.derivative == "differentiated":
+        refuse_cut_cluster(kept)
+    return [kept]
+
+
+def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str, np.ndarray]) -> int:
+    if choice.frequency is not None:
+        return count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)
+    if choice.static_error is not None:
+        rows = np.vstack([np.zeros((0, len(every.shapes))), *interface_rows.values()])
+        return count_by_static_error(every, rows, choice.static_error)
+    return choice.count or 0
+
+
+def _motions_of_the_frame(nodes: np.ndarray) -> np.ndarray:
+    """Nodal coordinates of the unit translations and rotations, (n, 3) or (n, 6)."""
+    if nodes.shape[1] == 3:
+        return spatial_motions(nodes)
+    motions = np.tile(np.eye(3), (len(nodes), 1))
+    motions[0::3, 2], motions[1::3, 2] = -nodes[:, 1], nodes[:, 0]
+    return motions
+
+
+def spatial_motions(nodes: np.ndarray) -> np.ndarray:
+    """Nodal coordinates of the unit translations along and rotations about x, y and z, (6 n_nodes, 6), for nodes (n_nodes, 3)."""
+    motions = np.zeros((len(nodes), 6, 6))
+    motions[:] = np.eye(6)
+    motions[:, :3, 3:] = np.cross(np.eye(3)[None, :, :], nodes[:, None, :]).swapaxes(1, 2)
+    return motions.reshape(-1, 6)
+
+
+def _refuse_dependent(motions: np.ndarray, mass: np.ndarray, boundary: Boundary) -> None:
+    inertia = motions.T @ mass @ motions
+    scale = 1 / np.sqrt(np.diag(inertia))
+    smallest = np.linalg.eigvalsh(scale[:, None] * inertia * scale)[0]
+    if smallest <= DEPENDENT:
+        raise InputError(
+            f"the motions of the frame and of the interface points {', '.join(boundary.points) or '(none)'} cannot be told apart "
+            f"(smallest eigenvalue of their mass matrix {smallest:.0e}). Move points apart that share an element, use more elements, "
+            "or fewer modes."
+        )
+
+
+def _description(choice: BasisChoice, boundary: Boundary, modes: list[NormalModes]) -> str:
+    shapes = []
+    if boundary.points:
+        shapes.append(
+            f"{boundary.per_point * len(boundary.points)} constraint modes of the interface points {', '.join(boundary.points)}"
+        )
+    fixed = "fixed-interface" if boundary.points else choice.boundary
+    shapes += [f"{found.count} {fixed} eigenmodes up to {found.frequencies[-1]:.6g} Hz" for found in modes if found.count]
+    return f"{choice.derivative}: {choice.kind}, {' and '.join(shapes)}"

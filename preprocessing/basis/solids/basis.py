@@ -1,0 +1,165 @@
+"""The basis of a solid: the shapes that were chosen, and their derivatives by what changes the elements and the ties."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.basis.mode_count import count_by_frequency
+from preprocessing.basis.normal_modes import NormalModes
+from preprocessing.basis.solids.basis_change import BasisChange
+from preprocessing.basis.solids.free_system import free_system
+from preprocessing.basis.solids.held_system import held_system
+from preprocessing.basis.solids.sparse_modes import System, lowest_modes, mode_rates
+from preprocessing.basis.solids.static_error import count_by_static_error
+from preprocessing.basis.solids.ties import Freedom, Tie
+from preprocessing.basis.subspace_rates import refuse_cut_cluster
+from toolkit.foundation.errors import InputError
+
+LARGEST_FULL = 3000
+"""Coordinates of the largest full basis: its dense matrices take some 100 MB."""
+STILL = 1e-12
+"""Largest entry of the rows of a point on the clamp."""
+MORE = 4
+"""Modes beyond those that are kept: the last ones that Lanczos finds come last."""
+
+
+@dataclass(frozen=True, eq=False)
+class SolidShapes:
+    """Columns of Psi on the independent coordinates, with the system that they solve."""
+
+    columns: np.ndarray  # (n^, n_f)
+    words: str
+    stiffness: Any = None  # sparse (n^, n^)
+    system: System | None = None
+    modes: NormalModes | None = None
+    n_held: int = 0  # last coordinates, which the system does not have
+    averaged: tuple[str, ...] = ()  # interface points whose rows the system has, in their order
+
+    def rates(self, change: BasisChange) -> np.ndarray:
+        """Derivatives (n^, n_f) by a variable that changes what is on the independent coordinates."""
+        found = np.zeros_like(self.columns)
+        if self.system is None:
+            return found
+        inside = len(found) - self.n_held
+        n_static = self.columns.shape[1] - (self.modes.count if self.modes else 0)
+        if n_static:
+            found[:inside, :n_static] = self._static_rates(self.columns[:, :n_static], change, inside)
+        if self.modes:
+            found[:inside, n_static:] = self.modes.turned(mode_rates(self.system, self.modes, change.inside(inside)))
+        return found
+
+    def _static_rates(self, columns: np.ndarray, change: BasisChange, inside: int) -> np.ndarray:
+        """du of K du + B^T dp = -dK u - dB^T p, B du = -dB u, where the coordinates beyond `inside` stay what they are."""
+        assert self.system is not None
+        loads = self.system.loads_of(-(self.stiffness @ columns)[:inside], change.inside(inside))
+        below = 0.0 if change.rows is None else -(change.rows @ columns)
+        return self.system.solve(-(change.stiffness @ columns)[:inside] - loads, below)
+
+
+def solid_shapes(
+    choice: BasisChoice,
+    mass: Any,
+    stiffness: Any,
+    motions: np.ndarray,
+    places: np.ndarray,
+    free: Freedom,
+    ties: Mapping[str, Tie],
+) -> SolidShapes:
+    """The shapes that were chosen.
+
+    Parameters
+    ----------
+    mass, stiffness : sparse (n^, n^), on the independent coordinates
+    motions : (n^, m), rigid motions of a body that nothing holds
+    places : (n^, d), where each coordinate is
+    ties : interface points
+
+    Raises
+    ------
+    InputError
+        The choice asks for what the body or its interface points cannot give.
+    """
+    n = stiffness.shape[0]
+    if n == 0:
+        raise InputError("the clamp holds all nodes, so that nothing of the body can deform. Clamp fewer, or take a rigid body.")
+    if choice.kind == "full":
+        if n > LARGEST_FULL:
+            raise InputError(
+                f'a full basis of {n} coordinates is too large for a mechanism. Take kind = "craig-bampton" with some modes in [basis].'
+            )
+        return SolidShapes(np.eye(n), "differentiated: identity on the free coordinates, the same at every design")
+    rows = {name: (each.rows @ free.map) for name, each in ties.items()}
+    moving = {name: row for name, row in rows.items() if abs(row).max() > STILL}
+    if choice.kind != "eigenmodes":
+        return _with_interface(choice, mass, stiffness, places, free, moving)
+    if choice.boundary == "clamped":
+        system: System = held_system(stiffness, sparse.csr_array((0, n)), places)
+    else:
+        system = free_system(stiffness, mass, motions, places)
+    kept = _modes(choice, mass, moving, system)
+    return SolidShapes(kept.columns, _words(choice, {}, kept), stiffness, system, kept)
+
+
+def _with_interface(
+    choice: BasisChoice, mass: Any, stiffness: Any, places: np.ndarray, free: Freedom, rows: Mapping[str, Any]
+) -> SolidShapes:
+    """Constraint modes of the points in their order, then fixed-interface modes."""
+    if not rows:
+        raise InputError(f"a {choice.kind} basis needs an interface point away from the clamp.")
+    m, inside = free.motions, free.n_free
+    n_held = m * len(free.rigid)
+    averaged = tuple(name for name in rows if name not in free.rigid)
+    border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
+    system = held_system(stiffness[:inside, :inside].tocsr(), border[:, :inside], places[:inside])
+    unit = np.eye(n_held)
+    carried = system.solve(-(stiffness[:inside, inside:] @ unit), -(border[:, inside:] @ unit))
+    lifted = system.solve(np.zeros((inside, border.shape[0])), np.eye(border.shape[0]))
+    shapes = {name: np.vstack([carried, unit])[:, m * k : m * k + m] for k, name in enumerate(free.rigid)}
+    for k, name in enumerate(averaged):
+        shapes[name] = np.vstack([lifted, np.zeros((n_held, border.shape[0]))])[:, m * k : m * k + m]
+    static = np.column_stack([shapes[name] for name in rows])
+    if choice.kind == "static":
+        return SolidShapes(static, _words(choice, rows, None), stiffness, system, None, n_held, averaged)
+    kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
+    inner = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
+    return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), stiffness, system, kept, n_held, averaged)
+
+
+def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> NormalModes:
+    """The modes to keep; one more than these is computed, to tell a cut cluster."""
+
+    def by_static_error(found: NormalModes) -> int | None:
+        return count_by_static_error(found, rows, system, choice.static_error or 0.0)
+
+    def enough(found: NormalModes) -> bool:
+        if choice.count is not None:
+            return found.count > choice.count
+        if choice.frequency is not None:
+            return bool(found.frequencies[-1] > choice.frequency)
+        return (by_static_error(found) or found.count) < found.count
+
+    every = lowest_modes(system, mass, enough, (choice.count or 0) + MORE)
+    count = choice.count or 0
+    if choice.frequency is not None:
+        count = count_by_frequency(every, choice.frequency, least=1 if choice.kind == "eigenmodes" else 0)
+    if choice.static_error is not None:
+        count = by_static_error(every) or every.count
+    kept = every.lowest(count)
+    if choice.derivative == "differentiated":
+        refuse_cut_cluster(kept)
+    return kept
+
+
+def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:
+    n_static = sum(row.shape[0] for row in points.values())
+    found = [f"{n_static} constraint modes of the interface points {', '.join(points)}"] if points else []
+    if modes and modes.count:
+        fixed = "fixed-interface" if points else choice.boundary
+        found.append(f"{modes.count} {fixed} eigenmodes up to {modes.frequencies[-1]:.6g} Hz")
+    return f"{choice.derivative}: {choice.kind}, {' and '.join(found)}"

@@ -1,0 +1,1 @@
+"""Beam elements that turn with the body: the judge of small deformations."""

@@ -1,0 +1,1 @@
+"""One body at one design as finite elements: all that precedes the choice of its basis."""

@@ -1,0 +1,68 @@
+"""What a parameter without a polynomial changes of a body before the choice of its basis: Poisson's ratio, or the places of its nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.basis.solids.basis_change import BasisChange
+from preprocessing.basis.solids.ties import Freedom, Tie, freedom
+from preprocessing.discretisation.discretisation import STEP
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+
+
+@dataclass(frozen=True, eq=False)
+class BodyChange:
+    """Derivatives by one parameter; what stems from the nodes' places alone is given at nodes with a complex step."""
+
+    matrices: Any  # derivatives, `Matrices` or `SpatialMatrices`
+    mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
+    ties: Mapping[str, Tie]  # of these nodes
+    normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`
+
+    @property
+    def motion(self) -> np.ndarray:
+        """Of the nodal coordinates, (n,)."""
+        return rate_of(self.mesh.nodes.ravel())
+
+    @property
+    def moves(self) -> bool:
+        """Whether the nodes move."""
+        return np.iscomplexobj(self.mesh.nodes)
+
+    def freedom(self, clamped: np.ndarray) -> Freedom:
+        """The independent coordinates, with a complex step."""
+        return freedom(self.mesh, clamped, self.ties)
+
+    def on(self, free: Freedom, stepped: Freedom, matrices: Any, averaged: tuple[str, ...]) -> BasisChange:
+        """The change on the independent coordinates, K^ = T^T K T and so on.
+
+        Parameters
+        ----------
+        free, stepped : at the nominal design, and with the complex step
+        matrices : the nominal ones
+        averaged : interface points whose rows are wanted, in their order
+        """
+        if not self.moves:
+            return BasisChange((free.map.T @ self.matrices.stiffness @ free.map).tocsr())
+        d_map = rate_of(stepped.map)
+
+        def change(matrix: Any, rate: Any) -> Any:
+            turned = d_map.T @ (matrix @ free.map)
+            return (free.map.T @ (rate @ free.map) + turned + turned.T).tocsr()
+
+        rows = [rate_of(self.ties[name].rows @ stepped.map).toarray() for name in averaged]
+        return BasisChange(
+            change(matrices.stiffness, self.matrices.stiffness),
+            change(matrices.mass, self.matrices.mass),
+            np.vstack([np.zeros((0, free.map.shape[1])), *rows]),
+            rate_of(stepped.coordinates_of(rigid_motions(self.mesh.nodes), self.ties)),
+        )
+
+
+def rate_of(stepped: Any) -> Any:
+    """Derivative from a complex step of size STEP."""
+    return stepped.imag / STEP if np.iscomplexobj(stepped) else 0.0 * stepped

@@ -1,0 +1,1 @@
+"""Finite elements of beams, and the sections that they are made of."""

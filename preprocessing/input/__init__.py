@@ -1,0 +1,1 @@
+"""Input files, and where a reduced model may be written."""

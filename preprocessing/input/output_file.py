@@ -1,0 +1,56 @@
+"""Where a reduced model may be written: nothing of the user's is replaced but an older model of the same body."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.file import described_by, hash_of, is_reduced_model
+
+OTHERS = "Name another file with --output, or replace it with --overwrite."
+
+
+def refuse_output(output: Path, described: Path, inputs: list[Path], input_hash: str, overwrite: bool) -> None:
+    """Refuse to write where no model of this body belongs, before anything long begins.
+
+    Parameters
+    ----------
+    described : the file that describes the body
+    inputs : this file, and those that it names; they are never overwritten
+    input_hash : of all inputs
+    overwrite : whether any other file may be replaced
+
+    Raises
+    ------
+    InputError
+        The output is a folder, an input, not called *.h5, or there already and no model of this body.
+    """
+    if output.is_dir():
+        raise InputError(f"{str(output)!r} is a folder. Name a file in it, for example --output {output / 'skin.h5'}.")
+    if any(path.exists() and output.exists() and output.samefile(path) for path in inputs):
+        raise InputError(
+            f"{str(output)!r} is an input of the model and would be overwritten by it. Name another file with --output."
+        )
+    if output.suffix != ".h5":
+        raise InputError(
+            f"{str(output)!r} does not end in .h5, as the name of a reduced model must. Name another file with --output."
+        )
+    if not output.exists():
+        return
+    if not output.is_file():
+        raise InputError(f"{str(output)!r} is there and is not a regular file. Name another file with --output.")
+    if not overwrite:
+        _refuse_others(output, described, input_hash)
+
+
+def _refuse_others(output: Path, described: Path, input_hash: str) -> None:
+    """Refuse to replace what is no model, or another body's."""
+    if not is_reduced_model(output):
+        raise InputError(f"{str(output)!r} is there and is not a reduced model, or a damaged one. {OTHERS}")
+    sources = [os.path.realpath(output.parent / name) for name in described_by(output)]
+    own = Path(os.path.realpath(described))
+    same = str(own) in sources if sources else Path(os.path.realpath(output)) == own.with_suffix(".h5")
+    if not same and hash_of(output) != input_hash:
+        body = f"built from {sources[0]!r}" if sources else "which does not say what it was built from"
+        raise InputError(f"{str(output)!r} is there and is the reduced model of another body, {body}. {OTHERS}")

@@ -1,0 +1,155 @@
+"""Mesh files of other programs, as plain arrays that were checked."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from preprocessing.foreign_files.apart import read_apart
+from preprocessing.foreign_files.element_kinds import KNOWN, LOWER, PLANE, SOLID, SPATIAL
+from preprocessing.mesh.included_files import drawn_on
+from preprocessing.mesh.outline import CORNERS
+from preprocessing.mesh.solid_mesh import SolidMesh, refuse_parts
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LARGEST
+
+FLAT = 1e-9
+"""Part of the extent by which a plane mesh may leave its plane."""
+
+Elements = list[tuple[str, np.ndarray]]
+"""Kind and nodes (n_e, n_local) of some elements."""
+
+
+class RawMesh(NamedTuple):
+    """What the file holds."""
+
+    points: np.ndarray  # (n, 2) or (n, 3)
+    cells: Elements
+    groups: list[tuple[str, Elements]]
+
+
+def read_mesh(path: Path, scale: float = 1.0) -> SolidMesh:
+    """The elements of a mesh file, of the plane or spatial; nodes that none of them has are left out.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, holds kinds of elements that are not supported or elements twice, leaves its plane, or falls into parts.
+    """
+    raw = _read(path)
+    kinds = _kinds(path, [kind for kind, _ in raw.cells])
+    present = [kind for kind in dict.fromkeys(kind for kind, _ in raw.cells) if kind in kinds]
+    blocks = {kind: _once(path, raw, np.concatenate([block for other, block in raw.cells if other == kind])) for kind in present}
+    used = np.unique(np.concatenate([block.ravel() for block in blocks.values()]))
+    number = np.full(len(raw.points), -1)
+    number[used] = np.arange(len(used))
+    points = raw.points[used]
+    _refuse_places(path, points, scale)
+    mesh = SolidMesh(
+        scale * (_plane(path, points) if kinds is PLANE else _space(path, points)),
+        {kind: number[block] for kind, block in blocks.items()},
+        {name: np.unique(number[nodes := _nodes(elements)][number[nodes] >= 0]) for name, elements in raw.groups},
+        used,
+        {name: faces for name, elements in raw.groups if (faces := _faces(elements, number))} if kinds is SPATIAL else {},
+        len(raw.points),
+    )
+    refuse_parts(mesh)
+    return mesh
+
+
+def _once(path: Path, raw: RawMesh, elements: np.ndarray) -> np.ndarray:
+    """Every element once; gmsh 2.2 writes those that are in several groups several times, and nobody else should."""
+    _, first = np.unique(np.sort(elements, axis=1), axis=0, return_index=True)
+    twice = np.setdiff1d(np.arange(len(elements)), first)
+    if len(twice) and path.suffix != ".msh":
+        place = ", ".join(f"{x:g}" for x in raw.points[elements[twice[0]]].mean(axis=0))
+        raise InputError(
+            f"the mesh {str(path)!r} holds {len(twice)} elements twice, the first round ({place}), so that it is not clear whether their "
+            "mass counts twice. Delete the copies; what should be twice as heavy needs twice the density or width."
+        )
+    return elements[np.sort(first)]
+
+
+def _read(path: Path) -> RawMesh:
+    """What the file holds, with the numbers of nodes in range."""
+    remedy = "Export it again, for example as gmsh .msh or Abaqus .inp."
+    found = read_apart("mesh", path, "by meshio", remedy, drawn=drawn_on(path))
+    points = found["points"]
+    cells = [(kind, block) for kind, block in found["cells"] if block.size or kind not in KNOWN]
+    groups = [(name, [(kind, block) for kind, block in elements if block.size]) for name, elements in found["groups"]]
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or points.dtype.kind != "f":
+        raise InputError(
+            f"the mesh {str(path)!r} has points of shape {points.shape}. Export x and y, or x, y and z, of each point."
+        )
+    for kind, block in (*cells, *(each for _, elements in groups for each in elements)):
+        _refuse_numbers(path, kind, block, len(points))
+    return RawMesh(points, cells, groups)
+
+
+def _refuse_numbers(path: Path, kind: str, block: np.ndarray, n: int) -> None:
+    """Refuse elements with another number of nodes than their kind has, and nodes that are not there."""
+    if not block.size or kind not in KNOWN:
+        return
+    if block.ndim != 2 or block.shape[1] != KNOWN[kind]:
+        raise InputError(f"the mesh {str(path)!r} has a {kind} without its {KNOWN[kind]} nodes. Export it again.")
+    if block.min() < 0 or block.max() >= n:
+        wrong = int(block.min() if block.min() < 0 else block.max())
+        raise InputError(
+            f"an element or a group of the mesh {str(path)!r} names node {wrong}, and the nodes count from 0 to {n - 1}. Export it again."
+        )
+
+
+def _kinds(path: Path, present: list[str]) -> dict[str, int]:
+    """The kinds of which the body is made: those of space if there are any."""
+    kinds = SPATIAL if any(kind.startswith(SOLID) for kind in present) else PLANE
+    foreign = sorted(set(present) - {*PLANE, *kinds, *LOWER})
+    if foreign or not set(present) & set(kinds):
+        what = f"elements of the kinds {', '.join(foreign)}" if foreign else "no triangles and no quadrilaterals"
+        raise InputError(
+            f"the mesh {str(path)!r} holds {what}; possible are {', '.join(PLANE)} in the plane and {', '.join(SPATIAL)} in space. Mesh "
+            "the body with these."
+        )
+    return kinds
+
+
+def _refuse_places(path: Path, points: np.ndarray, scale: float) -> None:
+    """Refuse places of nodes that no body has."""
+    if not np.all(np.isfinite(points)):
+        raise InputError(f"the mesh {str(path)!r} holds coordinates that are not finite numbers. Export it again.")
+    farthest = float(np.abs(points).max(initial=0.0))
+    if farthest * scale > LARGEST or farthest > LARGEST:
+        raise InputError(
+            f"the mesh {str(path)!r} reaches to {farthest:g}, times its scale {scale:g}. Mend the unit of its coordinates."
+        )
+    if not len(points) or not np.ptp(points, axis=0).max() * scale > 1 / LARGEST:
+        raise InputError(f"the nodes of the elements of the mesh {str(path)!r} are all at one place. Export it again.")
+
+
+def _plane(path: Path, points: np.ndarray) -> np.ndarray:
+    """x and y of points whose z is the same."""
+    if points.shape[1] > 2 and np.ptp(points[:, 2]) > FLAT * np.ptp(points[:, :2]):
+        raise InputError(
+            f"the mesh {str(path)!r} has triangles or quadrilaterals only, but its z reaches from {points[:, 2].min():g} to "
+            f"{points[:, 2].max():g}. Give a mesh in the plane of x and y, or mesh the volume with tetrahedra or hexahedra."
+        )
+    return points[:, :2]
+
+
+def _space(path: Path, points: np.ndarray) -> np.ndarray:
+    """Points with three coordinates."""
+    if points.shape[1] < 3:
+        raise InputError(f"the mesh {str(path)!r} has elements of space, but its points have x and y only. Export z too.")
+    return points
+
+
+def _nodes(elements: Elements) -> np.ndarray:
+    """Numbers of the nodes of elements."""
+    return np.unique(np.concatenate([np.zeros(0, int), *(each.ravel() for _, each in elements)])).astype(int)
+
+
+def _faces(elements: Elements, number: np.ndarray) -> frozenset[tuple[int, ...]]:
+    """Corners, in rising order, of those of the elements that are faces of spatial ones."""
+    flat = [number[each[:, : CORNERS[kind]]] for kind, each in elements if kind in CORNERS]
+    return frozenset(tuple(row) for each in flat for row in np.sort(each, axis=1).tolist())

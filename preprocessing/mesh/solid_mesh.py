@@ -1,0 +1,96 @@
+"""A mesh of solid elements as plain arrays: nodes, elements by kind, and groups of nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from toolkit.foundation.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Nodes and elements in space of dimension d; nodal coordinates are u_1 ... u_d of node 0, then of node 1, and so on.
+
+    Finished matrices may come without elements; then there are no blocks.
+    """
+
+    nodes: np.ndarray  # (n_nodes, d)
+    blocks: Mapping[str, np.ndarray] = field(default_factory=dict)  # kind in the words of meshio -> (n_e, nodes of one element)
+    groups: Mapping[str, np.ndarray] = field(default_factory=dict)  # name -> numbers of nodes
+    in_file: np.ndarray | None = None  # (n_nodes,) number of each node in its file, rising, if some of the file were left out
+    faces: Mapping[str, frozenset] = field(default_factory=dict)  # name of a group -> corners of its faces, if it has any
+    n_file: int = 0  # nodes in the file
+
+    @property
+    def motions(self) -> int:
+        """Number of rigid motions, and of motions of a point with rotations."""
+        return self.dimension * (self.dimension + 1) // 2
+
+    @property
+    def dimension(self) -> int:
+        """d of space."""
+        return self.nodes.shape[1]
+
+    @property
+    def n(self) -> int:
+        """Number of nodal coordinates."""
+        return self.nodes.size
+
+    @property
+    def size(self) -> float:
+        """Largest extent of the body along an axis."""
+        return float(np.ptp(self.nodes.real, axis=0).max())
+
+    def around(self, node: int) -> np.ndarray:
+        """Numbers of the other nodes of all elements that have a node."""
+        with_it = [block[(block == node).any(axis=1)].ravel() for block in self.blocks.values()]
+        found = np.unique(np.concatenate([np.zeros(0, int), *with_it]))
+        return found[found != node]
+
+
+def rigid_motions(nodes: np.ndarray) -> np.ndarray:
+    """Nodal coordinates of unit translations, and of unit rotations about the origin, (n, d (d + 1) / 2); nodes real or complex."""
+    return np.hstack([translations(*nodes.shape), *(turned.reshape(-1, 1) for turned in rotations(nodes))])
+
+
+def translations(n_nodes: int, dimension: int) -> np.ndarray:
+    """Nodal coordinates of the unit translations, (n, d)."""
+    return np.tile(np.eye(dimension), (n_nodes, 1))
+
+
+PLANES = {2: ((0, 1),), 3: ((1, 2), (2, 0), (0, 1))}
+"""From which axis to which one every unit rotation turns; in space they are those about x, y and z."""
+
+
+def rotations(arms: np.ndarray) -> np.ndarray:
+    """Displacements under unit rotations at places `arms` (..., d) from the axes, (n_rotations, ..., d): -y, x in the plane."""
+    planes = PLANES[arms.shape[-1]]
+    found = np.zeros((len(planes), *arms.shape), arms.dtype)
+    for turned, (a, b) in zip(found, planes, strict=True):
+        turned[..., a], turned[..., b] = -arms[..., b], arms[..., a]
+    return found
+
+
+def refuse_parts(mesh: SolidMesh) -> None:
+    """Refuse elements that do not hang together.
+
+    Raises
+    ------
+    InputError
+        It says how many parts there are, and where the second one is.
+    """
+    pairs = [np.column_stack([np.repeat(b[:, 0], b.shape[1]), b.ravel()]) for b in mesh.blocks.values()]
+    row, column = np.concatenate(pairs).T
+    graph = sparse.coo_array((np.ones(len(row)), (row, column)), shape=(len(mesh.nodes),) * 2)
+    parts, label = connected_components(graph, directed=False)
+    if parts > 1:
+        place = ", ".join(f"{x:g}" for x in mesh.nodes[np.argmax(label != label[0])])
+        raise InputError(
+            f"the mesh consists of {parts} parts that share no nodes; one of them is at ({place}). Merge coincident nodes in the program "
+            "that made the mesh (gmsh: Coherence), or give every part a body of its own."
+        )

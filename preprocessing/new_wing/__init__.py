@@ -1,0 +1,1 @@
+"""A morphing wing of one's own from any airfoil file."""

@@ -1,0 +1,1 @@
+"""frame.toml: straight beams in space between named nodes."""

@@ -1,0 +1,133 @@
+"""All designs of a frame: its parameters, where they stand in frame.toml, and the finite elements at any values of them.
+
+The parameters are named by what they are and what owns them: `youngs_modulus_steel`, `width_leg`, `x_A` of a node A, and `damping_mass`
+and `damping_stiffness` of the whole frame. By Poisson's ratios and nodes there are derivatives, by all others the matrices are polynomials.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from preprocessing.assembly.spatial_assembly import BeamMesh, SpatialPatch, assemble
+from preprocessing.discretisation.discretisation import DesignSpace
+from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.elements.section import Patch
+from preprocessing.recipes.frame.frame_file import ALONG, FrameFile, frame_from
+from preprocessing.recipes.frame.frame_tables import DIMENSIONS, BeamTable
+from preprocessing.recipes.skin.changed_content import put
+from toolkit.foundation.errors import InputError
+
+_MATERIAL = {"youngs_modulus": "stress", "density": "density", "poisson_ratio": "none"}
+_DAMPING = {"mass": "rate", "stiffness": "time"}
+_ABOVE = np.array([0.0, 0.0, 1.0])
+
+
+def places(file: FrameFile) -> dict[str, tuple[str, ...]]:
+    """Parameter -> keys that lead to it in frame.toml."""
+    found: dict[str, tuple[str, ...]] = {
+        f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _MATERIAL
+    }
+    found |= {f"{key}_{name}": ("sections", name, key) for name, each in file.sections.items() for key in DIMENSIONS[each.kind]}
+    found |= {f"damping_{key}": ("damping", key) for key in _DAMPING}
+    return found | {f"{axis}_{name}": ("nodes", name, axis) for name in file.nodes for axis in "xyz"}
+
+
+def quantities(file: FrameFile) -> dict[str, str]:
+    """Parameter -> what it is, for its unit."""
+    found = {}
+    for parameter, (table, *rest) in places(file).items():
+        if table == "sections":
+            found[parameter] = DIMENSIONS[file.sections[rest[0]].kind][rest[1]]
+        else:
+            found[parameter] = {**_MATERIAL, **_DAMPING}.get(rest[-1], "length")
+    return found
+
+
+def changed_frame(file: FrameFile, values: Mapping[str, float], keys: Mapping[str, Any], path: Path) -> FrameFile:
+    """The file with other values of parameters, and with other keys, for example {"basis": {...}}.
+
+    Raises
+    ------
+    InputError
+        A parameter does not exist, or a value cannot be meant.
+    """
+    content, known = file.model_dump(exclude_none=True, by_alias=True), places(file)
+    for name, value in values.items():
+        if name not in known:
+            raise InputError(f"{str(path)!r} has no parameter {name!r}; there are {', '.join(known)}.")
+        table, *rest = known[name]
+        if table == "nodes":
+            content["nodes"][rest[0]]["xyz".index(rest[1])] = value
+        else:
+            put(content, known[name], value)
+    for key, value in keys.items():
+        put(content, key.split("."), value)
+    return frame_from(content, path)
+
+
+def frame_space(file: FrameFile) -> DesignSpace:
+    """All designs of the frame."""
+    values = _values(file)
+    by_steps = {name for name, (table, *rest) in places(file).items() if table == "nodes" or rest[-1] == "poisson_ratio"}
+    return DesignSpace(values, quantities(file), frozenset(values) - by_steps, partial(frame_elements, file))
+
+
+def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> SpatialDiscretisation:
+    """The finite elements at one design, which gives every parameter a value, real or complex."""
+    mesh, patches = frame_mesh(file, design), _patches(file, design)
+    at_nodes = {name: list(file.nodes).index(point.node) for name, point in file.interface_points.items()}
+    return SpatialDiscretisation(mesh, patches, assemble(mesh, patches), {}, at_nodes=at_nodes)
+
+
+def frame_mesh(file: FrameFile, design: Mapping[str, Any]) -> BeamMesh:
+    """The named nodes, then those between the ends of each beam; elements in the order of the beams."""
+    names = list(file.nodes)
+    corners = np.array([[design[f"{axis}_{name}"] for axis in "xyz"] for name in names])
+    nodes, connectivity, orientation, count = [corners], [], [], len(corners)
+    for beam in file.beams:
+        one, two = names.index(beam.start), names.index(beam.end)
+        ratio = (np.arange(1, beam.elements) / beam.elements)[:, None]
+        nodes.append(corners[one] + ratio * (corners[two] - corners[one]))
+        chain = np.array([one, *range(count, count + beam.elements - 1), two])
+        connectivity.append(np.column_stack([chain[:-1], chain[1:]]))
+        orientation += [_orientation(file, beam)] * beam.elements
+        count += beam.elements - 1
+    return BeamMesh(np.vstack(nodes), np.vstack(connectivity), np.array(orientation))
+
+
+def _orientation(file: FrameFile, beam: BeamTable) -> np.ndarray:
+    """As given, or else z; x of beams along z."""
+    if beam.orientation is not None:
+        return np.array(beam.orientation)
+    along = np.subtract(file.nodes[beam.end], file.nodes[beam.start])
+    return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= ALONG * np.linalg.norm(along) else _ABOVE
+
+
+def _values(file: FrameFile) -> dict[str, float]:
+    """Parameter -> its value in the file."""
+    content, found = file.model_dump(), {}
+    for parameter, (table, *rest) in places(file).items():
+        if table == "nodes":
+            found[parameter] = file.nodes[rest[0]]["xyz".index(rest[1])]
+        else:
+            owner = content[table]
+            found[parameter] = owner[rest[0]][rest[1]] if len(rest) == 2 else owner[rest[0]]
+    return found
+
+
+def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[SpatialPatch]:
+    """The elements of every section."""
+    section_of = np.repeat([beam.section for beam in file.beams], [beam.elements for beam in file.beams])
+    found = []
+    for name, section in file.sections.items():
+        own = {key: f"{key}_{name}" for key in section.dimensions}
+        own |= {key: f"{key}_{section.material}" for key in ("youngs_modulus", "density")}
+        own |= {f"damping_{key}": f"damping_{key}" for key in _DAMPING}
+        shear = 1 / (2 * (1 + design[f"poisson_ratio_{section.material}"]))
+        found.append(SpatialPatch(Patch(np.flatnonzero(section_of == name), own), section.shape, shear))
+    return found

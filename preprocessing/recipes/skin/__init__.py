@@ -1,0 +1,1 @@
+"""skin.toml: a skin round the nose of an airfoil."""

@@ -1,0 +1,62 @@
+"""skin.toml with other keys, such as another basis or another number of elements: the same skin, modelled otherwise."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from preprocessing.recipes.skin.changed_content import put, skin_from
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.skin.skin_tables import Table
+from toolkit.foundation.errors import InputError
+
+ELEMENTS = "skin.elements"
+
+
+def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], Any]) -> SkinFile:
+    """The file with other values of some keys.
+
+    Parameters
+    ----------
+    keys : key -> value
+        A table (`basis`), or a key in one (`skin.elements`). With another number of elements, interface points at nodes and groups
+        of elements stay where they are along the skin.
+    stations : callable
+        Gives the arc lengths of the file's own nodes, (n_nodes,).
+
+    Raises
+    ------
+    InputError
+        A key or a value cannot be meant, or a group ends where no element of the other mesh does.
+    """
+    content = file.model_dump(exclude_none=True)
+    if ELEMENTS in keys:
+        _remesh(file, content, keys[ELEMENTS], stations)
+    for key, value in keys.items():
+        put(content, key.split("."), value)
+    return skin_from(content, "skin")
+
+
+def changed_tables(file: Table, other: Table) -> dict[str, Any]:
+    """Tables of the second file that differ from those of the first; only what is not the default in them, unless that is nothing."""
+    mine, theirs = (each.model_dump(exclude_none=True) for each in (file, other))
+    brief = other.model_dump(exclude_none=True, exclude_defaults=True)
+    return {name: brief.get(name) or table for name, table in theirs.items() if table != mine.get(name)}
+
+
+def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Callable[[], Any]) -> None:
+    """Say anew where the interface points and groups are that count nodes or elements."""
+    own = file.skin.elements
+    if file.skin.separate:
+        raise InputError("skin.separate: quantities of single elements mean others in another mesh. Leave the key out.")
+    for name, place in file.interface_points.items():
+        if place.node is not None:
+            moved, rest = divmod(place.node * elements, own)
+            content["interface_points"][name] = {"arc_length": float(stations()[place.node])} if rest else {"node": moved}
+    for name, group in file.groups.items():
+        first, end = group.elements[0] * elements, (group.elements[1] + 1) * elements
+        if first % own or end % own:
+            raise InputError(
+                f"groups.{name} ends where no element of a mesh of {elements} does. Choose a multiple of {own} elements."
+            )
+        content["groups"][name]["elements"] = [first // own, end // own - 1]

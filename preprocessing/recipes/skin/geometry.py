@@ -1,0 +1,149 @@
+"""The geometry of one skin: both airfoils read, F and G found, the curve cut and meshed, the target matched.
+
+The mesh is made once. At other values of the shape parameters its nodes move along with the curve, which gives dX/dx of all that
+is made of them: every step from the rows of the airfoil files to the nodes takes complex values, so that a complex step in one
+parameter gives derivatives exact to round-off. They are those of a new preprocessing with that one key of skin.toml changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.curve.contour import Contour
+from preprocessing.curve.skin import Skin
+from preprocessing.discretisation.slenderness import slenderness
+from preprocessing.input.at_key import at_key
+from preprocessing.mesh.curve_mesh import CurveMesh, mesh_curve
+from preprocessing.recipes.skin.shape_parameters import shape_parameters
+from preprocessing.recipes.skin.shaped_contours import Contours
+from preprocessing.recipes.skin.skin_file import SkinFile
+from toolkit.foundation.errors import InputError
+
+__all__ = ["Geometry", "Remark", "at_key", "read_geometry", "shape_parameters"]
+
+Remark = Callable[[str], None]
+_METRES = {"mm-t-s": 1e-3, "m-kg-s": 1.0, "mm": 1e-3, "m": 1.0}
+"""Metres per unit of length of the unit systems and of airfoil files."""
+
+
+@dataclass(frozen=True)
+class Source:
+    """What a geometry is constructed from at any design."""
+
+    path: Path  # of skin.toml
+    file: SkinFile
+    contours: Contours  # through the rows of both files, at the chord of the file
+
+
+@dataclass(frozen=True)
+class Geometry:
+    """The skin, its nodes and the places they shall reach, in the units of skin.toml; complex where a complex step is taken."""
+
+    source: Source
+    skin: Skin
+    arc_lengths: np.ndarray  # (n_nodes,) from F along the true curve
+    mesh: CurveMesh
+    target_contour: Contour
+    target: np.ndarray  # (n_nodes, 2)
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Points (n_points, 2) to draw the section by, real."""
+        return self.skin.contour.outline
+
+    @property
+    def target_outline(self) -> np.ndarray:
+        """Points (n_points, 2) to draw the target by, real."""
+        return self.target_contour.outline
+
+    def moved(self, values: Mapping[str, complex]) -> Geometry:
+        """The geometry at other values of shape parameters, with the connectivity of this mesh.
+
+        Interface points are located on it as on the nominal one: `skin.locate(..., stations=arc_lengths)`.
+
+        Parameters
+        ----------
+        values : name -> value
+            Real or complex, of some of `shape_parameters`; the others keep the values of skin.toml.
+
+        Raises
+        ------
+        InputError
+            Unknown parameter, a chord or scale that is not positive, a shape that cannot be constructed, or a complex step
+            together with nodes spaced by curvature.
+        """
+        return _constructed(self.source, values, lambda stations: replace(self.mesh, nodes=stations))
+
+
+def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> Geometry:
+    """Geometry of the skin that skin.toml (at `path`, content `file`) describes.
+
+    `remark` is called with every repair of an airfoil file and every warning about it or the thickness, in words.
+
+    Raises
+    ------
+    InputError
+        An airfoil file cannot be used, or F, G, a shape mode, the thickness or the target do not fit to it; names the file and
+        the key.
+    """
+    with at_key(path, "airfoil.file"):
+        contour = _contour(path.parent / file.airfoil.file, file, remark)
+    with at_key(path, "airfoil.target"):
+        target = _contour(path.parent / file.airfoil.target, file, remark)
+    geometry = _constructed(Source(path, file, Contours(contour, target)), {}, mesh_curve)
+    with at_key(path, "section.thickness"):
+        for text in slenderness(geometry.skin, geometry.arc_lengths, file.section.thickness):
+            if remark is not None:
+                remark(f"{path.name}: {text}")
+    return geometry
+
+
+def _constructed(source: Source, values: Mapping[str, complex], mesh_of: Callable[[np.ndarray], CurveMesh]) -> Geometry:
+    path, file = source.path, source.file
+    contours = source.contours.shaped(path, file, _design(source, values))
+    skin = _cut(path, file, contours.airfoil)
+    with at_key(path, "skin"):
+        arc_lengths = skin.stations(file.skin.elements, file.skin.spacing, file.skin.grading)
+        mesh = mesh_of(skin.position(arc_lengths))
+    with at_key(path, "airfoil.target"):
+        target = skin.target_positions(contours.target, arc_lengths)
+    return Geometry(source, skin, arc_lengths, mesh, contours.target, target)
+
+
+def _design(source: Source, values: Mapping[str, complex]) -> dict[str, complex]:
+    """Values of all shape parameters."""
+    nominal = shape_parameters(source.file)
+    for name, value in values.items():
+        if name not in nominal:
+            lengths = source.file.airfoil.units in ("mm", "m") and name == "chord"
+            why = f"; the airfoil files are in {source.file.airfoil.units}, and no chord scales them" if lengths else ""
+            raise InputError(f"{name!r} is no shape parameter of {str(source.path)!r}; available: {', '.join(nominal)}{why}.")
+        if not np.isfinite(value) or (name in ("chord", "y_scale") and np.real(value) <= 0):
+            raise InputError(
+                f"the shape parameter {name!r} cannot be {value!r}: give a finite number, above 0 for a chord or scale."
+            )
+    return {**nominal, **values}
+
+
+def _contour(path: Path, file: SkinFile, remark: Remark | None) -> Contour:
+    units, chord = file.airfoil.units, file.airfoil.chord
+    in_file_units = chord * _METRES[file.units] / _METRES[units] if units in _METRES else None
+    airfoil = read_airfoil(path, units, in_file_units)
+    for text in (*airfoil.repairs, *airfoil.warnings):
+        if remark is not None:
+            remark(f"{path.name}: {text}")
+    return Contour.through(airfoil.points, chord)
+
+
+def _cut(path: Path, file: SkinFile, contour: Contour) -> Skin:
+    with at_key(path, "skin.start"):
+        start = contour.at_x(file.skin.start.x, file.skin.start.side)
+    with at_key(path, "skin.end"):
+        end = contour.at_x(file.skin.end.x, file.skin.end.side)
+    with at_key(path, "skin.start, skin.end"):
+        return Skin(contour, start, end)

@@ -1,0 +1,207 @@
+"""The tables of skin.toml: what each key is, and what it can be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.recipes.skin.shape_mode_name import mode_name
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LARGEST
+
+
+def _ordinary(value: float) -> float:
+    if value and not 1 / LARGEST <= value <= LARGEST:
+        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} can be meant; mend the exponent or the units")
+    return value
+
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+
+
+def _file_name(name: str) -> str:
+    if "\0" in name:
+        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
+    return name
+
+
+def _group_name(name: str) -> str:
+    """It becomes part of the names of parameters, as numbers of single elements do."""
+    if name.isdecimal():
+        raise ValueError("numbers are for single elements; use a name with a letter")
+    return _interface_name(name)
+
+
+def _interface_name(name: str) -> str:
+    """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
+    if not name.strip() or set(name) & set("./\0"):
+        raise ValueError("this is no legal name of a point; use letters, digits and _")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+InterfaceName = Annotated[str, AfterValidator(_interface_name)]
+GroupName = Annotated[str, AfterValidator(_group_name)]
+ElementNumber = Annotated[int, Field(ge=0)]
+Quantity = Literal["youngs_modulus", "density", "thickness", "width", "damping_mass", "damping_stiffness"]
+ModeName = Annotated[str, AfterValidator(mode_name)]
+
+
+class Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Airfoil(Table):
+    """The undeformed and the wanted section, files in one common frame, and the length of their chord."""
+
+    file: FileName  # relative to skin.toml
+    target: FileName
+    chord: Positive  # length
+    units: Literal["chord", "percent", "mm", "m"] | None = None  # of both files, fractions of the chord if not given
+    y_scale: Positive = 1.0  # by which the y of both files are multiplied
+
+
+class ContourPoint(Table):
+    """Where a side of the contour has one x."""
+
+    x: FiniteFloat  # length
+    side: Literal["upper", "lower"]
+
+
+class SkinCut(Table):
+    """The part of the contour that is the skin, from F (start) round the nose to G (end), and its elements."""
+
+    start: ContourPoint
+    end: ContourPoint
+    elements: Annotated[int, Field(ge=2, le=500)]
+    spacing: Literal["equal", "curvature"] = "equal"
+    grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
+    clamp: Literal["F", "G"] = "F"  # the end that the body's frame is tied to
+    separate: list[Quantity] = []  # what every element has of its own: thickness_0 is that of the first element, and so on
+
+
+class ShapeMode(Table):
+    """A smooth bump of the contour along its outward normal: height (1 - q^2)^4 for |q| < 1, q = distance / half_width.
+
+    Its centre is the place where the contour has an x on one side, or an arc length from F; it and the distance from it along the
+    contour are those without all bumps. The name of the mode is that of its design variable, the height.
+    """
+
+    arc_length: FiniteFloat | None = None  # of the centre, from F; negative ahead of F
+    x: FiniteFloat | None = None  # of the centre, with its side; not at the nose, where x says little
+    side: Literal["upper", "lower"] | None = None
+    half_width: Positive  # length along the contour from the centre to both ends
+    height: FiniteFloat = 0.0  # length, positive outward, at most half_width
+    of: Literal["airfoil", "target", "both"] = "airfoil"  # which of the files it deforms
+
+    @model_validator(mode="after")
+    def _can_be_meant(self) -> ShapeMode:
+        given = {key for key in ("arc_length", "x", "side") if getattr(self, key) is not None}
+        if given not in ({"arc_length"}, {"x", "side"}):
+            raise ValueError(f"give either arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+        if abs(self.height) > self.half_width:
+            raise ValueError(f"a bump of half_width {self.half_width:g} cannot have a height of {self.height:g}; make it wider")
+        return self
+
+
+class SectionTable(Table):
+    """Rectangular section: thickness in the plane of the airfoil, width along the span."""
+
+    thickness: Positive  # length
+    width: Positive  # length
+
+
+class Material(Table):
+    """Linear elastic material.
+
+    Poisson's ratio enters in plane strain, where a wide skin bends with E / (1 - nu^2) instead of E, and in space, where a skin twists with
+    G = E / (2 (1 + nu)).
+    """
+
+    youngs_modulus: Positive  # stress
+    density: Positive  # mass / length^3
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None
+    state: Literal["plane-stress", "plane-strain"] = "plane-stress"  # narrow, or kept from contracting along the span
+
+    @model_validator(mode="after")
+    def _ratio_given(self) -> Material:
+        if self.state == "plane-strain" and self.poisson_ratio is None:
+            raise ValueError("plane strain depends on Poisson's ratio; add poisson_ratio")
+        return self
+
+
+class Damping(Table):
+    """Rayleigh damping D = mass M + stiffness K."""
+
+    mass: NonNegative = 0.0  # 1 / time
+    stiffness: NonNegative = 0.0  # time
+
+
+class ElementGroup(Table):
+    """Elements that have quantities of their own; each becomes a design variable, for example `thickness_nose` of a group `nose`."""
+
+    elements: Annotated[list[ElementNumber], Field(min_length=2, max_length=2)]  # the first and the last one, counted from 0 at F
+    youngs_modulus: Positive | None = None  # stress
+    density: Positive | None = None  # mass / length^3
+    thickness: Positive | None = None  # length
+    width: Positive | None = None  # length
+    damping_mass: NonNegative | None = None  # 1 / time
+    damping_stiffness: NonNegative | None = None  # time
+
+    @model_validator(mode="after")
+    def _has_values(self) -> ElementGroup:
+        if not self.values:
+            raise ValueError("a group needs a quantity of its own, for example thickness")
+        return self
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The quantities that are given."""
+        return self.model_dump(exclude={"elements"}, exclude_none=True)
+
+
+class BasisTable(Table):
+    """What the elastic coordinates stand for; all nodal coordinates if left out. One of count, frequency, static_error says how many."""
+
+    kind: Literal["full", "eigenmodes", "craig-bampton", "static"] = "full"
+    boundary: Literal["clamped", "free"] = "clamped"  # of eigenmodes: clamped at the frame's end, or free about mean axes
+    count: Annotated[int, Field(ge=0)] | None = None  # of eigenmodes
+    frequency: Positive | None = None  # all eigenmodes up to this one, in Hz
+    static_error: Positive | None = None  # relative error of the displacements under forces at the interface points
+    derivative: Literal["differentiated", "frozen"] = "differentiated"  # whether the shapes follow the design
+
+    @model_validator(mode="after")
+    def _can_be_had(self) -> BasisTable:
+        try:
+            self.choice()
+        except InputError as error:
+            raise ValueError(str(error)) from error
+        return self
+
+    def choice(self) -> BasisChoice:
+        """The same, as the reduction wants it."""
+        return BasisChoice(**self.model_dump())
+
+
+class Place(Table):
+    """A place on the skin: a node (0 at F), an arc length from F, or an x on one side."""
+
+    node: Annotated[int, Field(ge=0)] | None = None
+    arc_length: FiniteFloat | None = None
+    x: FiniteFloat | None = None
+    side: Literal["upper", "lower"] | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Place:
+        given = set(self.where)
+        if given not in ({"node"}, {"arc_length"}, {"x", "side"}):
+            raise ValueError(f"give either node, or arc_length, or x with side (got {', '.join(sorted(given)) or 'nothing'})")
+        return self
+
+    @property
+    def where(self) -> dict[str, Any]:
+        """The keys that are given, as arguments of `Skin.locate`."""
+        return self.model_dump(exclude_none=True)

@@ -1,0 +1,16 @@
+"""Flexible bodies from a finite-element mesh of any program, or from finished matrices, in the plane and in space.
+
+A spatial body needs a mesh of tetrahedra, hexahedra or wedges with named groups, and a body.toml beside it:
+
+    units = "m-kg-s"
+    mesh.file = "arm.msh"
+    material = { youngs_modulus = 70e9, density = 2700.0, poisson_ratio = 0.33 }
+    clamp.group = "hub"
+    interface_points.tip = { group = "bore", tie = "rigid" }
+    pressure_surfaces.skin.group = "outside"
+    basis = { kind = "craig-bampton", count = 12 }
+
+Then `ffrf-preprocess body.toml`, or `save(build_body("body.toml"), "body.h5")` with `build_body` of
+`preprocessing.recipes.solids.build_body` and `save` of
+`toolkit.reduced_model.file`.
+"""

@@ -1,0 +1,104 @@
+"""The file body.toml: a flexible body made of a mesh or of finished matrices, checked key by key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, model_validator
+
+from preprocessing.recipes.skin.skin_file import validated
+from preprocessing.recipes.skin.skin_tables import BasisTable, Damping, InterfaceName, Table
+from preprocessing.recipes.solids.body_tables import (
+    MatricesTable,
+    MeshTable,
+    Region,
+    ShapeVariable,
+    SolidMaterial,
+    SolidSection,
+    StressTable,
+    TiedRegion,
+)
+from toolkit.foundation.files.toml_file import read_toml
+
+
+class BodyFile(Table):
+    """Schema of body.toml; all numbers in the units of the named system.
+
+    It has a mesh, or finished matrices, or both: then the mesh gives the nodes, their groups and the stress.
+    """
+
+    units: Literal["mm-t-s", "m-kg-s"]
+    mesh: MeshTable | None = None
+    matrices: MatricesTable | None = None
+    material: SolidMaterial | None = None
+    section: SolidSection | None = None
+    damping: Damping = Damping()
+    clamp: Region | None = None  # the nodes that the body's frame is tied to
+    interface_points: dict[InterfaceName, TiedRegion] = Field(default_factory=dict)
+    pressure_surfaces: dict[InterfaceName, Region] = Field(
+        default_factory=dict
+    )  # of spatial bodies, for pressures on their faces
+    shape_variables: dict[InterfaceName, ShapeVariable] = Field(default_factory=dict)
+    basis: BasisTable = BasisTable()
+    stress: StressTable = StressTable()
+
+    @model_validator(mode="after")
+    def _can_be_meant(self) -> BodyFile:
+        for complaint in (self._lacking(), self._frame()):
+            if complaint:
+                raise ValueError(complaint)
+        return self
+
+    def _lacking(self) -> str:
+        if self.mesh is None and self.matrices is None:
+            return "a body needs [mesh], or [matrices]; add one of them"
+        if self.material is None and self.section is not None:
+            return "[section] belongs to [material]; add the latter"
+        if self.matrices is None and (self.material is None or self.material.poisson_ratio is None):
+            return "elements need [material] with youngs_modulus, poisson_ratio and density; add what lacks"
+        if self.mesh is None and self.matrices is not None and self.matrices.nodes is None:
+            return "finished matrices need the places of their nodes; add matrices.nodes, or [mesh]"
+        if self.mesh is None and self.pressure_surfaces:
+            return "[pressure_surfaces] are faces of elements; add [mesh]"
+        if self.matrices is not None and self.shape_variables:
+            return "[shape_variables] move the nodes of elements, but finished matrices stay as they are; leave one of them out"
+        return ""
+
+    def _frame(self) -> str:
+        if self.basis.boundary == "free" and self.clamp is not None:
+            return 'a body with boundary = "free" floats about mean axes; leave [clamp] out'
+        if self.basis.boundary != "free" and self.clamp is None:
+            return 'the body\'s frame needs a place; add [clamp], or take kind = "eigenmodes" with boundary = "free" in [basis]'
+        return ""
+
+    @property
+    def inputs(self) -> list[str]:
+        """Names of all other files that the body is made of."""
+        matrices = self.matrices
+        named = [self.mesh.file if self.mesh else None]
+        named += [variable.field for variable in self.shape_variables.values()]
+        named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress] if matrices else []
+        return [name for name in named if name is not None]
+
+
+def is_body(content: Mapping[str, Any]) -> bool:
+    """Whether a TOML file's content is meant as a body.toml rather than a skin.toml."""
+    return "mesh" in content or "matrices" in content
+
+
+def read_body_file(path: str | Path) -> BodyFile:
+    """Read and check body.toml.
+
+    Raises
+    ------
+    InputError
+        The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+    """
+    return body_from(read_toml(Path(path), "a body.toml"), Path(path))
+
+
+def body_from(content: Mapping[str, Any], path: Path) -> BodyFile:
+    """The same from the content of the file at `path`; raises as `read_body_file`."""
+    return validated(BodyFile, content, path)

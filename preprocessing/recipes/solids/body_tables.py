@@ -1,0 +1,111 @@
+"""The tables of body.toml: what each key is, and what it can be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from preprocessing.recipes.skin.skin_tables import FileName, Positive, Table
+
+NodeNumber = Annotated[int, Field(ge=0)]
+Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]
+Box = Annotated[list[FiniteFloat], Field(min_length=4, max_length=6)]
+
+
+class MeshTable(Table):
+    """A mesh: gmsh (.msh), Abaqus (.inp), Nastran (.bdf), VTK (.vtk, .vtu), or any other that meshio reads.
+
+    Its tetrahedra (4 or 10 nodes), hexahedra (8, 20 or 27) and wedges (6) are the body. Without any the body is plane, of triangles (3 or
+    6 nodes) and quadrilaterals (4, 8 or 9). Elements of lower dimension serve to name groups.
+    """
+
+    file: FileName  # relative to body.toml
+    scale: Positive = 1.0  # by which its coordinates are multiplied, for example 0.001 from mm to m
+
+
+class MatricesTable(Table):
+    """Finished matrices of displacement-based finite elements, free of supports: x and y of node 0, x and y of node 1, and so on.
+
+    In space they have x, y and z of every node. Matrix Market (.mtx), the text of Abaqus' MATRIX GENERATE (.mtx; its node labels count
+    from 1), or SciPy (.npz). A symmetric matrix may be given by one of its triangles where its file says so, as the first two can.
+    """
+
+    mass: FileName  # relative to body.toml
+    stiffness: FileName  # relative to body.toml, as the others
+    nodes: FileName | None = (
+        None  # x, y (and z) of one node per line (.csv), or such an array (.npy, .npz); else those of the mesh
+    )
+    stress: FileName | None = None  # stress per nodal displacement, one row (in space six) for each stress point; needs no mesh
+
+
+class Region(Table):
+    """Some nodes: those of a group of the mesh, those in a box, or by their numbers."""
+
+    group: str | None = None  # physical group, node set or element set of the mesh file
+    box: Box | None = None  # x_min, y_min, x_max, y_max, in space x_min, y_min, z_min, x_max, ...; nodes on its edge are in it
+    nodes: Annotated[list[NodeNumber], Field(min_length=1)] | None = None  # counted from 0 in the order of the file
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Region:
+        given = [key for key in ("group", "box", "nodes") if getattr(self, key) is not None]
+        if len(given) != 1:
+            raise ValueError(f"give exactly one of group, box, nodes (got {', '.join(given) or 'none'})")
+        return self
+
+    @property
+    def words(self) -> str:
+        """What to call it."""
+        if self.group is not None:
+            return f"group {self.group!r}"
+        return f"box {self.box}" if self.box is not None else f"nodes {self.nodes}"
+
+
+class TiedRegion(Region):
+    """Nodes that carry a point with a position and a rotation, where joints and loads may grip.
+
+    `rigid`: the nodes move as one rigid body with the point (RBE2). `averaged`: the point moves with the mean of the nodes, which stay
+    free to deform (RBE3). A single node is averaged; its rotation is that of the nodes of the elements around it.
+    """
+
+    tie: Literal["averaged", "rigid"] = "averaged"
+    at: Coordinates | None = None  # the point's undeformed place; by default the middle of the nodes
+
+
+class SolidSection(Table):
+    """What stands across the plane."""
+
+    width: Positive  # length
+
+
+class SolidMaterial(Table):
+    """Linear elastic, isotropic material. With finished matrices these are the values that they were made with."""
+
+    youngs_modulus: Positive  # stress
+    density: Positive  # mass / length^3
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # elements need it
+    state: Literal["plane-stress", "plane-strain"] | None = None  # plane bodies: thin (default), or kept from contracting across
+
+
+class StressTable(Table):
+    """What the stress operator gives, linear in the displacements.
+
+    Of plane bodies it is one number for each stress point. `tangential`, the default, is the stress along the boundary in the middle of
+    every edge of it, in the order of `outline/edges` of the reduced model: the only one that a free boundary has. `xx`, `yy` and `xy` are
+    components in the body's axes in the middle of every element. Of spatial bodies it is `surface`, the default: all six components at the
+    nodes of the surface, each the mean of the elements that meet there, in the order of `surface/position`.
+    """
+
+    quantity: Literal["tangential", "xx", "yy", "xy", "surface", "none"] | None = None
+
+
+class ShapeVariable(Table):
+    """A parameter that moves the nodes of a spatial mesh: x = x_file + value * field."""
+
+    field: FileName  # (.npy, .npz, .csv) displacement x, y, z of every node of the mesh file, per unit of the variable
+    value: FiniteFloat = 0.0
+
+
+def given(table: Table) -> dict[str, Any]:
+    """The keys that are not left out."""
+    return table.model_dump(exclude_none=True)

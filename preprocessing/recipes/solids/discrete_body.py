@@ -1,0 +1,135 @@
+"""A body of solid elements, or of finished matrices, ready for the choice of a basis."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from scipy import sparse
+
+from preprocessing.assembly.assembly import Parts
+from preprocessing.assembly.solids.elasticity import SolidMatrices, solid_matrices
+from preprocessing.assembly.solids.elements import ElementBlock, element_blocks
+from preprocessing.assembly.solids.lame import lame_factors
+from preprocessing.assembly.solids.parts import element_parts, finished_parts, parameters_of
+from preprocessing.assembly.solids.stress import Rows, stress_rows
+from preprocessing.basis.solids.ties import Tie
+from preprocessing.discretisation.body_change import BodyChange, rate_of
+from preprocessing.discretisation.discretisation import STEP
+from preprocessing.input.at_key import at_key
+from preprocessing.mesh.faces import BoundaryFaces
+from preprocessing.mesh.matrix_file import read_matrix, read_square
+from preprocessing.mesh.overlaps import refuse_overlaps
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.body_file import BodyFile
+from preprocessing.recipes.solids.named_mesh import NamedMesh, named_mesh
+from preprocessing.recipes.solids.node_sets import Boundary
+from toolkit.foundation.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class DiscreteBody:
+    """What precedes the choice of a basis."""
+
+    mesh: SolidMesh
+    parts: Parts
+    values: Mapping[str, float]  # parameters by which the matrices are polynomials
+    others: Mapping[str, float]  # the other parameters, and their nominal values
+    changes: Mapping[str, BodyChange]  # what each of these changes
+    clamped: np.ndarray  # numbers of nodes
+    ties: Mapping[str, Tie]
+    boundary: Boundary | None  # None without elements
+    pressure_surfaces: Mapping[str, BoundaryFaces]
+
+
+def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
+    """Read and assemble all that body.toml names.
+
+    Raises
+    ------
+    InputError
+        Names the file, the key and what is wrong there.
+    """
+    named = named_mesh(path, file)
+    mesh = named.mesh
+    material, section = file.material, file.section
+    made_with = {} if material is None else {"youngs_modulus": material.youngs_modulus, "density": material.density}
+    made_with |= {} if section is None else {"width": section.width}
+    values = dict(parameters_of(made_with, file.damping.model_dump()))
+    ties = named.ties(mesh.nodes)
+    others: dict[str, float] = {}
+    changes: dict[str, BodyChange] = {}
+    if file.matrices is None:
+        others = {"poisson_ratio": _ratio(file), **{name: variable.value for name, variable in file.shape_variables.items()}}
+        parts, changes = _from_elements(named, values, ties)
+    else:
+        parts = _from_files(named, made_with)
+    return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces)
+
+
+def _ratio(file: BodyFile) -> float:
+    return (file.material.poisson_ratio if file.material else None) or 0.0
+
+
+def _state(file: BodyFile, mesh: SolidMesh) -> str:
+    return "space" if mesh.dimension == 3 else (file.material and file.material.state) or "plane-stress"
+
+
+def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | None = None) -> Rows:
+    with at_key(named.path, "stress.quantity"):
+        return stress_rows(named.file.stress.quantity, blocks, named.boundary, motion)
+
+
+def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]) -> tuple[Parts, dict[str, BodyChange]]:
+    """Parts of the body, and what Poisson's ratio and the shape variables change."""
+    mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
+    with at_key(named.path, "mesh.file"):
+        blocks = element_blocks(mesh)
+        refuse_overlaps(mesh)
+    matrices, rows = solid_matrices(blocks, len(mesh.nodes), mesh.dimension), _stress(named, blocks)
+    lame = lame_factors(ratio, state)
+    slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
+    weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
+    changes = {"poisson_ratio": BodyChange(element_parts(weightless, rows, slopes).at(values), mesh, ties, {})}
+    for name, motion in named.motions.items():
+        rates = element_parts(
+            solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion), _stress(named, blocks, motion), lame
+        )
+        moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
+        normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
+        changes[name] = BodyChange(rates.at(values), moved, named.ties(moved.nodes), normals)
+    return element_parts(matrices, rows, lame), changes
+
+
+def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Parts:
+    path, file, mesh, boundary = named.path, named.file, named.mesh, named.boundary
+    assert file.matrices is not None
+    found = []
+    for key in ("mass", "stiffness"):
+        with at_key(path, f"matrices.{key}"):
+            found.append(read_square(path.parent / getattr(file.matrices, key), mesh.n, mesh.dimension))
+    stress = sparse.csr_array((0, mesh.n))
+    if file.matrices.stress is not None:
+        with at_key(path, "matrices.stress"):
+            stress = read_matrix(path.parent / file.matrices.stress, mesh.n, mesh.dimension)
+            _refuse_other_points(stress.shape[0], boundary, mesh)
+    elif boundary is not None and file.material is not None and file.material.poisson_ratio is not None:
+        first, shear = _stress(named, element_blocks(mesh))
+        by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
+        stress = file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
+    with at_key(path, "matrices"):
+        return finished_parts(mesh, found[0], found[1], stress, made_with)
+
+
+def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) -> None:
+    """Refuse stress of spatial bodies that is not six numbers at each point, those of the surface if there is one."""
+    if mesh.dimension == 2:
+        return
+    wanted = 6 * len(boundary.points) if boundary is not None else 6 * (rows // 6)
+    if rows != wanted:
+        raise InputError(
+            f"there are {rows} rows instead of {wanted}. Give six for each point, xx, yy, zz, yz, xz and xy, in the order of the surface's "
+            "nodes if there is a mesh."
+        )

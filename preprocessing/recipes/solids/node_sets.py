@@ -1,0 +1,102 @@
+"""Nodes that a region of body.toml means, how means over them are taken, and the faces between them."""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from preprocessing.mesh.faces import BoundaryFaces
+from preprocessing.mesh.outline import BoundaryLines
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.body_tables import Region
+from toolkit.foundation.errors import InputError
+
+ON_EDGE = 1e-9
+"""Part of the body's extent by which a node may be outside of a box."""
+
+
+Boundary = BoundaryLines | BoundaryFaces
+"""The boundary of a mesh in the plane, or in space."""
+
+
+def nodes_in(mesh: SolidMesh, region: Region) -> np.ndarray:
+    """Numbers of the nodes of a region, in order.
+
+    Raises
+    ------
+    InputError
+        The group is unknown, a number too high, or the region is empty.
+    """
+    if region.group is not None:
+        found = _of_group(mesh, region.group)
+    elif region.box is not None:
+        found = _in_box(mesh, region.box)
+    else:
+        found = _numbered(mesh, np.unique(np.asarray(region.nodes, int)))
+    if not len(found):
+        raise InputError(f"{region.words} holds no node of the elements. Choose another group, or a larger box.")
+    return found
+
+
+def _numbered(mesh: SolidMesh, wanted: np.ndarray) -> np.ndarray:
+    """Nodes by their numbers in the file."""
+    known = np.arange(len(mesh.nodes)) if mesh.in_file is None else mesh.in_file
+    if lacking := wanted[~np.isin(wanted, known)].tolist():
+        raise InputError(
+            f"no element has node {lacking[0]}; the nodes of the elements count from {known[0]} to {known[-1]}, from 0 in the file."
+        )
+    return np.searchsorted(known, wanted)
+
+
+def _of_group(mesh: SolidMesh, group: str) -> np.ndarray:
+    if group not in mesh.groups:
+        close = get_close_matches(group, mesh.groups, n=1)
+        hint = f" Did you mean {close[0]!r}?" if close else " Name one of them, or take a box or numbers of nodes."
+        raise InputError(f"the mesh has no group {group!r}; there are {', '.join(map(repr, mesh.groups)) or 'none'}.{hint}")
+    return mesh.groups[group]
+
+
+def _in_box(mesh: SolidMesh, box: list[float]) -> np.ndarray:
+    axes = "xyz"[: mesh.dimension]
+    order = ", ".join(f"{axis}_{end}" for end in ("min", "max") for axis in axes)
+    if len(box) != 2 * mesh.dimension:
+        raise InputError(f"the box {box} has {len(box)} numbers, but the body has {mesh.dimension} axes; write {order}.")
+    low, high = np.array(box).reshape(2, -1)
+    if np.any(low > high):
+        raise InputError(f"the box {box} is turned inside out; write {order}.")
+    slack = ON_EDGE * mesh.size
+    return np.flatnonzero(np.all((mesh.nodes >= low - slack) & (mesh.nodes <= high + slack), axis=1))
+
+
+def spread_of(boundary: Boundary | None, nodes: np.ndarray) -> Any:
+    """W (k, k) of means sum_kl W_kl f_k g_l over the nodes; the sum of all is 1.
+
+    Where every node is on an edge or face of the boundary between these nodes, the mean is that over the boundary, int f g dA / A, so that
+    it does not depend on the mesh; else all nodes count alike.
+    """
+    if boundary is not None:
+        products = boundary.between(nodes).products()[nodes][:, nodes]
+        if np.all(products.diagonal().real > 0):
+            return products / products.sum()
+    return sparse.diags_array(np.full(len(nodes), 1 / len(nodes)), format="csr")
+
+
+def faces_in(mesh: SolidMesh, surface: BoundaryFaces, region: Region) -> BoundaryFaces:
+    """The faces of the surface that a region means: those of the group, or all between its nodes.
+
+    Raises
+    ------
+    InputError
+        See `nodes_in`; or no face of the surface is there.
+    """
+    nodes = nodes_in(mesh, region)
+    group = mesh.faces.get(region.group or "")
+    found = surface.named(group) if group else surface.between(nodes)
+    if not any(len(each) for each in found.faces.values()):
+        raise InputError(
+            f"{region.words} holds no whole face of the body's surface. Name a group of faces, or all nodes of some faces."
+        )
+    return found

@@ -1,0 +1,1 @@
+"""The parts of a reduced model, from finite elements and a basis."""

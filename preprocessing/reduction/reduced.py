@@ -1,0 +1,90 @@
+"""The parts of a reduced model that follow from finite elements and a basis: every array, and its dependence on every parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.basis.basis import Basis
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.basis.reduction import reduced_basis
+from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
+from preprocessing.discretisation.following_places import with_places
+from preprocessing.reduction.stored_entries import derivatives, polynomials_without_round_off, without_round_off
+from toolkit.foundation.units import unit
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
+from toolkit.reduced_model.spatial_model import SpatialInvariants
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """What `reduce` found; the fields of `ReducedModel` bear the same names."""
+
+    space: DesignSpace  # with all parameters of the model
+    basis: Basis
+    invariants: Invariants | SpatialInvariants
+    derivatives: dict[str, Derivatives]
+    affine: dict[str, Polynomial]
+    interfaces: dict[str, InterfacePoint]
+    stress: StressPoints
+
+    def fields(self, units: str) -> dict[str, Any]:
+        """Arguments of `ReducedModel`."""
+        return {
+            "dimension": 3 if isinstance(self.invariants, SpatialInvariants) else 2,
+            "units": units,
+            "reference_condition": self.basis.reference_condition,
+            "basis": self.basis.description,
+            "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
+            "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
+            **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
+        }
+
+
+def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence[int], clamp: str) -> Reduced:
+    """Contract the finite elements of a body with a basis, and differentiate everything by all parameters.
+
+    Where the basis does not depend on a parameter by which the matrices are polynomials, the invariants are polynomials too; all
+    other dependence is held as derivatives at the nominal design.
+
+    Parameters
+    ----------
+    clamped_node : number of the node, or of the nodes, that a tangent frame is tied to, and `clamp`, what it is called
+
+    Raises
+    ------
+    InputError
+        The basis cannot be had, see `reduced_basis`.
+    """
+    space = with_places(space) if choice.follows_places else space
+    nominal = space.nominal()
+    matrices = nominal.parts.at(space.values)
+    mass, stiffness = nominal.nodal(matrices.mass), nominal.nodal(matrices.stiffness)
+    basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
+    exact = space.in_monomials if basis.constant else frozenset()
+    changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
+    d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
+    rates = {
+        parameter: {
+            **vars(change.stepped.contract_derivative(matrices, change.matrices, basis.z, d)),
+            **_item_rates(change, basis, d),
+        }
+        for (parameter, change), d in zip(changes.items(), d_z, strict=True)
+    }
+    computed, names, interfaces = choice.kind != "full", list(space.values), nominal.interfaces(basis.z)
+    constant = nominal.polynomials(names, basis.z, computed) if exact else {}
+    invariants = nominal.contract(space.values, basis.z)
+    found = derivatives(invariants, rates, names, computed, interfaces)
+    if not computed:
+        constant = polynomials_without_round_off(constant, invariants, [float(np.real(value)) for value in space.values.values()])
+        invariants = without_round_off(invariants)
+    return Reduced(space, basis, invariants, found, constant, interfaces, nominal.stress_points)
+
+
+def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:
+    stepped = change.stepped.items(basis.z + 1j * STEP * d_z)
+    return {name: derivative_of(value) for name, value in stepped.items()}

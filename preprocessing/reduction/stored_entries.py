@@ -1,0 +1,184 @@
+"""Which entries of a reduced model's arrays are stored: the same on every processor, whatever the last digits are.
+
+A full basis selects nodal coordinates, and most entries of its arrays are zero. Some of these are sums that cancel, of which
+round-off is left: other round-off on another processor, and nothing at all on a third. So an entry counts only if it is more than
+round-off of what it could be (`toolkit.reduced_model.entry_scales`). Shapes that were computed fill their arrays, and the round-off of an
+eigenvalue problem is anywhere between 1e-17 and 1e-9 of what counts: no bound tells it from small entries on every processor. So
+all entries are stored then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.entry_scales import entry_scales
+from toolkit.reduced_model.model import InterfacePoint, Invariants
+from toolkit.reduced_model.spatial_model import SpatialInvariants
+
+ROUND_OFF = 1e-12
+"""Part of what an entry could be, below which it is round-off: sums over a thousand elements leave 1e-13, and of an entry as
+small as this no digit would count beside the others."""
+BY_COORDINATE = ("position", "rotation", "moment")
+"""Last words of the names of items whose last axis is that of [1; q_f]."""
+
+AnyInvariants = Invariants | SpatialInvariants
+Rates = Mapping[str, Mapping[str, np.ndarray]]
+"""Parameter -> item -> derivative."""
+
+
+def without_round_off(inv: Any) -> Any:
+    """Invariants of a full basis with zeros in the place of round-off."""
+    scales = entry_scales(inv)
+    return replace(inv, **{f.name: _significant(getattr(inv, f.name), scales[f.name]) for f in fields(inv)})
+
+
+def _significant(array: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    return np.where(np.abs(array) > ROUND_OFF * scale, array, 0.0)
+
+
+def derivatives(
+    inv: AnyInvariants, rates: Rates, parameters: Sequence[str], computed: bool, interfaces: Mapping[str, InterfacePoint]
+) -> dict[str, Derivatives]:
+    """All derivatives as one list of entries for every item that has any.
+
+    Parameters
+    ----------
+    inv : the invariants themselves
+    rates : parameter -> item -> derivative
+    parameters : names in their order
+    computed : whether the shapes were computed, or are those of a full basis
+    interfaces : at which arc lengths the polynomials of `interfaces.*` hold
+    """
+    scales = entry_scales(inv)
+    found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
+    for parameter, items in rates.items():
+        for item, rate in items.items():
+            if item in scales:
+                stored = np.full(rate.shape, computed and bool(np.any(rate))) | (not computed) & _of_invariant(rate, scales[item])
+            else:
+                stored = _of_item(item, rate, computed, interfaces)
+            if np.any(stored):
+                entry = np.flatnonzero(stored)
+                found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
+    return {item: _joined(rows) for item, rows in found.items()}
+
+
+def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
+    numbers, entries, values = zip(*((np.full(len(entry), k), entry, value) for k, entry, value in rows), strict=True)
+    return Derivatives(np.concatenate(numbers), np.concatenate(entries), np.concatenate(values))
+
+
+def _of_invariant(rate: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """Entries that are more than round-off, where the entry that changes most in parts of its scale sets the measure."""
+    fastest = np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=scale > 0).max(initial=0)
+    return np.abs(rate) > ROUND_OFF * fastest * scale
+
+
+def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[str, InterfacePoint]) -> np.ndarray:
+    """Columns of computed shapes whole, or none of them; other entries as far as they are more than round-off of the item's
+    largest.
+
+    The coefficient of (s - s_0)^k counts as what it adds at the end of its element.
+    """
+    group, *rest = item.split(".")
+    size = np.abs(rate)
+    if group == "interfaces" and rest[-1] in BY_COORDINATE:
+        reach = np.ptp(np.real(interfaces[rest[0]].arc_length_range))
+        size = size * (reach ** np.arange(len(rate))).reshape(-1, *(1,) * (rate.ndim - 1))
+    if not (computed and rest[-1] in BY_COORDINATE):
+        return size > ROUND_OFF * size.max(initial=0)
+    found = np.zeros(rate.shape, bool)
+    found[..., 0] = size[..., 0] > ROUND_OFF * size[..., 0].max(initial=0)
+    found[..., 1:] = np.any(rate[..., 1:])
+    return found
+
+
+def polynomials_without_round_off(
+    polynomials: Mapping[str, Polynomial], inv: AnyInvariants, nominal: Sequence[float]
+) -> dict[str, Polynomial]:
+    """Polynomials of a full basis without coefficients that are round-off of what one monomial contributes.
+
+    Parameters
+    ----------
+    inv : the invariants at the nominal design
+    nominal : values of the parameters in their order
+    """
+    of_inertia = dict(_inertia_by_monomial(polynomials, inv))
+    found = {}
+    for item, polynomial in polynomials.items():
+        shape = getattr(inv, item).shape
+        kept = np.zeros(len(polynomial.value), bool)
+        for monomial, here in _by_monomial(polynomial):
+            scale = _scale(item, shape, polynomial, here, of_inertia.get(monomial), inv, _value(monomial, nominal))
+            kept[here] = np.abs(polynomial.value[here]) > ROUND_OFF * scale
+        if kept.any():
+            parts = (polynomial.term[kept], polynomial.entry[kept], polynomial.value[kept])
+            found[item] = Polynomial(polynomial.factor, polynomial.power, *parts)
+    return found
+
+
+Monomial = tuple[tuple[int, int], ...]
+"""Numbers of parameters and their powers."""
+
+
+def _by_monomial(polynomial: Polynomial) -> Iterator[tuple[Monomial, np.ndarray]]:
+    """Every monomial with the numbers of all coefficients of all terms that have it."""
+    terms: dict[Monomial, list[int]] = {}
+    for k, (factor, power) in enumerate(zip(polynomial.factor.tolist(), polynomial.power.tolist(), strict=True)):
+        terms.setdefault(tuple(sorted((f, p) for f, p in zip(factor, power, strict=True) if f >= 0)), []).append(k)
+    for monomial, numbers in terms.items():
+        yield monomial, np.flatnonzero(np.isin(polynomial.term, numbers))
+
+
+def _value(monomial: Monomial, nominal: Sequence[float]) -> float:
+    return float(np.prod([nominal[f] ** p for f, p in monomial]))
+
+
+def _inertia_by_monomial(polynomials: Mapping[str, Polynomial], inv: AnyInvariants) -> Iterator[tuple[Monomial, np.ndarray]]:
+    """Diagonal (z,) of G, or of the sum of the Q_aa, that every monomial contributes."""
+    item, planes = ("second_moment", 3) if isinstance(inv, SpatialInvariants) else ("inertia", 1)
+    z = getattr(inv, item).shape[-1]
+    for monomial, here in _by_monomial(polynomials[item]):
+        entry, value = polynomials[item].entry[here], polynomials[item].value[here]
+        plane, row, column = np.unravel_index(entry, (len(getattr(inv, item)) if planes > 1 else 1, z, z))
+        own = (row == column) & (plane < planes)
+        yield monomial, np.bincount(row[own], value[own], z)
+
+
+def _scale(
+    item: str,
+    shape: tuple[int, ...],
+    polynomial: Polynomial,
+    here: np.ndarray,
+    inertia: np.ndarray | None,
+    inv: AnyInvariants,
+    unit: float,
+) -> np.ndarray:
+    """What the coefficients `here` of one monomial could be; `unit` is the monomial's value at the nominal design."""
+    entry, value = polynomial.entry[here], polynomial.value[here]
+    row, column = np.unravel_index(entry, shape)[-2:] if len(shape) > 1 else (entry, entry)
+    if item == "stress_operator":
+        return _of_rows(entry // shape[-1], column, np.abs(value))
+    if item in ("mass", "first_moment"):
+        mass = np.abs(float(inv.mass) / unit)  # of the whole body: a part that only turns has none of its own
+        assert inertia is not None
+        return np.full(len(here), mass) if item == "mass" else np.sqrt(mass * np.abs(inertia[column]))
+    if item in ("stiffness", "damping"):
+        on_diagonal = row == column
+        inertia = np.bincount(row[on_diagonal], value[on_diagonal], shape[-1])
+    assert inertia is not None
+    return np.sqrt(np.abs(inertia[row] * inertia[column]))
+
+
+def _of_rows(row: np.ndarray, column: np.ndarray, size: np.ndarray) -> np.ndarray:
+    """As `entry_scales` of a stress operator, of entries in a list."""
+    columns = np.zeros(column.max(initial=0) + 1)
+    np.maximum.at(columns, column, size)
+    rows = np.zeros(row.max(initial=0) + 1)
+    np.maximum.at(rows, row, np.divide(size, columns[column], out=np.zeros_like(size), where=columns[column] > 0))
+    return rows[row] * columns[column]

@@ -1,0 +1,84 @@
+"""Eigenfrequencies of the constrained, linearised system about an equilibrium."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import LinAlgError, eig, eigh
+
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.foundation.mode_shapes import told_apart
+from toolkit.foundation.verdict import Verdict
+from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.damped_modes import cautions_of_damping
+from toolkit.validity.bodies.spin import cautions_of_spin
+
+
+class Modes(NamedTuple):
+    """Frequencies in cycles per time, ascending, and mode shapes.
+
+    A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
+    The verdict holds what speaks against them: that the scene spins, for example, while these are modes about a state at rest.
+    """
+
+    frequencies: np.ndarray  # (n_modes,)
+    shapes: np.ndarray  # (n_q, n_modes)
+    verdict: Verdict = Verdict()
+
+
+def solve_modes(solution: Solution, count: int | None = None) -> Modes:
+    """Undamped modes about the last state of a static solution (or any state at rest).
+
+        Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
+
+    K is unsymmetric under following forces; then the general eigenvalue problem is solved.
+
+    Raises
+    ------
+    SingularSystemError
+        The joints leave no motion, the mass matrix is not positive definite, or following forces make the motion flutter.
+    """
+    system = solution.system
+    n_q = system.n_q
+    pad = np.zeros(system.n - n_q)
+    q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
+    acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])
+    terms = system.evaluate(system.inputs(solution.times[-1], np.array([0, 0, 1.0])), q, rest, acc)
+    dense = {name: system.matrix(getattr(terms, name)).toarray() for name in ("I_acc", "I_q", "A_q", "A_v")}
+    mass, stiffness = dense["I_acc"][:n_q, :n_q], (dense["I_q"] + dense["A_q"])[:n_q, :n_q]
+    phi_q, weights, multipliers = dense["I_acc"][:n_q, n_q:].T, system.weights[:n_q], solution.multipliers[-1]
+    free = free_motions(phi_q, weights)
+    if not free.shape[1]:
+        raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
+    squares, vectors = _eigen(
+        free.T @ stiffness @ free, free.T @ mass @ free, made_of(stiffness, phi_q, multipliers, weights, free).max()
+    )
+    shapes = free @ vectors
+    terms_of = np.diag(made_of(stiffness, phi_q, multipliers, weights, shapes))
+    zero = np.abs(squares) < ROUND_OFF * np.maximum(np.abs(squares).max(), terms_of)
+    squares = np.where(zero, 0.0, squares)
+    order = np.argsort(squares, kind="stable")
+    squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
+    frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
+    damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
+    return Modes(frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped]))
+
+
+def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:
+    if is_symmetric(stiffness, terms):
+        try:
+            return eigh((stiffness + stiffness.T) / 2, (mass + mass.T) / 2)
+        except LinAlgError as error:
+            raise SingularSystemError(
+                f"the mass matrix is not positive definite ({error}), so there are no modes. Give every body a mass that its stiffness "
+                "does not dwarf beyond round-off."
+            ) from error
+    squares, vectors = eig(stiffness, mass)
+    if np.abs(squares.imag).max() > 1e-6 * np.abs(squares).max():
+        raise SingularSystemError(
+            "following forces make the motion flutter: the squares of some frequencies are complex. "
+            "Use the transient analysis, or forces fixed in space."
+        )
+    return squares.real, vectors.real

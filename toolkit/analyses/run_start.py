@@ -1,0 +1,41 @@
+"""The state in which a run starts: consistent with the joints, or in equilibrium if there is no inertia."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.analyses.statics import solve_statics
+from toolkit.description.run_options import RunOptions
+from toolkit.description.time_grid import step_lengths, time_grid
+from toolkit.foundation.errors import InputError
+from toolkit.solvers.start.initial_conditions import State, consistent_start
+from toolkit.solvers.transient.formulation import start_levels
+from toolkit.system.system import System
+
+
+def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, v: np.ndarray | None = None) -> State:
+    """State at time 0; `q` and `v` (n_q,) replace the scene's own start.
+
+    Raises
+    ------
+    InputError, SingularSystemError
+        As `consistent_start`; or a run without inertia is given a start.
+    ConvergenceError
+        A run without inertia has no equilibrium at time 0, see `solve_statics`.
+    """
+    if not options.quasi_static:
+        levels = start_levels(options, step_lengths(time_grid(options)))
+        return consistent_start(system, levels, q, v, options=options)
+    if q is not None or v is not None:
+        raise InputError("solver.quasi_static starts from the equilibrium at time 0, so that no other start can be given.")
+    return _at_rest(system, options)
+
+
+def _at_rest(system: System, options: RunOptions) -> State:
+    """Coordinates and multipliers in equilibrium under the loads at time 0, with their design derivatives."""
+    found, free = solve_statics(system, options.model_copy(update={"end_time": 0.0, "load_steps": 1})), system.n - system.n_q
+    rest: np.ndarray = np.zeros(system.n, system.dtype)
+    still = np.zeros((system.n, system.n_x))
+    q, acc = np.append(found.q[0], rest[:free]), np.append(rest[: system.n_q], found.multipliers[0])
+    dq, dacc = np.vstack([found.dq[0], still[:free]]), np.vstack([still[: system.n_q], found.dmultipliers[0]])
+    return State(q, rest, acc, dq, still, dacc)

@@ -1,0 +1,128 @@
+"""Static equilibrium with load stepping along a path that is followed, never jumped."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from toolkit.analyses.modes import solve_modes
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError
+from toolkit.solvers.dense_memory import check_dense
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.half_turns import HALF_TURN, half_turn
+from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.path.continuation import NEAR, to_full_load
+from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
+from toolkit.solvers.static.static_start import start_of_path
+from toolkit.system.solution import Solution
+from toolkit.system.static_path import StaticPath
+from toolkit.system.system import System
+from toolkit.validity.judge import judge
+
+Progress = Callable[[int, int], None]
+
+
+def solve_statics(system: System, options: RunOptions | None = None, progress: Progress | None = None) -> Solution:
+    """Equilibrium under the loads at the end time, reached from the undeformed state; with its design derivatives.
+
+    Loads and gravity grow in proportion, drivers move from their first to their last value. Steps are shortened until nothing can hide
+    between them (see `path_steps`). Joints that are open in the given positions are closed first.
+    With `options.continuation` "arc-length" the path is followed past limit points; `Solution.path` tells which.
+
+    Raises
+    ------
+    LimitPointError
+        The path turns back before the full load (snap-through), and it is not to be followed further.
+    BifurcationError
+        The path is unstable from some part of the load on (buckling).
+    ConvergenceError
+        The path ends before the full load, or the equilibrium is unstable.
+    CriticalStateError
+        Derivatives are asked for at a limit point or bifurcation.
+    SingularSystemError
+        Something is free to move, or joints are redundant.
+    InputError
+        The matrices, which are dense, do not fit into `solver.memory`.
+    """
+    options = options or system.scene.solver
+    check_dense(system, options)
+    begun = clock.perf_counter()
+    state, factor, count = start_of_path(system, options)
+    arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
+    _refuse_half_turns(system, arrival.path)
+    report = {"newton_iterations": count + arrival.iterations, "load_steps": arrival.steps + (factor > 0), "path": arrival.path}
+    return _with_sensitivities(system, options, arrival.state, begun, **report)
+
+
+def equilibrium_beside(system: System, known: Solution) -> Solution:
+    """The equilibrium of a scene whose numbers differ from those of a known one by nothing but a complex step.
+
+    The equilibrium follows from its equations alone, whatever the path that led there: Newton goes on from the known one in complex
+    numbers, and the path is not followed a second time as plain Python.
+
+    Parameters
+    ----------
+    system : System
+        The scene with the complex number.
+    known : Solution
+        Of `solve_statics`, for the scene without it.
+
+    Raises
+    ------
+    CriticalStateError
+        The known equilibrium is a limit point or bifurcation, where there are no derivatives.
+    ConvergenceError, SingularSystemError
+        The equations have no solution there, or more than one.
+    """
+    options, begun = known.options or system.scene.solver, clock.perf_counter()
+    q: np.ndarray = np.zeros(system.n, system.dtype)
+    acc: np.ndarray = np.zeros(system.n, system.dtype)
+    q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]
+    state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    return _with_sensitivities(system, options, state, begun, newton_iterations=count, load_steps=0, path=known.path)
+
+
+def _refuse_half_turns(system: System, path: StaticPath) -> None:
+    found = half_turn(system, np.pad(path.q, ((0, 0), (0, system.n - system.n_q))).astype(system.dtype))
+    if found:
+        raise ConvergenceError(f"{found[0]} at {100 * path.load_factors[found[1]]:.4g} % of the load: {HALF_TURN}")
+
+
+def refuse_unstable(solution: Solution) -> None:
+    """Refuse an equilibrium that the smallest disturbance ends: the square of some frequency is negative.
+
+    Raises
+    ------
+    ConvergenceError
+        The equilibrium is unstable; names the coordinate that would run away.
+    """
+    try:
+        modes = solve_modes(solution, 1)
+    except SingularSystemError:
+        return  # nothing can move, or following forces make it flutter, which is no matter of statics
+    if modes.frequencies[0] < 0:
+        raise ConvergenceError(
+            f"the equilibrium is unstable: {solution.system.most_moved(modes.shapes[:, 0])} would run away from it (buckling, or a point "
+            "past a snap-through). Use less load, add stiffness there, or follow the motion with a transient run."
+        )
+
+
+def _with_sensitivities(system: System, options: RunOptions, state: Equilibrium, begun: float, **report: Any) -> Solution:
+    """One more factorization at the end state, one block solve for all design variables."""
+    solved = clock.perf_counter()
+    rest, n_q, n_x = np.zeros_like(state.q), system.n_q, system.n_x
+    dq = np.zeros((system.n, n_x))
+    dacc = np.zeros((system.n, n_x))
+    if n_x or not system.compiled:  # a complex system exists for a derivative's sake
+        refuse_gradients_of_critical(system, options, state)
+    if n_x:
+        terms = system.evaluate(inputs_at(system, options, 1.0), state.q, rest, state.acc, design=True)
+        change = solve_linear(system, static_matrix(system, terms), -(terms.I_x + terms.A_x), "static sensitivities")
+        dq[:n_q], dacc[n_q:] = change[:n_q], change[n_q:]
+    states = tuple(item[None] for item in (state.q, rest, state.acc, dq, np.zeros_like(dq), dacc))
+    wall = {"run": clock.perf_counter() - begun, "sensitivity": clock.perf_counter() - solved}
+    return Solution.from_padded(system, np.array([options.end_time]), states, wall=wall, options=options, judge=judge, **report)

@@ -1,0 +1,97 @@
+"""What is constant in the equations of motion: rigid bodies (frame at the centre of mass) and grounded flexible bodies.
+
+With the constant force f, in the two groups of the residual:
+
+    inertial: M a        applied: D v + K q - scale f,    scale = 1 but in a stepwise loaded static analysis
+
+A thin body is up to 1e9 times stiffer in stretching than in bending, so that K q is a small difference of large products. Rounded like
+any sum, it would move the state by 1e-8 of its bending, and gradients with it. So the stiffest entries of K, which make that round-off,
+are summed in twice the precision (Dekker 1971), the others as usual.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.kernel import inlined
+
+HALVES = 134217729.0
+"""2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
+
+
+class Constant(NamedTuple):
+    """Entries of M, D, K (global rows and columns), the constant force f, and their design derivatives."""
+
+    row: np.ndarray  # (n_entries,)
+    column: np.ndarray
+    position: np.ndarray  # where the entry is stored in the pattern
+    mass: np.ndarray
+    damping: np.ndarray
+    stiffness: np.ndarray
+    soft: np.ndarray  # the stiffness where it is added as usual, otherwise 0
+    stiff_row: np.ndarray  # rows with entries that are summed in twice the precision
+    stiff_start: np.ndarray  # their first such entry, and the number of all such entries
+    stiff_column: np.ndarray
+    stiff_high: np.ndarray  # leading half of their digits
+    stiff_low: np.ndarray  # the rest
+    force: np.ndarray  # (n_q,)
+    design_entry: np.ndarray  # (n_d,) which entry
+    design_variable: np.ndarray
+    design_mass: np.ndarray
+    design_damping: np.ndarray
+    design_stiffness: np.ndarray
+    force_row: np.ndarray  # (n_d,) which entry of f
+    force_variable: np.ndarray
+    design_force: np.ndarray
+
+
+@inlined
+def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
+    """Residual of the constant part, K q with usual sums if `rough`; `halves` (2, n) is scratch memory."""
+    stiffness = part.stiffness if rough else part.soft
+    for e in range(len(part.row)):
+        i, k = part.row[e], part.column[e]
+        inertial[i] += part.mass[e] * acc[k]
+        applied[i] += part.damping[e] * v[k] + stiffness[e] * q[k]
+    if len(part.stiff_row) > 0 and not rough:
+        for k in range(len(q)):
+            halves[0, k] = HALVES * q[k] - (HALVES * q[k] - q[k])
+            halves[1, k] = q[k] - halves[0, k]
+        for r in range(len(part.stiff_row)):
+            applied[part.stiff_row[r]] += precise_sum(part, part.stiff_start[r], part.stiff_start[r + 1], q, halves)
+    for i in range(len(part.force)):
+        applied[i] -= scale * part.force[i]
+
+
+@inlined
+def precise_sum(part, first, last, q, halves):
+    """Sum of K_ik q_k over the stiff entries first ... last - 1, as if computed with 32 digits and rounded once."""
+    total, rest = 0.0 * q[0], 0.0 * q[0]
+    for e in range(first, last):
+        high, k, before = part.stiff_high[e], part.stiff_column[e], total
+        product = high * halves[0, k]
+        total = before + product
+        added = total - before
+        rest += ((before - (total - added)) + (product - added)) + (high * halves[1, k] + part.stiff_low[e] * q[k])
+    return total + rest
+
+
+@inlined
+def constant_jacobian(part, I_acc, A_q, A_v):
+    """The same entries in every step."""
+    for e in range(len(part.row)):
+        at = part.position[e]
+        I_acc[at] += part.mass[e]
+        A_q[at] += part.stiffness[e]
+        A_v[at] += part.damping[e]
+
+
+@inlined
+def constant_design(part, q, v, acc, scale, I_x, A_x):
+    """Partial design derivatives of the residual."""
+    for d in range(len(part.design_entry)):
+        i, k, x = part.row[part.design_entry[d]], part.column[part.design_entry[d]], part.design_variable[d]
+        I_x[i, x] += part.design_mass[d] * acc[k]
+        A_x[i, x] += part.design_damping[d] * v[k] + part.design_stiffness[d] * q[k]
+    for d in range(len(part.force_row)):
+        A_x[part.force_row[d], part.force_variable[d]] -= scale * part.design_force[d]

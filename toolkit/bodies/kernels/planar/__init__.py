@@ -1,0 +1,1 @@
+"""Planar bodies whose frame moves, in the compiled loop."""

@@ -1,0 +1,1 @@
+"""Spatial bodies whose frame turns, in the compiled loop."""

@@ -1,0 +1,1 @@
+"""Bodies in the plane, as a scene describes them."""

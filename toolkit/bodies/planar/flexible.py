@@ -1,0 +1,124 @@
+"""Flexible bodies from a reduced-model file, with a moving frame or grounded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, Literal
+
+import numpy as np
+from pydantic import ConfigDict, model_validator
+
+from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.start_velocity import StartVelocity
+from toolkit.description.description import Number, Pair
+from toolkit.kinematics.planar import rotation
+from toolkit.reduced_model.model import Invariants, generalized_lengths
+
+
+class Flexible(ModelBody, StartVelocity):
+    """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
+    ground: then no frame coordinates exist, and no joint can move the body as a whole.
+
+    Any parameter of the reduced model (thickness, youngs_modulus, ...) can be given by name and replaces its nominal value.
+
+    Attributes
+    ----------
+    frame
+        Whether the reference condition moves or is fixed to the ground.
+    position
+        Where the origin of the reduced model lies at the start, in units of length.
+    angle
+        Rotation of the reduced model's axes at the start, in rad.
+    """
+
+    kind = "flexible"
+    model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
+
+    frame: Literal["moving", "grounded"] = "moving"
+    position: Pair = (0.0, 0.0)
+    angle: Number = 0.0
+
+    @model_validator(mode="after")
+    def _still(self) -> Flexible:
+        if self.frame == "grounded" and any(self.frame_velocity()):
+            raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
+        return self
+
+    def numbers(self) -> Iterator[tuple[str, Any]]:
+        """All numbers that mean something: a grounded body has no velocity."""
+        moving = ("velocity", "angular_velocity")
+        return ((path, value) for path, value in super().numbers() if self.has_frame or path.split(".")[0] not in moving)
+
+    @property
+    def has_frame(self) -> bool:
+        """Only a moving frame has coordinates."""
+        return self.frame == "moving"
+
+    def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
+        """Undeformed global position of an interface point, (2,)."""
+        return np.array(self.position) + rotation(self.angle) @ self.point(scene, point, name)[0][:, 0]
+
+    def nominal(self, scene: Placed) -> Invariants:
+        """Invariants at the nominal design."""
+        inv = scene.model(self.model).invariants
+        assert isinstance(inv, Invariants)
+        return inv
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """Elastic coordinates by number, after the frame."""
+        elastic = [f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f)]
+        return ["x", "y", "rotation", *elastic] if self.has_frame else elastic
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Undeformed at its place, given velocity of the frame."""
+        elastic = np.zeros(scene.model(self.model).n_f)
+        if not self.has_frame:
+            return elastic, elastic
+        return np.concatenate([[*self.position, self.angle], elastic]), np.concatenate([self.frame_velocity(), elastic])
+
+    def coordinate_lengths(self, scene: Placed) -> np.ndarray:
+        """RMS displacement of the body per unit elastic coordinate."""
+        elastic = generalized_lengths(self.nominal(scene))
+        return np.concatenate([[1.0, 1.0, np.nan], elastic]) if self.has_frame else elastic
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """About the origin of the reference condition, at the nominal design."""
+        inv = self.nominal(scene)
+        return float(np.sqrt(inv.inertia[0, 0] / inv.mass))
+
+    def marker(self, scene: Placed, point: str, name: str) -> MarkerNumbers:
+        """An interface point; the placement of a grounded body is part of its Z."""
+        position, angle = self.point(scene, point, name)
+        columns = np.flatnonzero(np.any(position[:, 1:] != 0, axis=0) | (angle[1:] != 0))
+        shape = np.column_stack([position[:, 1 + columns].T, angle[1 + columns]])
+        if self.has_frame:
+            frame = np.zeros((3, 3))
+            z0 = [*position[:, 0], angle[0] - self.angle]
+            return MarkerNumbers(np.array(z0), np.concatenate([np.arange(3), 3 + columns]), np.vstack([frame, shape]))
+        A = rotation(self.angle)
+        z0 = [*(np.array(self.position) + A @ position[:, 0]), angle[0]]
+        return MarkerNumbers(np.array(z0), columns, np.column_stack([shape[:, :2] @ A.T, shape[:, 2]]))
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Damping and stiffness always; mass and weight only of a grounded body."""
+        inv = self.invariants(scene)
+        elastic = (inv.stiffness != 0) | (inv.damping != 0)
+        if self.has_frame:
+            row, column = np.nonzero(elastic)
+            return ConstantNumbers(
+                3 + row, 3 + column, np.zeros(len(row)), inv.damping[row, column], inv.stiffness[row, column],
+                np.zeros(3 + len(inv.stiffness)),
+            )  # fmt: skip
+        row, column = np.nonzero((inv.inertia[1:, 1:] != 0) | elastic)
+        weight = inv.first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
+        mass = inv.inertia[1:, 1:][row, column]
+        return ConstantNumbers(row, column, mass, inv.damping[row, column], inv.stiffness[row, column], weight)
+
+    def floating(self, scene: Placed) -> FloatingNumbers | None:
+        """Invariants of a body with a moving frame."""
+        if not self.has_frame:
+            return None
+        inv = self.invariants(scene)
+        row, column = np.nonzero((inv.inertia != 0) | (inv.gyroscopic != 0))
+        return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])

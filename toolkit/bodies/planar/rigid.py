@@ -1,0 +1,107 @@
+"""Rigid bodies: explicit mass properties, or a uniform rod between two points. The frame sits at the centre of mass."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+
+from toolkit.bodies.body import ConstantNumbers, MarkerNumbers, Placed
+from toolkit.bodies.planar.start_velocity import StartVelocity
+from toolkit.description.description import Positive
+
+
+class RigidBody(StartVelocity):
+    """Base of rigid bodies: mass, centre of mass, moment of inertia about it."""
+
+    @abstractmethod
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+        """Mass, undeformed global centre of mass (2,), moment of inertia about it."""
+
+    def coordinate_names(self, _scene: Placed) -> list[str]:
+        """Position of the centre of mass, and rotation."""
+        return ["x", "y", "rotation"]
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Undeformed position, given velocity."""
+        return np.append(self.mass_properties(scene)[1], 0.0), self.frame_velocity()
+
+    def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
+        """Two displacements and an angle."""
+        return np.array([1.0, 1.0, np.nan])
+
+    def radius_of_gyration(self, scene: Placed) -> float:
+        """About the centre of mass."""
+        mass, _, inertia = self.mass_properties(scene)
+        return float(np.sqrt(np.real(inertia) / np.real(mass))) if np.real(mass) else 0.0
+
+    def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
+        """Any point can be gripped."""
+        z0 = scene.position(point) - self.mass_properties(scene)[1]
+        return MarkerNumbers(np.append(z0, 0.0), np.arange(3), np.zeros((3, 3)))
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Diagonal mass matrix and weight."""
+        mass, _, inertia = self.mass_properties(scene)
+        diagonal, zero = np.arange(3), np.zeros(3)
+        return ConstantNumbers(diagonal, diagonal, np.array([mass, mass, inertia]), zero, zero, np.append(mass * gravity, 0.0))
+
+
+class Rigid(RigidBody):
+    """A rigid body with explicit mass properties; its centre of mass is a point of the scene.
+
+    Attributes
+    ----------
+    mass
+        Mass of the body.
+    inertia
+        Moment of inertia about the centre of mass, in mass length^2.
+    center
+        Point of the scene where the centre of mass is.
+    """
+
+    kind = "rigid"
+
+    mass: Positive
+    inertia: Positive
+    center: str
+
+    def named_points(self) -> tuple[str, ...]:
+        """The centre of mass."""
+        return (self.center,)
+
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+        """As given."""
+        return self.mass, scene.position(self.center), self.inertia
+
+
+class Rod(RigidBody):
+    """A uniform slender rod between two points: m = density area L, inertia m L^2 / 12; it follows when a point moves.
+
+    Attributes
+    ----------
+    between
+        Points of the scene at its ends.
+    area
+        Area of the section, in length^2.
+    density
+        Mass/length^3.
+    """
+
+    kind = "rod"
+
+    between: tuple[str, str]
+    area: Positive
+    density: Positive
+
+    def named_points(self) -> tuple[str, ...]:
+        """Both ends."""
+        return self.between
+
+    def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+        """From the end points."""
+        start, end = (scene.position(point) for point in self.between)
+        square = (end - start) @ (end - start)
+        mass = self.density * self.area * np.sqrt(square)
+        return mass, (start + end) / 2, mass * square / 12

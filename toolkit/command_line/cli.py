@@ -1,0 +1,265 @@
+"""The command `ffrf`: simulate, differentiate, inspect and draw scenes. What takes long to import is imported by the commands."""
+
+from __future__ import annotations
+
+import errno
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperGroup
+
+from toolkit.command_line.announcements import Kind, at_work
+from toolkit.command_line.arguments import (
+    AsJson,
+    Changes,
+    KeepAll,
+    Quiet,
+    SceneFile,
+    Static,
+    Variables,
+    design_of,
+    prepare_folder,
+    read,
+)
+from toolkit.command_line.commands.certification import certify
+from toolkit.command_line.commands.deformation_check import check_deformation
+from toolkit.command_line.commands.export import export
+from toolkit.command_line.commands.inspection import describe, describe_scene, print_file
+from toolkit.command_line.commands.new_project import app as new_project
+from toolkit.command_line.commands.report_command import report
+from toolkit.command_line.commands.stability import stability
+from toolkit.command_line.commands.tradeoff import tradeoff
+from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
+from toolkit.command_line.printed.printing import print_files, print_json, print_verdict, warn
+from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
+from toolkit.command_line.printed.report import print_frequencies, print_result
+from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
+from toolkit.sensitivity.method_names import Method
+
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C ended, as shells have it."""
+
+
+def in_words(shown: Callable[..., None]) -> Callable[..., None]:
+    """How warnings are shown: those of the toolkit as plain sentences, others as before."""
+
+    def show(message: Warning | str, category: type[Warning], *rest: Any, **more: Any) -> None:
+        if category.__module__.startswith("toolkit."):
+            typer.echo(f"note: {message}", err=True)
+        else:
+            shown(message, category, *rest, **more)
+
+    return show
+
+
+class Commands(TyperGroup):
+    """All commands: an error of the toolkit becomes one plain message and exit code 1."""
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command that was asked for."""
+        try:
+            with warnings.catch_warnings():
+                warnings.showwarning = in_words(warnings.showwarning)
+                return super().invoke(ctx)
+        except ToolkitError as error:
+            typer.echo(str(error), err=True)
+            raise typer.Exit(1) from None
+        except OSError as error:
+            if error.errno == errno.EPIPE:  # whoever read the output has seen enough
+                raise
+            typer.echo(refusal(error), err=True)
+            raise typer.Exit(1) from None
+        except MemoryError as error:
+            typer.echo(out_of_memory(error), err=True)
+            raise typer.Exit(1) from None
+        except KeyboardInterrupt:
+            typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+
+
+app = typer.Typer(
+    cls=Commands,
+    pretty_exceptions_enable=False,
+    no_args_is_help=True,
+    help="Flexible multibody dynamics with exact design sensitivities.",
+)
+app.add_typer(new_project, name="new")
+
+
+@app.command()
+def simulate(
+    scene: SceneFile,
+    keep_all: KeepAll = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Integrate the scene over time and print its responses."""
+    from functools import partial
+
+    from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
+
+    check_output(output)
+    described, text = read(scene, changes, quiet), text_of(scene)
+    with at_work("time steps", described, "transient", quiet=quiet) as progress:
+        system = compiled(described, keep_all)
+        seconds, solution = timed(system, "transient", progress)
+    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0, partial(again, system))
+    keep(found, output, text, changes, quiet)
+    print_result(found, as_json, quiet)
+
+
+@app.command()
+def statics(
+    scene: SceneFile,
+    past_limit: Annotated[
+        bool, typer.Option("--past-limit", help="Follow the path of equilibria past limit points (snap-through), by arc length.")
+    ] = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Find the equilibrium under the loads at the end time and print its responses with gradients."""
+    from toolkit.sensitivity.analysis import direct
+
+    check_output(output)
+    changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
+    described, text = read(scene, changes, quiet), text_of(scene)
+    names = list(described.design)
+    with at_work("load steps", described, "static", names, quiet) as progress:
+        found = direct(described, names, "static", progress)
+    keep(found, output, text, changes, quiet)
+    print_result(found, as_json, quiet)
+
+
+@app.command()
+def sensitivity(
+    scene: SceneFile,
+    method: Annotated[
+        Method, typer.Option(help="How the gradients are computed; auto takes the cheaper exact method and says why.")
+    ] = Method.auto,
+    variables: Variables = None,
+    static: Static = False,
+    changes: Changes = None,
+    output: Output = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Print the responses with their gradients."""
+    from toolkit.sensitivity.methods import gradients_by
+
+    check_output(output)
+    described, text = read(scene, changes, quiet), text_of(scene)
+    names = design_of(described, variables)
+    kind: Kind = "static" if static else "transient"
+    with at_work("gradients", described, kind, names, quiet, method.value) as progress:
+        found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
+    print_result(found, as_json, quiet)
+    keep(found, output, text, changes, quiet)
+
+
+@app.command()
+def modes(
+    scene: SceneFile,
+    count: Annotated[int, typer.Option(min=1, help="How many, from the lowest.")] = 10,
+    about_start: Annotated[
+        bool, typer.Option("--undeformed", help="About the given positions, e.g. of a free body, not the equilibrium.")
+    ] = False,
+    changes: Changes = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
+    from toolkit.analyses.modes import solve_modes
+    from toolkit.analyses.undeformed import undeformed
+    from toolkit.foundation.verdict import Verdict
+    from toolkit.sensitivity.analysis import prepare, solve
+
+    described = read(scene, changes, quiet)
+    with at_work("load steps", described, "static", quiet=quiet) as progress:
+        system = prepare(described)
+        state = undeformed(system) if about_start else solve(system, "static", progress)
+        found = solve_modes(state, count)
+    frequencies, verdict = found.frequencies.tolist(), Verdict.of([*found.verdict.warnings, *state.verdict.warnings])
+    if as_json:
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **verdict.record()})
+        warn(verdict, quiet)
+    else:
+        print_frequencies(frequencies)
+        print_verdict(verdict)
+
+
+@app.command()
+def inspect(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="A reduced model, results, or a scene.")],
+    variables: Variables = None,
+    keep_all: KeepAll = False,
+    measure: Annotated[bool, typer.Option(help="Measure the time of a step of a scene, by short runs.")] = True,
+    changes: Changes = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Print what is in a reduced model (.h5), in results (.h5) or in a scene (.toml), with the receipt of what the scene costs and why."""
+    if file.suffix != ".toml":
+        (print_json if as_json else print_file)(describe(file))
+        return
+    scene = read(file, changes, quiet)
+    record = describe_scene(scene)
+    names = list(scene.design) if variables is None else design_of(scene, variables)
+    found = receipt_of(scene, names, keep_all, measure, quiet)
+    if as_json:
+        print_json({**record, "receipt": found})
+    else:
+        print_file(record)
+        print_receipt(found)
+
+
+@app.command()
+def render(
+    file: SceneOrResults,
+    output: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the pictures.")] = Path("output"),
+    times: Annotated[
+        list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
+    ] = None,
+    width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
+    animate: Annotated[bool, typer.Option("--animate", help="Draw the motion as a moving picture (GIF) too.")] = False,
+    perspective: Annotated[bool, typer.Option("--perspective", help="In space: what is nearer is larger.")] = False,
+    triads: Annotated[bool, typer.Option("--triads", help="In space: draw the axes of the bodies' frames.")] = False,
+    changes: Changes = None,
+    models: Models = None,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
+    from toolkit.render.pictures import render_solution
+    from toolkit.render.probe import drawing_environment
+    from toolkit.render.view import View
+
+    view = View(perspective, triads)
+    solve = motion_of(file, changes, models, quiet, view.check)
+    folder = prepare_folder(output)
+    drawing_environment()  # refuses a machine that cannot draw before the long work begins
+    solution = solve()
+    print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
+
+
+app.command()(certify)
+app.command()(check_deformation)
+app.command()(export)
+app.command()(report)
+app.command()(stability)
+app.command()(tradeoff)
+
+
+def main() -> None:
+    """Run the command."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

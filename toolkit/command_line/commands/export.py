@@ -1,0 +1,50 @@
+"""The command `ffrf export`: results as tables and as a time series for ParaView."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from toolkit.command_line.arguments import AsJson, prepare_folder
+from toolkit.command_line.keeping import Models
+from toolkit.command_line.printed.printing import print_files
+from toolkit.foundation.errors import InputError
+
+if TYPE_CHECKING:
+    from toolkit.results.results import Results
+
+
+def export(
+    file: Annotated[Path, typer.Argument(metavar="FILE.h5", help="Results that --output kept.")],
+    csv: Annotated[Path | None, typer.Option(metavar="DIR", help="Folder for tables, one CSV file per quantity.")] = None,
+    paraview: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Folder for a time series of the deformed bodies with stress (PVD).")
+    ] = None,
+    models: Models = None,
+    as_json: AsJson = False,
+) -> None:
+    """Write results as CSV tables, or for ParaView."""
+    from toolkit.results.results_file import load_results
+
+    if csv is None and paraview is None:
+        raise InputError("nothing to export. Say what is wanted with --csv DIR, --paraview DIR, or both.")
+    results, files = load_results(file), list[Path]()
+    if csv is not None:
+        from toolkit.results.csv_tables import export_csv
+
+        files += export_csv(results, prepare_folder(csv))
+    if paraview is not None:
+        files.append(_export_paraview(results, prepare_folder(paraview), models))
+    print_files(files, results.verdict, as_json)
+
+
+def _export_paraview(results: Results, folder: Path, models: Path | None) -> Path:
+    from toolkit.render.probe import require
+
+    require("pyvista")
+    from toolkit.render.paraview import export_paraview
+    from toolkit.results.restore import restore_solution
+
+    return export_paraview(restore_solution(results, models), folder)

@@ -1,0 +1,61 @@
+"""What all commands print alike: JSON, tables, and whether the numbers can be trusted."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.box import SIMPLE
+from rich.console import Console
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from toolkit.foundation.verdict import Verdict
+
+WIDE = 1000
+"""Columns of the output: a number that the terminal wraps is better than one that is cut."""
+LEFT = ("unit", "by", "why")
+"""Columns of words."""
+
+
+def print_json(record: dict[str, Any]) -> None:
+    """Print one JSON object; everything in it is finite or null."""
+    typer.echo(json.dumps(record, indent=2, allow_nan=False))
+
+
+def print_verdict(verdict: Verdict) -> None:
+    """Whether the numbers can be trusted, and all that has to be known about them."""
+    Console(width=WIDE, highlight=False).print(str(verdict), markup=False)
+
+
+def warn(verdict: Verdict, quiet: bool = False) -> None:
+    """The same on standard error, where standard output belongs to JSON or to names of files."""
+    for caution in () if quiet else verdict.warnings:
+        typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
+
+
+def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:
+    """Print the names of files that show a run, and what has to be known about that."""
+    if as_json:
+        print_json({"files": [str(file) for file in files], **verdict.record()})
+    else:
+        typer.echo("\n".join(str(file) for file in files))
+    warn(verdict, quiet)
+
+
+def table(first: str, *others: str) -> Table:
+    """An empty table: a column of words, columns of numbers."""
+    made = Table(box=SIMPLE)
+    made.add_column(first)
+    for name in others:
+        made.add_column(name, justify="left" if name in LEFT else "right")
+    return made
+
+
+def finite_or_none(value: float) -> float | None:
+    """JSON knows no nan."""
+    return value if math.isfinite(value) else None

@@ -1,0 +1,74 @@
+"""What is said below the tables of a run: how exact it was, how it was solved, and what it cost."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.analysis import Result
+
+
+def accuracy(result: Result) -> list[str]:
+    """What the length of the steps does to values and gradients, as far as it is known."""
+    lines, found = [], result.step_error
+    if result.solution.local_error is not None:
+        lines.append(
+            f"The largest error that a step is estimated to make is {result.solution.local_error:.1e} of the scene's size."
+        )
+    if found is not None:
+        slopes = [error for each in found.gradients.values() for error in each.values()]
+        parts = [
+            f"values to {max(found.values.values(), default=0.0):.1e}",
+            *([f"gradients to {max(slopes):.1e}"] if slopes else []),
+        ]
+        right = f"Right, as far as the steps are concerned, are {' and '.join(parts)} of the largest that they are in the motion"
+        lines.append(f"{right}, by comparison {found.how}.")
+    return lines
+
+
+def chosen_steps(result: Result) -> list[str]:
+    """What steps a run has chosen, and whose derivatives its gradients are."""
+    if (result.solution.options or result.solution.system.scene.solver).local_error is None:
+        return []
+    times = result.solution.whole_run
+    lengths = times[1:] - times[:-1]
+    lines = [f"Steps were chosen from {lengths.min():.2g} to {lengths.max():.2g}."]
+    return lines + (
+        ["Gradients are those of the motion by these steps, held as they are."] if any(result.gradients.values()) else []
+    )
+
+
+def remarks(result: Result) -> list[str]:
+    """Remarks of the responses, drift of the joints, iterations, wall times."""
+    from toolkit.responses.stress.stress import KSStress
+    from toolkit.validity.start.start_state import start_lines
+
+    solution = result.solution
+    lines = [
+        f"{name} {response.remark(solution)} {result.units[name]}."
+        for name, response in solution.system.scene.responses.items()
+        if isinstance(response, KSStress) and solution.run_times is None
+    ]
+    if solution.run_times is not None:
+        lines.append(
+            f"{solution.steps} steps, of which {len(solution.times)} states are kept: all exceed solver.memory. The joints are off by at "
+            f"most {solution.drift:.1e} of the scene's size."
+        )
+    elif solution.steps:
+        balance = result.verdict.measures["energy_balance"]
+        lines.append(
+            f"{solution.steps} steps; joints off by at most {solution.drift:.1e} of the scene's size, energy balance by "
+            f"{max(balance.values()):.1e} of the largest energy or work."
+        )
+        lines += chosen_steps(result) + accuracy(result) + start_lines(solution)
+    else:
+        lines.append(f"Equilibrium under the loads at t = {solution.times[-1]:g}, reached in {solution.load_steps} load steps.")
+        left_out = [name for name in solution.system.scene.responses if name not in result.values]
+        if left_out:
+            lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
+    whole = solution.system.n_x > 0 and not result.gradients
+    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms "
+    price += "with everything kept" if whole else "without gradients"
+    if result.gradients:
+        price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
+    return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]

@@ -1,0 +1,115 @@
+"""What a command prints about a run: one JSON object, or tables for people."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import typer
+from rich.console import Console
+
+from toolkit.command_line.printed.deformation import print_deformations, record_of_deformations
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.printed.remarks import remarks
+
+if TYPE_CHECKING:
+    from toolkit.sensitivity.analysis import Result
+
+MOST_COLUMNS = 8
+"""More design variables than this stand one below the other."""
+
+
+def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
+    """Print values, units and gradients of all responses, how far flexible bodies deform, what the run cost, and whether to trust it."""
+    from toolkit.validity.bodies.deformation import deformations
+
+    found = deformations(result.solution)
+    if as_json:
+        deformed = {"deformation": record_of_deformations(result.solution, found)} if found else {}
+        print_json(record_of(result) | deformed)
+        warn(result.verdict, quiet)
+        return
+    print_tables(result)
+    print_deformations(result.solution, found)
+    for line in remarks(result):
+        Console(width=WIDE, highlight=False).print(line, markup=False)
+    print_verdict(result.verdict)
+
+
+def record_of(result: Result) -> dict[str, Any]:
+    """The JSON object of a run; a number that does not exist is None."""
+    from toolkit.scene_file.gradient_units import gradient_units
+    from toolkit.validity.start.start_state import start_record
+
+    scene = result.solution.system.scene
+    return {
+        "responses": {
+            name: {"value": finite_or_none(value), "unit": result.units[name]} for name, value in result.values.items()
+        },
+        "gradients": {
+            name: {variable: finite_or_none(slope) for variable, slope in slopes.items()}
+            for name, slopes in result.gradients.items()
+        },
+        "gradient_units": gradient_units(scene, result.gradients),
+        **({"start": start_record(result.solution)} if result.solution.steps else {}),
+        "run": {
+            "method": result.method,
+            "reason": result.reason,
+            "steps": result.solution.load_steps or result.solution.steps,
+            "newton_iterations": result.solution.newton_iterations,
+            "wall_s": {"primal": result.wall_primal, "sensitivity": result.wall_sensitivity},
+            **path_record(result),
+        },
+        **result.verdict.record(),
+    }
+
+
+def path_record(result: Result) -> dict[str, Any]:
+    """What a static solution has passed on its path, if that was followed past limit points."""
+    path = result.solution.path
+    if not path or not path.passed_limit:
+        return {}
+    return {
+        "beyond_snap_through": True,
+        "limit_points": [{"load_factor": each.load_factor, "coordinate": each.coordinate} for each in path.limit_points],
+        "unstable_equilibria_under_full_load": path.unstable_crossings,
+    }
+
+
+def print_tables(result: Result) -> None:
+    """Values and gradients as tables."""
+    console = Console(width=WIDE, highlight=False)
+    values = table("response", "value", "unit")
+    for name, value in result.values.items():
+        values.add_row(name, f"{value:.6g}", result.units[name])
+    console.print(values)
+    variables = next(iter(result.gradients.values()), {})
+    if variables:
+        wide = len(variables) > MOST_COLUMNS
+        of, by = [_in_unit(name, result.units[name]) for name in result.gradients], _variables_in_units(result, list(variables))
+        gradients = table("gradient by", *(of if wide else by))
+        for name, label in zip(variables if wide else result.gradients, by if wide else of, strict=True):
+            slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
+            gradients.add_row(label, *(f"{slope:.6g}" for slope in slopes))
+        console.print(gradients)
+
+
+def _in_unit(name: str, unit: str) -> str:
+    return f"{name}, {unit}" if unit else name
+
+
+def _variables_in_units(result: Result, names: list[str]) -> list[str]:
+    """Design variables with their units: a gradient is in that of its response over that of its variable."""
+    from toolkit.scene_file.gradient_units import variable_unit
+
+    scene = result.solution.system.scene
+    return [_in_unit(name, variable_unit(scene, scene.path_of(scene.design.get(name, name)))) for name in names]
+
+
+def print_frequencies(frequencies: list[float]) -> None:
+    """Table of eigenfrequencies."""
+    found = table("mode", "frequency in Hz")
+    for number, frequency in enumerate(frequencies, 1):
+        found.add_row(str(number), f"{frequency:.6g}")
+    Console(width=WIDE, highlight=False).print(found)
+    if frequencies and frequencies[0] < 0:
+        typer.echo("A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t).")

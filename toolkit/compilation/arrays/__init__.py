@@ -1,0 +1,1 @@
+"""Bodies, markers, joints and loads as the flat arrays of the compiled loop."""

@@ -1,0 +1,173 @@
+"""Markers, joints and loads as flat arrays."""
+
+from __future__ import annotations
+
+from operator import itemgetter
+from typing import Any
+
+import numpy as np
+
+from toolkit.compilation.conversions import ints, starts
+from toolkit.compilation.numbering import Numbering, grips_of
+from toolkit.compilation.patterns.pattern import Pattern, block
+from toolkit.compilation.quantities import LOAD_PARAMETERS, Quantities, named_loads
+from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
+from toolkit.joints.kernels.planar.joint_kernel import Joints
+from toolkit.loads.kernels.load_kernel import Loads
+from toolkit.markers.component import Component
+from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.scene.scene import Scene
+
+
+def families(components: list) -> list:
+    """The different formulas of the components, in order of appearance; joints in space have none."""
+    return list(dict.fromkeys(component.law() for component in components if component.stated_by == "formula"))
+
+
+def gripped(numbering: Numbering, columns: list[np.ndarray], path: str, component: Component) -> tuple[np.ndarray, list[int]]:
+    """Coordinates of a component's two markers, and the markers; `path` is where the scene has it."""
+    markers = [numbering.marker(grip) for grip in grips_of(path, component)]
+    return np.concatenate([columns[m] for m in markers]), markers
+
+
+def marker_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    dtype: type,
+) -> Markers:
+    """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
+    active = marker_changes(derivatives)
+    frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, *_ in numbering.markers]
+    shapes = [part.shape for part in values.markers.values()]
+    return Markers(
+        (0, 1, 2),
+        None,
+        (0, 1, 2),
+        ints([frames]),
+        np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
+        starts([len(c) for c in columns]),
+        ints(columns),
+        np.concatenate([np.zeros((0, 3)), *shapes]).astype(dtype),
+        starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
+        ints([[x for _, x, _ in active]]),
+        np.array([part.point for _, _, part in active], float).reshape(-1, 3),
+        starts([len(part.shape) for _, _, part in active])[:-1],
+        np.concatenate([np.zeros((0, 3)), *(part.shape for _, _, part in active)]),
+    )
+
+
+def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
+    """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
+    found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
+    return sorted((each for each in found if np.any(each[2].point) or np.any(each[2].shape)), key=itemgetter(0, 1))
+
+
+def joint_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> Joints:
+    """Joints of the scene, with the places of their local entries in the pattern."""
+    joints = list(scene.joints.values())
+    known = families(joints)
+    changes = parameter_changes([d.joints for d in derivatives], len(joints))
+    positions, markers = [], []
+    for name, joint in scene.joints.items():
+        both, pair = gripped(numbering, columns, f"joints.{name}", joint)
+        rows = numbering.row[name] + np.arange(len(joint.row_names))
+        markers.append(pair)
+        places = [pattern.find(*block(r, c)) for r, c in ((both, both), (rows, both), (both, rows))]
+        positions.append(np.concatenate(places))
+    flat = [change for pairs in changes for change in pairs]
+    return Joints(
+        ints([[known.index(joint.law()) for joint in joints]]),
+        ints([[int(joint.curved) for joint in joints]]),
+        np.array(markers, np.int64).reshape(-1, 2),
+        ints([[numbering.row[name] for name in scene.joints]]),
+        ints([[len(joint.row_names) for joint in joints]]),
+        np.array(list(values.joints.values()), dtype).reshape(-1, JOINT_ARGUMENTS - 6),
+        curve_numbers(joints, 0),
+        designed(markers, derivatives, changes, curve_numbers(joints, 0)),
+        starts([len(pairs) for pairs in changes]),
+        ints([[x for x, _, _ in flat]]),
+        ints([[p for _, p, _ in flat]]),
+        np.array([value for _, _, value in flat], float),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def load_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> Loads:
+    """Loads of the scene, with the places of their local entries in the pattern."""
+    loads = list(named_loads(scene).values())
+    known = families(loads)
+    changes = parameter_changes([d.loads for d in derivatives], len(loads))
+    flat = [change for pairs in changes for change in pairs]
+    both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in named_loads(scene).items()]
+    positions = [pattern.find(*block(local, local)) for local, _ in both]
+    before = sum(joint.time_curve is not None for joint in scene.joints.values())
+    return Loads(
+        ints([[known.index(load.law()) for load in loads]]),
+        np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
+        np.array(list(values.loads.values()), dtype).reshape(-1, LOAD_PARAMETERS[scene.dimension]),
+        curve_numbers(loads, before),
+        designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
+        starts([len(pairs) for pairs in changes]),
+        ints([[x for x, _, _ in flat]]),
+        ints([[p for _, p, _ in flat]]),
+        np.array([value for _, _, value in flat], float),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def designed(markers: list, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:
+    """Whether any design variable matters to each component: through a marker, a parameter or its curve."""
+    active = {m for m, _, _ in marker_changes(derivatives)}
+    driven = set(curve_pairs(derivatives)[0])
+    components = zip(markers, changes, curves, strict=True)
+    return ints([[int(bool(active & set(pair) or change or curve in driven)) for pair, change, curve in components]])
+
+
+def parameter_changes(tables: list[dict[int, np.ndarray]], count: int) -> list[list[tuple[int, int, float]]]:
+    """(variable, parameter, derivative) of each of `count` components."""
+    found: list[list[tuple[int, int, float]]] = [[] for _ in range(count)]
+    for x, table in enumerate(tables):
+        for k, change in table.items():
+            found[k] += [(x, int(p), change[p]) for p in np.flatnonzero(change)]
+    return found
+
+
+def curve_numbers(components: list, before: int) -> np.ndarray:
+    """Number of each component's time curve, counted from `before`; -1 without."""
+    numbers = []
+    for component in components:
+        numbers.append(-1 if component.time_curve is None else before)
+        before += component.time_curve is not None
+    return ints([numbers])
+
+
+def curve_pairs(derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray]:
+    """Which time curves depend on which design variables."""
+    pairs = [
+        (c, x)
+        for x, derivative in enumerate(derivatives)
+        for c, curve in derivative.curves.items()
+        if any(np.imag(value) != 0 for _, value in curve.numbers())
+    ]
+    return ints([[c for c, _ in pairs]]), ints([[x for _, x in pairs]])

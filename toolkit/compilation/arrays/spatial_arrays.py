@@ -1,0 +1,259 @@
+"""The parts of a spatial scene as flat arrays: frames, bodies whose frame turns, markers, joints."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, marker_changes, parameter_changes
+from toolkit.compilation.conversions import ints, starts
+from toolkit.compilation.numbering import Numbering, grips_of
+from toolkit.compilation.patterns.pattern import Pattern, block
+from toolkit.compilation.quantities import Quantities, forms_of, named_loads, pressures_of
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.spatial.forms import Form, Row
+from toolkit.joints.kernels.spatial.joint_kernel import ROWS, SpatialJoints
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.spatial.row_checks import check_rows
+from toolkit.kinematics.spatial import Frames
+from toolkit.loads.kernels.pressure_kernel import Pressures
+from toolkit.markers.component import Component
+from toolkit.markers.spatial.marker_kernel import POSE, SpatialMarkers
+from toolkit.scene.scene import Scene
+
+
+def turning(scene: Scene) -> list[str]:
+    """Bodies whose frame turns, in the order of the frames."""
+    return [name for name, body in scene.bodies.items() if body.turns]
+
+
+def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern: Pattern) -> Frames:
+    """Frames that turn; body b of the moving bodies has frame b."""
+    names = turning(scene)
+    first = [numbering.first[name] + scene.bodies[name].frame_size - scene.bodies[name].turns for name in names]
+    rows = [numbering.length.get(name, -1) for name in names]
+    position = np.zeros((len(names), 12), np.int64)
+    for f, (at, row) in enumerate(zip(first, rows, strict=True)):
+        if row >= 0:
+            four, length = at + np.arange(4), np.full(4, row)
+            position[f] = np.concatenate([pattern.find(*pair) for pair in ((length, four), (four, length), (four, four))])
+    axes = np.array([np.real(part.axis) for part in values.floating.values()], float).reshape(-1, 3)
+    return Frames(ints([first]), ints([[scene.bodies[name].turns for name in names]]), axes, ints([rows]), position)
+
+
+def spatial_floating_part(
+    scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
+) -> SpatialFloating:
+    """Invariants of bodies with a turning frame and of their design derivatives."""
+    names, bodies = turning(scene), list(values.floating.values())
+    number = {b: k for k, b in enumerate(values.floating)}
+    blocks: list[tuple[int, int, Any]] = [(k, -1, part) for k, part in enumerate(bodies)]
+    for x, derivative in enumerate(derivatives):
+        blocks += [(number[b], x, part) for b, part in derivative.floating.items() if _changes(part)]
+    falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
+    positions, borders = [], []
+    for name, part in zip(names, bodies, strict=True):
+        frame, size, n_f = numbering.first[name], scene.bodies[name].frame_size, len(part.moment) - 1
+        positions.append(pattern.find(frame + size - 1 + part.row, frame + size - 1 + part.column))
+        local = frame + np.arange(size + n_f)
+        borders.append(
+            np.concatenate([pattern.find(*block(local[:size], local)), pattern.find(*block(local[size:], local[:size]))])
+        )
+    empty: np.ndarray = np.zeros((0, 9), dtype)
+    return SpatialFloating(
+        ints([[b for b, _, _ in blocks]]),
+        ints([[x for _, x, _ in blocks]]),
+        ints([[numbering.first[name] for name in names]]),
+        ints([[scene.bodies[name].moves for name in names]]),  # type: ignore[attr-defined]
+        ints([[scene.bodies[name].turns for name in names]]),
+        ints([[len(part.moment) - 1 for part in bodies]]),
+        np.array([part.mass for _, _, part in blocks], dtype),
+        starts([len(part.moment) for _, _, part in blocks])[:-1],
+        np.ascontiguousarray(np.concatenate([empty[:, :3], *(part.moment for _, _, part in blocks)]), dtype),
+        starts([len(bodies[b].row) for b, _, _ in blocks]),
+        ints([bodies[b].row for b, _, _ in blocks]),
+        ints([bodies[b].column for b, _, _ in blocks]),
+        np.ascontiguousarray(np.concatenate([empty, *(part.second for _, _, part in blocks)]), dtype),
+        ints(positions),
+        starts([len(border) for border in borders])[:-1],
+        ints(borders),
+        np.asarray(values.gravity).astype(dtype),
+        ints([falling]),
+        np.array([derivatives[x].gravity for x in falling], float).reshape(-1, 3),
+    )
+
+
+def _changes(part: Any) -> bool:
+    if np.any(part.axis):
+        raise InputError("the axis of a turning frame cannot be a design variable: it defines the frame's coordinate.")
+    return any(np.any(np.asarray(value) != 0) for value in (part.mass, part.moment, part.second))
+
+
+def spatial_marker_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    frames: Frames,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    dtype: type,
+) -> SpatialMarkers:
+    """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
+    active, number = marker_changes(derivatives), {name: f for f, name in enumerate(turning(scene))}
+    bodies = [scene.body(body) for body, *_ in numbering.markers]
+    parts, full = list(values.markers.values()), _with_axes(scene, numbering)
+    return SpatialMarkers(
+        None,
+        frames,
+        tuple(range(POSE)),
+        ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
+        ints([[body.moves for body in bodies]]),  # type: ignore[attr-defined]
+        ints([[body.turns for body in bodies]]),
+        ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
+        ints([[POSE if m in full else 3 for m in range(len(parts))]]),
+        np.array([part.point for part in parts], dtype).reshape(-1, 15),
+        starts([len(c) for c in columns]),
+        ints(columns),
+        np.concatenate([np.zeros((0, 6)), *(part.shape for part in parts)]).astype(dtype),
+        starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
+        ints([[x for _, x, _ in active]]),
+        np.array([part.point for _, _, part in active], float).reshape(-1, 15),
+        starts([len(part.shape) for _, _, part in active])[:-1],
+        np.concatenate([np.zeros((0, 6)), *(part.shape for _, _, part in active)]),
+    )
+
+
+def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
+    """Markers whose axes something asks for."""
+    components: dict[str, Component] = {**{f"joints.{name}": each for name, each in scene.joints.items()}}
+    components |= {f"loads.{name}": each for name, each in named_loads(scene).items()}
+    used = {numbering.marker(grip): False for path, each in components.items() for grip in grips_of(path, each)}
+    for path, each in components.items():
+        for grip in grips_of(path, each):
+            used[numbering.marker(grip)] |= each.feels_axes
+    seen = {numbering.marker(grip) for grip in numbering.seen}
+    return seen | {m for m, felt in used.items() if felt}
+
+
+def spatial_joint_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> SpatialJoints:
+    """Joints of the scene as forms, with the places of their local entries in the pattern."""
+    joints: list[Any] = list(scene.joints.values())
+    for joint in joints:
+        check_rows(joint, scene)
+    rows = [joint.constraint(scene) for joint in joints]
+    gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
+    positions = []
+    for name, (both, _) in zip(scene.joints, gripping, strict=True):
+        own = numbering.row[name] + np.arange(len(scene.joints[name].row_names))
+        positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
+    forms = [form for each in rows for form in forms_of(each)]
+    changes = parameter_changes([d.joints for d in derivatives], len(joints))
+    numbers: list[Any] = [
+        *_form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
+        *_felt(rows),
+        *_design(joints, rows, changes),
+    ]
+    markers = [pair for _, pair in gripping]
+    gripped_by = [
+        np.array(markers, np.int64).reshape(-1, 2),
+        ints([[numbering.row[name] for name in scene.joints]]),
+        ints([[len(each) for each in rows]]),
+        curve_numbers(joints, 0),
+        designed(markers, derivatives, changes, curve_numbers(joints, 0)),
+        starts([len(forms_of(each)) for each in rows])[:-1],
+        np.array([[int(i < len(each) and each[i].sine is not None) for i in range(ROWS)] for each in rows], np.int64).reshape(
+            -1, ROWS
+        ),
+    ]
+    return SpatialJoints(*[*gripped_by, *numbers, starts([len(places) for places in positions])[:-1], ints(positions)])
+
+
+def pressure_part(
+    scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
+) -> Pressures:
+    """Pressures on surfaces and their design derivatives."""
+    loads, number = pressures_of(scene), {name: f for f, name in enumerate(turning(scene))}
+    blocks = [(k, -1, part) for k, part in values.pressures.items()]
+    for x, derivative in enumerate(derivatives):
+        blocks += [(k, x, part) for k, part in derivative.pressures.items() if np.any(part.force) or np.any(part.moment)]
+    before = sum(each.time_curve is not None for each in [*scene.joints.values(), *named_loads(scene).values()])
+    bodies: list[Any] = [scene.bodies[load.body] for load in loads.values()]
+    first = [numbering.first[load.body] for load in loads.values()]
+    n_f = [len(part.moment) - 1 for part in values.pressures.values()]
+    positions = []
+    for body, at, n in zip(bodies, first, n_f, strict=True):
+        positions.append(pattern.find(*block(at + np.arange(body.frame_size), at + np.arange(body.frame_size + n))))
+    return Pressures(
+        ints([[k for k, _, _ in blocks]]),
+        ints([[x for _, x, _ in blocks]]),
+        ints([[before + k for k in range(len(loads))]]),
+        ints([[number.get(load.body, len(number)) for load in loads.values()]]),
+        ints([first]),
+        ints([[body.moves for body in bodies]]),
+        ints([[body.turns for body in bodies]]),
+        ints([n_f]),
+        np.array([part.force for _, _, part in blocks], dtype).reshape(-1, 3),
+        starts([len(part.moment) for _, _, part in blocks])[:-1],
+        np.concatenate([np.zeros((0, 9)), *(part.moment for _, _, part in blocks)]).astype(dtype),
+        starts([len(places) for places in positions])[:-1],
+        ints(positions),
+    )
+
+
+def _form_numbers(forms: list[Form], numbers: np.ndarray, dtype: type) -> tuple[np.ndarray, ...]:
+    """Constants, linear terms and pairs of all forms, their values taken from `row_numbers` of all joints."""
+    lengths = [1 + len(form.linear) + len(form.pairs) for form in forms]
+    first = starts(lengths)[:-1]
+    linear = [first[k] + 1 + i for k, form in enumerate(forms) for i in range(len(form.linear))]
+    pairs = [first[k] + 1 + len(form.linear) + i for k, form in enumerate(forms) for i in range(len(form.pairs))]
+    return (
+        numbers[first].astype(dtype),
+        starts([len(form.linear) for form in forms]),
+        ints([[place for form in forms for place, _ in form.linear]]),
+        numbers[ints([linear])].astype(dtype),
+        starts([len(form.pairs) for form in forms]),
+        np.array([pair[:2] for form in forms for pair in form.pairs], np.int64).reshape(-1, 2),
+        numbers[ints([pairs])].astype(dtype),
+    )
+
+
+def _felt(rows: list[tuple[Row, ...]]) -> tuple[np.ndarray, np.ndarray]:
+    """Vectors that every row feels, ROWS lists for every joint."""
+    found: list[list[int]] = []
+    for each in rows:
+        for i in range(ROWS):
+            forms = forms_of(each[i : i + 1])
+            vectors = {place // 3 for form in forms for place, _ in form.linear}
+            found.append(sorted(vectors | {vector for form in forms for pair in form.pairs for vector in pair[:2]}))
+    return starts([len(vectors) for vectors in found]), ints(found)
+
+
+def _design(joints: list[SpatialJoint], rows: list[tuple[Row, ...]], changes: list) -> tuple[np.ndarray, ...]:
+    """Start, variable, row, kind, place and derivative of every number of a row that a variable changes."""
+    lengths, table, linear, pairs = [], [], 0, 0
+    for joint, each, found in zip(joints, rows, changes, strict=True):
+        places: list[tuple[int, int, int]] = []  # row, kind and place of every number of the joint
+        for i, row in enumerate(each):
+            for form in forms_of((row,)):
+                places += [(i, 0, 0)]
+                places += [(i, 1, linear + k) for k in range(len(form.linear))]
+                places += [(i, 2, pairs + k) for k in range(len(form.pairs))]
+                linear, pairs = linear + len(form.linear), pairs + len(form.pairs)
+        if any(each[places[p][0]].sine is not None for _, p, _ in found):
+            raise InputError(
+                f"the angle of a {joint.kind!r} joint has numbers that depend on the design, which nobody differentiated."
+            )
+        lengths.append(len(found))
+        table += [(x, *places[p], value) for x, p, value in found]
+    columns: list[Any] = list(zip(*table, strict=True)) or [()] * 5
+    return (starts(lengths), *(ints([column]) for column in columns[:4]), np.array(columns[4], float))

@@ -1,0 +1,1 @@
+"""Which entries of the loop's matrices can differ from zero."""

@@ -1,0 +1,74 @@
+"""Which entries of the residual's partial derivatives by the design can differ from zero: few, because a variable acts on few bodies.
+
+The loop visits these entries alone, so that hundreds of variables cost it little.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.bodies.kernels.constant_kernel import Constant
+from toolkit.bodies.kernels.planar.floating_kernel import Floating
+from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.compilation.conversions import ints
+from toolkit.joints.kernels.planar.joint_kernel import Joints
+from toolkit.joints.kernels.spatial.joint_kernel import SpatialJoints
+from toolkit.loads.kernels.load_kernel import Loads
+from toolkit.loads.kernels.pressure_kernel import Pressures
+from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+
+
+def touched(
+    n_x: int,
+    constant: Constant,
+    floating: Floating | SpatialFloating,
+    markers: Markers | SpatialMarkers,
+    joints: Joints | SpatialJoints,
+    loads: Loads,
+    pressures: Pressures | None,
+    curve_index: np.ndarray,
+    curve_variable: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Row and variable of every such entry, ordered by row."""
+    pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
+    pairs += _by_floating(floating)
+    pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
+    for part in (joints, loads):
+        for k in range(len(part.marker)):
+            variables = _variables(part, k, markers, curve_index, curve_variable)
+            own = joints.row[k] + np.arange(joints.n_rows[k]) if part is joints else np.zeros(0, np.int64)
+            rows = np.concatenate([own, *(markers.coordinate[markers.start[m] : markers.start[m + 1]] for m in part.marker[k])])
+            pairs.append((np.repeat(rows, len(variables)), np.tile(variables, len(rows))))
+    keys = np.unique(np.concatenate([rows * n_x + variables for rows, variables in pairs]))
+    return keys // max(n_x, 1), keys % max(n_x, 1)
+
+
+def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Whole bodies: those whose invariants change, and all if gravity does."""
+    pairs = list(zip(floating.block_body, floating.block_variable, strict=True))[len(floating.frame) :]
+    pairs += [(b, x) for b in range(len(floating.frame)) for x in floating.gravity_variable]
+    sizes = 3 + floating.n_f if isinstance(floating, Floating) else floating.moves + floating.turns + floating.n_f
+    found = [floating.frame[b] + np.arange(sizes[b]) for b, _ in pairs]
+    return [(rows, np.full(len(rows), x)) for rows, (_, x) in zip(found, pairs, strict=True)]
+
+
+def _by_pressures(
+    pressures: Pressures, curve_index: np.ndarray, curve_variable: np.ndarray
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Whole bodies under pressures that change."""
+    found = list(zip(pressures.block_load, pressures.block_variable, strict=True))[len(pressures.curve) :]
+    found += [(k, x) for k, c in enumerate(pressures.curve) for x in curve_variable[curve_index == c]]
+    sizes = pressures.moves + pressures.turns + pressures.n_f
+    return [(pressures.first[k] + np.arange(sizes[k]), np.full(sizes[k], x)) for k, x in found]
+
+
+def _variables(
+    part: Any, k: int, markers: Markers | SpatialMarkers, curve_index: np.ndarray, curve_variable: np.ndarray
+) -> np.ndarray:
+    """Variables that act on a component through its markers, its parameters or its time curve."""
+    by_markers = [markers.design_variable[markers.design_start[m] : markers.design_start[m + 1]] for m in part.marker[k]]
+    by_parameters = part.design_variable[part.design_start[k] : part.design_start[k + 1]]
+    return np.unique(ints([*by_markers, by_parameters, curve_variable[curve_index == part.curve[k]]]))

@@ -1,0 +1,1 @@
+"""What a person writes besides bodies, joints and loads: frozen, validated records whose numbers have paths."""

@@ -1,0 +1,121 @@
+"""What a person writes: frozen, validated records whose numbers can be reached by a path."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LARGEST, SMALLEST
+
+
+def _ordinary(value: float) -> float:
+    if value and not SMALLEST <= abs(value) <= LARGEST:
+        raise ValueError(
+            f"{value:g} cannot be meant: numbers are zero or from {SMALLEST:g} to {LARGEST:g}; mend the exponent or the units"
+        )
+    return value
+
+
+_NUMBER: dict[str, Any] = {"strict": True, "allow_inf_nan": False}
+Number = Annotated[float, Field(**_NUMBER), AfterValidator(_ordinary)]
+"""A finite number of a size that a unit system can bring about; no text and no truth value passes for one."""
+Positive = Annotated[float, Field(gt=0, **_NUMBER), AfterValidator(_ordinary)]
+NotNegative = Annotated[float, Field(ge=0, **_NUMBER), AfterValidator(_ordinary)]
+Pair = tuple[Number, Number]
+Triple = tuple[Number, Number, Number]
+
+
+class Description(BaseModel):
+    """Base of all descriptions: frozen, no unknown keys, no numbers that are not finite.
+
+    `with_number` replaces one number without validating again, so that it may be complex: the complex step through
+    the construction formulas relies on it.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    def numbers(self) -> Iterator[tuple[str, Any]]:
+        """Paths and values of all numbers below this record."""
+        for name, value in self:
+            yield from numbers_below(name, value)
+
+    def with_number(self, path: str, value: Any) -> Self:
+        """A copy in which the number at the path has another value, real or complex.
+
+        Raises
+        ------
+        InputError
+            The path leads nowhere, or to what is not a number.
+        """
+        return _replace(self, path.split("."), value, path)
+
+
+class Registered(Description):
+    """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file.
+
+    `kinds` of a base lists all that were defined below it; those of a base with `closed` do not show in the bases above it, so that
+    components in space may have the names of those in the plane.
+    """
+
+    kind: ClassVar[str] = ""
+    closed: ClassVar[bool] = False
+    kinds: ClassVar[dict[str, type]] = {}
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **_: Any) -> None:
+        if not cls.kind:
+            cls.kinds = {}
+        for base in cls.__mro__:
+            if cls.kind and "kinds" in vars(base):
+                vars(base)["kinds"][cls.kind] = cls
+            if vars(base).get("closed"):
+                break
+
+
+def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Paths and values of all numbers below a value that sits at `path`."""
+    if isinstance(value, (float, complex)):
+        yield path, value
+    elif isinstance(value, Description):
+        for name, below in value.numbers():
+            yield f"{path}.{name}", below
+    elif isinstance(value, Mapping):
+        for name, below in value.items():
+            yield from numbers_below(f"{path}.{name}", below)
+    elif isinstance(value, (tuple, list)):
+        for index, below in enumerate(value):
+            yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
+
+
+_AXES = ("x", "y")
+
+
+def _is_pair(value: Any) -> bool:
+    return len(value) == 2 and all(isinstance(item, (float, complex)) for item in value)
+
+
+def _replace(owner: Any, keys: list[str], value: Any, path: str) -> Any:
+    if not keys:
+        if not isinstance(owner, (float, complex)):
+            raise InputError(f"{path!r} is not a number of the scene, but {owner!r}. Give the path of a number.")
+        return value
+    key, rest = keys[0], keys[1:]
+    if isinstance(owner, Description):
+        items = dict(owner)
+        if key in items:
+            return owner.model_copy(update={key: _replace(items[key], rest, value, path)})
+    elif isinstance(owner, Mapping):
+        items = dict(owner)
+        if key in items:
+            return {**items, key: _replace(items[key], rest, value, path)}
+    elif isinstance(owner, tuple):
+        items = {_AXES[i] if _is_pair(owner) else str(i): item for i, item in enumerate(owner)}
+        if key in items:
+            items[key] = _replace(items[key], rest, value, path)
+            return tuple(items.values())
+    else:
+        items = {}
+    raise InputError(f"{path!r} leads nowhere: there is no {key!r}; possible here: {', '.join(items) or 'nothing'}.")

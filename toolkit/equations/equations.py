@@ -1,0 +1,216 @@
+"""The equations of a whole scene at one state: residual in two groups, their derivatives by state and by design.
+
+Unknowns are [a; lam]; q and v are padded with zeros to the same length, so that one pattern and one matrix serve all:
+
+    inertial(q, acc)            M a, joint forces, phi_q a in the constraint rows
+    applied(q, v, t)            D v + K q - f_ext - f_v, and - f_c in the constraint rows
+    I_acc, I_q, A_q, A_v        their derivatives, values on the common sparsity pattern
+    I_x, A_x                    their partial derivatives by the design, (n, n_x)
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
+from toolkit.bodies.kernels.inertia import moving_design, moving_jacobian, moving_residual
+from toolkit.bodies.kernels.planar.floating_kernel import Floating
+from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.foundation.kernel import inlined, kernel
+from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
+from toolkit.joints.kernels.planar.joint_kernel import Joints
+from toolkit.joints.kernels.spatial.joint_kernel import SpatialJoints
+from toolkit.loads.kernels.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
+from toolkit.loads.kernels.pressure_kernel import Pressures, add_pressure_designs, add_pressures
+from toolkit.markers.planar.marker_kernel import Markers
+from toolkit.markers.poses import set_frames, update_pose_designs, update_poses
+from toolkit.markers.spatial.marker_kernel import SpatialMarkers
+
+
+class Plan(NamedTuple):
+    """The compiled scene: flat arrays only, which never change. A spatial scene has other parts in three places."""
+
+    n_q: int
+    n: int  # coordinates and multipliers
+    n_x: int
+    indptr: np.ndarray  # sparsity pattern of the Jacobian, compressed rows
+    indices: np.ndarray
+    constant: Constant
+    floating: Floating | SpatialFloating
+    markers: Markers | SpatialMarkers
+    joints: Joints | SpatialJoints
+    loads: Loads
+    pressures: Pressures | None  # in space
+    dropped: np.ndarray  # rows of redundant constraints, in whose place the multiplier is zero
+    curve_index: np.ndarray  # (n_d,) which time curve depends on the design
+    curve_variable: np.ndarray  # (n_d,) on which variable
+    touched_row: np.ndarray  # entries of I_x and A_x that can differ from zero, row by row
+    touched_variable: np.ndarray
+
+
+class Terms(NamedTuple):
+    """What `evaluate` fills."""
+
+    inertial: np.ndarray  # (n,)
+    applied: np.ndarray  # (n,)
+    I_acc: np.ndarray  # (n_entries,)
+    I_q: np.ndarray
+    A_q: np.ndarray
+    A_v: np.ndarray
+    I_x: np.ndarray  # (n, n_x)
+    A_x: np.ndarray
+
+
+class Work(NamedTuple):
+    """Scratch memory of `evaluate`."""
+
+    markers: Any  # MarkerState or SpatialMarkerState
+    scratch: np.ndarray
+    rest: np.ndarray  # (n,) zeros
+    rough: np.ndarray  # (1,) 1 where round-off of the elastic forces does not matter, set by the caller
+    halves: np.ndarray  # (2, n)
+    joint: Any  # of the plan's joints
+    load: LoadWork
+    floating: Any  # of the plan's bodies with a moving frame
+
+
+class Inputs(NamedTuple):
+    """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
+
+    Without `inertia` bodies feel neither accelerations nor, apart from dampers, velocities. With `joints_only` all other terms are zero.
+    """
+
+    curves: np.ndarray  # (n_curves, 3)
+    curves_x: np.ndarray  # (n_d, 3)
+    scale: float
+    levels: np.ndarray  # (k_2, k_1, k_0), see joint_kernel
+    inertia: bool
+    joints_only: bool
+
+
+def allocate_terms(plan: Plan, dtype: type) -> Terms:
+    """Memory for the result."""
+    entries = len(plan.indices)
+    return Terms(*(np.zeros(s, dtype) for s in [plan.n] * 2 + [entries] * 4 + [(plan.n, plan.n_x)] * 2))
+
+
+def allocate_work(plan: Plan, dtype: type) -> Work:
+    """Scratch memory."""
+    return Work(
+        plan.markers.state(dtype),
+        np.zeros((3, 3), dtype),
+        np.zeros(plan.n, dtype),
+        np.zeros(1, np.int64),
+        np.zeros((2, plan.n), dtype),
+        plan.joints.work(dtype),
+        load_work(len(plan.markers.pose), dtype),
+        plan.floating.work(dtype),
+    )
+
+
+@inlined
+def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
+    """Both groups of the residual, and if `linearize` their derivatives by the state."""
+    terms.inertial[:] = 0
+    terms.applied[:] = 0
+    rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
+    plane, frames = plan.markers.plane, plan.markers.frames
+    update_poses(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, rate, acceleration)
+    if linearize:
+        for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v):
+            values[:] = 0
+    if not inputs.joints_only:
+        constant_residual(
+            plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
+        )
+        moving_residual(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
+            terms.inertial, terms.applied,
+        )  # fmt: skip
+    if linearize and not inputs.joints_only:
+        constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
+        moving_jacobian(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
+            terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
+        )  # fmt: skip
+    add_joints(
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms
+    )
+    for k in range(0 if inputs.joints_only else len(plan.loads.family)):
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
+        load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
+        if linearize:
+            load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
+    if not inputs.joints_only:
+        add_pressures(
+            plan.pressures,
+            frames,
+            work.markers,
+            q,
+            inputs.curves,
+            inputs.scale,
+            linearize,
+            work.scratch,
+            terms.applied,
+            terms.A_q,
+        )
+    drop_rows(plan, acc, linearize, terms)
+
+
+@inlined
+def drop_rows(plan, acc, linearize, terms):
+    """lam = 0 in the place of redundant constraints."""
+    for row in plan.dropped:
+        terms.inertial[row], terms.applied[row] = acc[row], 0
+        for e in range(plan.indptr[row], plan.indptr[row + 1] if linearize else plan.indptr[row]):
+            terms.I_acc[e] = 1 if plan.indices[e] == row else 0
+            terms.I_q[e], terms.A_q[e], terms.A_v[e] = 0, 0, 0
+
+
+@inlined
+def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
+    """Partial derivatives of the residual by the design, at the state of the last evaluation."""
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        terms.I_x[i, x], terms.A_x[i, x] = 0, 0
+    rate, acceleration = (v, acc) if inputs.inertia else (work.rest, work.rest)
+    plane, frames = plan.markers.plane, plan.markers.frames
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, v, acc)
+    update_pose_designs(plane, frames, plan.markers, work.markers, q, v, acc, work.scratch)
+    if not inputs.inertia:
+        set_frames(frames, work.markers, q, rate, acceleration)
+    if not inputs.joints_only:
+        constant_design(plan.constant, q, v, acceleration, inputs.scale, terms.I_x, terms.A_x)
+        moving_design(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating, terms.I_x, terms.A_x
+        )
+    add_joint_designs(
+        plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, acc, plan.curve_variable, plan.curve_index,
+        work.joint, terms,
+    )  # fmt: skip
+    for k in range(0 if inputs.joints_only else len(plan.loads.family)):
+        if not plan.loads.designed[k]:
+            continue
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
+        load_design(
+            plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
+            inputs.scale, work.load, terms.A_x,
+        )  # fmt: skip
+    if not inputs.joints_only:
+        add_pressure_designs(
+            plan.pressures, work.markers, q, inputs.curves, inputs.curves_x, plan.curve_variable, plan.curve_index, inputs.scale,
+            work.scratch, terms.A_x,
+        )  # fmt: skip
+    for row in plan.dropped:
+        terms.I_x[row], terms.A_x[row] = 0, 0
+
+
+@kernel
+def evaluate_all(plan, functions, inputs, q, v, acc, linearize, design, terms, work):
+    """Residual; if `linearize` its derivatives by the state; if `design` its partial derivatives by the design."""
+    evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work)
+    if design:
+        evaluate_design(plan, functions, inputs, q, v, acc, terms, work)

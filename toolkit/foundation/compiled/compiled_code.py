@@ -1,0 +1,174 @@
+"""Compiled formulas on disk: one file for each kernel and types of its arguments, whole or not believed, wherever there is a place.
+
+numba's own files end a program for ever when one of them is damaged, or when there is no place for them; and two programs that compile
+one kernel for different types at the same time can leave the code of one under the name of the other.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import pickle
+import stat
+import sys
+import tempfile
+import warnings
+from functools import cache, cached_property
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import llvmlite
+import numba
+import numpy as np
+from numba.core.caching import NullCache
+from numba.core.compiler import CompileResult
+from numba.core.registry import CPUDispatcher
+from numba.core.serialize import dumps
+
+from toolkit.foundation.compiled.formula_stamp import UnknownNameError, formula_stamp, layout
+from toolkit.foundation.files.replaced_file import in_one_stroke
+
+VARIABLE = "NUMBA_CACHE_DIR"
+"""Environment variable that names a folder for compiled code. numba also takes it from a file in the current folder, this program not:
+what is loaded from there is executed."""
+REMEDY = f"Set {VARIABLE} to a folder that lasts and can be written."
+SETTINGS = ("BOUNDSCHECK", "OPT")
+"""Settings of numba, from environment variables, that change the code."""
+_DIGEST = 32  # bytes of SHA-256, before the code
+_TOLD: set[str] = set()  # kinds of remarks that this process has made
+
+
+class CompiledCodeWarning(UserWarning):
+    """Compiled formulas were damaged, or cannot be kept where they will be looked for the next time."""
+
+
+class CompiledCode(NullCache):
+    """What is kept of one kernel; numba asks it for code before it compiles, and hands it the code afterwards.
+
+    Parameters
+    ----------
+    kernel : the formula, as numba compiles it
+    """
+
+    def __init__(self, kernel: CPUDispatcher) -> None:
+        self.kernel, self.function = kernel, kernel.py_func
+
+    def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
+        """The code for types of arguments; None if there is none, or only what is damaged."""
+        target.refresh()
+        file, damaged = self._file(signature, target.codegen()), None
+        for folder in self._folders:
+            try:
+                _refuse_others(folder)
+                content = (folder / file).read_bytes()
+            except OSError:
+                continue
+            if content[:_DIGEST] == sha256(content[_DIGEST:]).digest():
+                return CompileResult._rebuild(target, *pickle.loads(content[_DIGEST:]))  # noqa: S301  trusted as the program is
+            damaged = folder
+        if damaged:
+            _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
+        return None
+
+    def save_overload(self, signature: Any, compiled: Any) -> None:
+        """Keep the code in the first folder that takes it; say where it is if it does not last there."""
+        if any(not each.can_cache for each in compiled.lifted) or compiled.library.has_dynamic_globals:
+            return
+        code = dumps(compiled._reduce())
+        content, file, refusals = sha256(code).digest() + code, self._file(signature, compiled.codegen), []
+        for folder in self._folders:
+            try:
+                if folder.parent in _shared():
+                    folder.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+                    _refuse_others(folder)
+                folder.mkdir(parents=True, exist_ok=True)
+                with in_one_stroke(folder / file) as temporary:
+                    temporary.write_bytes(content)
+            except OSError as error:
+                refusals.append(f"{str(folder)!r} ({error.strerror or error})")
+                continue
+            if folder.parent == _shared()[-1]:
+                lost = f"compiled formulas cannot be kept in {' or '.join(refusals)}"
+                _tell("kept", f"{lost}; they are in {str(folder.parent)!r} until that is emptied. {REMEDY}")
+            return
+        if refusals:
+            _tell("kept", f"compiled formulas cannot be kept in {' or '.join(refusals)}: every run compiles them again. {REMEDY}")
+
+    @cached_property
+    def _name(self) -> str:
+        """Start of the names of the files."""
+        plain = f"{Path(self.function.__code__.co_filename).stem}.{self.function.__qualname__}".replace("<", "").replace(">", "")
+        return f"{plain}.py{sys.version_info[0]}{sys.version_info[1]}"
+
+    @cached_property
+    def _stamp(self) -> str:
+        """What the code follows from; empty if nobody knows it, so that nothing can be kept."""
+        try:
+            return formula_stamp(self.kernel)
+        except UnknownNameError as error:
+            _tell(
+                "unknown",
+                f"{self.function.__qualname__} uses {error}, of which nobody knows what its code takes from it: every run compiles it "
+                "again. Use numbers, arrays, named tuples and other kernels.",
+            )
+            return ""
+
+    @cached_property
+    def _folders(self) -> list[Path]:
+        """Where code may be, the best place first."""
+        if not self._stamp:
+            return []
+        source = Path(self.function.__code__.co_filename).absolute()
+        name = f"{source.parent.name}_{sha256(str(source.parent).encode()).hexdigest()[:16]}"
+        if given := os.environ.get(VARIABLE):
+            return [Path(given).absolute() / name, *(folder / name for folder in _shared()[-1:])]
+        beside = [source.parent / "__pycache__"] if source.is_file() else []
+        return beside + [folder / name for folder in _shared()]
+
+    def _file(self, signature: Any, codegen: Any) -> str:
+        """Name of the file for types of arguments and a processor."""
+        signature = layout(getattr(signature, "args", signature))
+        versions = (
+            numba.__version__,
+            llvmlite.__version__,
+            np.__version__,
+            *(getattr(numba.config, each, None) for each in SETTINGS),
+        )
+        key = repr((self._stamp, signature, codegen.magic_tuple(), versions)).encode()
+        return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
+
+
+@cache
+def _shared() -> list[Path]:
+    """Folders that are not the program's own: below the home of the user; and one that is emptied now and then, the last."""
+    user = os.geteuid() if os.name == "posix" else "user"
+    try:
+        lasting = [Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "ffrf-toolkit"]
+    except RuntimeError:  # there is no home
+        lasting = []
+    try:
+        found = [*lasting, Path(tempfile.gettempdir()) / f"ffrf-toolkit-{user}"]
+    except OSError:  # nothing can be written anywhere
+        found = lasting
+    return [folder for folder in found if folder.is_absolute()]
+
+
+def _refuse_others(folder: Path) -> None:
+    """Raise OSError where somebody else could have put something: code that is loaded is executed."""
+    if os.name == "posix" and folder.parent in _shared():
+        found = folder.parent.lstat()
+        if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.geteuid() or found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise PermissionError(errno.EPERM, "other users can write there")
+
+
+def is_kept() -> bool:
+    """Whether all that was compiled so far stays where it will be found the next time."""
+    return "kept" not in _TOLD
+
+
+def _tell(kind: str, text: str) -> None:
+    """Make a remark, the first of its kind only: there are a hundred kernels."""
+    if kind not in _TOLD:
+        _TOLD.add(kind)
+        warnings.warn(text, CompiledCodeWarning, stacklevel=2)

@@ -1,0 +1,67 @@
+"""Dimensions of quantities, and the factors by which their numbers change from one unit system to another."""
+
+from __future__ import annotations
+
+from math import prod
+from typing import NamedTuple
+
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import UNIT_SYSTEMS, unit
+
+
+class Dimension(NamedTuple):
+    """Exponents of mass, length and time; an angle has none."""
+
+    mass: int = 0
+    length: int = 0
+    time: int = 0
+
+    def power(self, exponent: int) -> Dimension:
+        """The dimension of a power."""
+        return Dimension(*(exponent * each for each in self))
+
+    def times(self, other: Dimension) -> Dimension:
+        """The dimension of a product."""
+        return Dimension(*(a + b for a, b in zip(self, other, strict=True)))
+
+
+NONE = Dimension()
+LABELLED = {
+    "none": NONE, "angle": NONE, "length": Dimension(0, 1, 0), "time": Dimension(0, 0, 1), "mass": Dimension(1, 0, 0),
+    "force": Dimension(1, 1, -2), "stress": Dimension(1, -1, -2), "density": Dimension(1, -3, 0), "torque": Dimension(1, 2, -2),
+    "energy": Dimension(1, 2, -2), "area": Dimension(0, 2, 0), "second_moment": Dimension(0, 4, 0),
+    "rate": Dimension(0, 0, -1),
+}  # fmt: skip
+"""Of the quantities that `toolkit.foundation.units` has labels for."""
+
+_IN_KG_M_S = {"m-kg-s": (1.0, 1.0, 1.0), "mm-t-s": (1e3, 1e-3, 1.0)}
+"""Units of mass, length and time of each system, in kg, m and s."""
+
+
+def factor(dimension: Dimension, source: str, target: str) -> float:
+    """What a number in the units of `source` is multiplied by to be one in those of `target`.
+
+    Raises
+    ------
+    InputError
+        A unit system is unknown.
+    """
+    for system in (source, target):
+        if system not in _IN_KG_M_S:
+            raise InputError(f"unknown unit system {system!r}; available: {', '.join(UNIT_SYSTEMS)}.")
+    sizes = zip(dimension, _IN_KG_M_S[source], _IN_KG_M_S[target], strict=True)
+    return float(prod((old / new) ** exponent for exponent, old, new in sizes))
+
+
+def dimension_of_label(label: str, units: str) -> Dimension:
+    """The dimension that a unit's label such as "MPa" stands for.
+
+    Raises
+    ------
+    InputError
+        The unit system has no quantity with this label.
+    """
+    found = [dimension for quantity, dimension in LABELLED.items() if unit(units, quantity) == label]
+    if not found:
+        raise InputError(f"the unit {label!r} is none of {units}, so that numbers in it cannot be converted. Mend the label.")
+    return found[0]

@@ -1,0 +1,108 @@
+"""One source, two ways to run: formulas compiled by numba, and the same formulas as plain Python on complex arrays.
+
+With the environment variable NUMBA_DISABLE_JIT=1 real numbers run as plain Python too, slowly, so that a debugger can step through.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from types import FunctionType
+from typing import Any
+
+import numba
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.core.registry import CPUDispatcher
+from numba.core.types.function_type import CompileResultWAP
+
+from toolkit.foundation.compiled.compiled_code import CompiledCode
+from toolkit.foundation.errors import InputError
+
+
+def kernel(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that Python calls: compiled on first use, kept on disk, callable by other kernels too.
+
+    Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
+    the step loop and halves the time to compile it.
+    """
+    return _compiled(function)
+
+
+def inner(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that only other kernels call; without an entrance from Python it compiles faster."""
+    return _compiled(function, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+
+
+def inlined(function: Callable) -> CPUDispatcher:
+    """Decorator of a formula that becomes part of its callers, where passing on many arguments would cost more than the formula does.
+
+    Measured, it doubles the speed of small mechanisms, and takes a third more time to compile; so it is kept to what runs most.
+    """
+    return _compiled(function, forceinline=True)
+
+
+def _compiled(function: Callable, **options: bool) -> CPUDispatcher:
+    dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, **options)  # type: ignore[call-overload]
+    if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
+        dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]
+    return dispatcher
+
+
+SLOTS = 8
+"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene, and small,
+because every slot adds 10 us to a call of the loop."""
+
+
+@inner
+def copy(source, target):
+    """target = source, for vectors."""
+    for i in range(len(source)):
+        target[i] = source[i]
+
+
+def slots(functions: list[CPUDispatcher], signature: Any) -> tuple:
+    """The functions as the fixed-length tuple of one type that the compiled loop accepts.
+
+    Raises
+    ------
+    InputError
+        More functions than slots.
+    """
+    if len(functions) > SLOTS:
+        raise InputError(
+            f"the scene uses {len(functions)} different kinds of joints or of loads, at most {SLOTS} are possible. "
+            "Unite kinds that differ only in a parameter."
+        )
+    return tuple(([first_class(function, signature) for function in functions] * SLOTS)[:SLOTS])
+
+
+def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
+    """A kernel compiled for one signature (by default its last), as an argument for other kernels, compiled without its code."""
+    if not isinstance(function, CPUDispatcher):
+        return function
+    signature = signature or function.nopython_signatures[-1]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        function.compile(signature)
+        return CompileResultWAP(function.get_compile_result(signature))
+
+
+def call(function: Callable, *arguments: Any) -> Any:
+    """Call a kernel with `slots` among its arguments, without numba's note that such arguments are experimental."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+        return function(*arguments)
+
+
+@cache
+def plain(function: CPUDispatcher) -> FunctionType:
+    """The same formula as plain Python, together with every kernel that it calls; it takes complex arrays."""
+    if not isinstance(function, CPUDispatcher):
+        return function
+    source = function.py_func
+    names = {name: value for name, value in source.__globals__.items() if name in source.__code__.co_names}
+    called = {name: plain(value) for name, value in names.items() if isinstance(value, CPUDispatcher) and value is not function}
+    result = FunctionType(source.__code__, {**source.__globals__, **called}, source.__name__, source.__defaults__)
+    result.__doc__ = source.__doc__
+    return result

@@ -1,0 +1,1 @@
+"""Python and the preprocessing in processes of their own."""

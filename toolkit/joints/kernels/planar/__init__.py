@@ -1,0 +1,1 @@
+"""Planar joints in the compiled loop."""

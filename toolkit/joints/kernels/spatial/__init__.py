@@ -1,0 +1,1 @@
+"""Spatial joints in the compiled loop, and the quadratic forms that they consist of."""

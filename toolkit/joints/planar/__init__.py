@@ -1,0 +1,1 @@
+"""Joints in the plane, one kind per file."""

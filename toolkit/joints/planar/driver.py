@@ -1,0 +1,93 @@
+"""Drivers: the relative angle, or the position along an axis, follows a time curve."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.description.description import Description
+from toolkit.description.profile import Curve, is_smooth
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.planar.joint import PointJoint
+from toolkit.joints.planar.slider import AlongAxis, offset_along
+from toolkit.kinematics.planar import unit_vector
+from toolkit.markers.component import Skeleton
+
+
+@kernel
+def relative_angle(z, w, phi, phi_z, phi_zz, phi_zww):
+    """phi = angle_a - angle_b."""
+    phi[0] = z[2] - z[5]
+    phi_z[0, 2], phi_z[0, 5] = 1, -1
+
+
+def smooth(curve: Curve) -> Curve:
+    """Refuse a curve without second derivative: the acceleration of what it drives would not exist."""
+    if not is_smooth(curve):
+        raise ValueError("a driver needs a curve with a second derivative; use interpolation = 'cubic' or a smooth-step")
+    return curve
+
+
+class Driven(Description):
+    """Base of drivers: a joint coordinate follows a curve.
+
+    Attributes
+    ----------
+    curve
+        The joint coordinate over time.
+    """
+
+    curve: Curve
+    _smooth = field_validator("curve")(smooth)
+
+    @property
+    def time_curve(self) -> Curve:
+        """The curve that is followed."""
+        return self.curve
+
+
+class AngleDriver(Driven, PointJoint):
+    """phi = angle_a - angle_b - f(t): the relative rotation since the undeformed configuration follows the curve.
+
+    Attributes
+    ----------
+    curve
+        Relative rotation over time, in rad; smooth, and zero at the start.
+    """
+
+    kind = "angle-driver"
+    formula = relative_angle
+    curved = False
+
+    @property
+    def row_names(self) -> list[str]:
+        """The rotation."""
+        return ["rotation"]
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """None."""
+        return []
+
+
+class PositionDriver(Driven, AlongAxis):
+    """phi = e . (r_a - r_b) - f(t): the offset along the axis e fixed in body b follows the curve.
+
+    Attributes
+    ----------
+    curve
+        Offset along the axis over time, in units of length; smooth, and equal to the given offset at the start.
+    """
+
+    kind = "position-driver"
+    formula = offset_along
+
+    @property
+    def row_names(self) -> list[str]:
+        """The axis."""
+        return ["axis"]
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The axis."""
+        return list(unit_vector(np.array(self.axis)))

@@ -1,0 +1,1 @@
+"""Loads in the plane, one kind per file."""

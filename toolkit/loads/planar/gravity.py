@@ -1,0 +1,22 @@
+"""Gravity: one uniform acceleration on every body."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from toolkit.description.description import Pair, Registered
+
+
+class Gravity(Registered):
+    """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none.
+
+    Attributes
+    ----------
+    acceleration
+        g_x, g_y, in length/time^2.
+    """
+
+    kind = "gravity"
+    dimension: ClassVar[int] = 2
+
+    acceleration: Pair

@@ -1,0 +1,33 @@
+"""What joints and loads about an axis in space share."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.description.description import Description, Triple
+from toolkit.kinematics.spatial import axes_along
+
+
+class AboutAxis(Description):
+    """Base of components about or along an axis; it is the third axis of both markers.
+
+    Attributes
+    ----------
+    axis
+        Direction of the axis in the undeformed configuration, of any length.
+    """
+
+    axis: Triple
+
+    @field_validator("axis")
+    @classmethod
+    def _not_zero(cls, axis: Triple) -> Triple:
+        if not any(axis):
+            raise ValueError("an axis needs a direction, for example [0, 0, 1]")
+        return axis
+
+    @property
+    def axes(self) -> np.ndarray:
+        """The third one along the axis."""
+        return axes_along(self.axis)

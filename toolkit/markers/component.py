@@ -1,0 +1,78 @@
+"""The one protocol of joints and loads: which bodies they grip where, their parameters, and their compiled formula."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any, ClassVar, Protocol
+
+import numpy as np
+from numba.core.registry import CPUDispatcher
+
+from toolkit.description.description import Registered
+from toolkit.description.profile import Curve
+
+Place = str | tuple[str, str]
+"""A point that both bodies share, or each body's own point, where two flexible bodies meet."""
+
+
+def on_both(place: Place) -> tuple[str, str]:
+    """The point on the first body and that on the second."""
+    return (place, place) if isinstance(place, str) else place
+
+
+class Skeleton(Protocol):
+    """What a component may ask of its scene: where the points are in the undeformed configuration."""
+
+    def position(self, point: str) -> np.ndarray:
+        """Undeformed global position of a point, shape (2,)."""
+
+
+class Component(Registered):
+    """Base of joints and loads.
+
+    `formula` is the compiled law of this kind with all its derivatives; a subclass without one cannot be created. Its parameters
+    enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's.
+    """
+
+    formula: ClassVar[CPUDispatcher]
+    stated_by: ClassVar[str] = "formula"
+    """What a kind of component states its law by."""
+    dimension: ClassVar[int] = 2
+
+    @classmethod
+    def law(cls) -> CPUDispatcher:
+        """The formula itself; reached through an instance it would be bound to it, another one for each component."""
+        return cls.formula
+
+    @property
+    @abstractmethod
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """(body, point) of marker a and of marker b."""
+
+    @abstractmethod
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """Numbers behind the two poses in the formula's arguments, real or complex."""
+
+    @property
+    def axes(self) -> np.ndarray | None:
+        """Axes (3, 3) of its markers in the undeformed configuration, as columns; None for those of space."""
+        return None
+
+    @property
+    def feels_axes(self) -> bool:
+        """Whether it asks for more than the positions of its markers, in space; a plain truth costs time alone."""
+        return True
+
+    @property
+    def time_curve(self) -> Curve | None:
+        """The time curve that drives or scales the component."""
+        return None
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if cls.kind and not hasattr(cls, cls.stated_by):
+            raise TypeError(
+                f"{cls.__name__} has no `{cls.stated_by}`: state the law and all its derivatives as one compiled function, "
+                "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
+            )
+        super().__pydantic_init_subclass__(**kwargs)

@@ -1,0 +1,1 @@
+"""Markers of planar bodies in the compiled loop."""

@@ -1,0 +1,44 @@
+"""Partial design derivatives of markers in the compiled loop: the formulas of `marker_kernel` with z0, t0, Z, T differentiated."""
+
+import numpy as np
+
+from toolkit.foundation.kernel import inlined, kernel
+from toolkit.markers.planar.marker_kernel import rotate_sum, rotated
+
+
+@kernel
+def update_marker_designs(markers, state, q, v, acc, scratch):
+    """Partial design derivatives of y, B v, B a and b; the same formulas with z0, t0, Z, T replaced by their derivatives."""
+    for m in range(len(markers.frame)):
+        first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
+        for d in range(markers.design_start[m], markers.design_start[m + 1]):
+            offset = markers.design_shape_start[d]
+            for i, vector in enumerate((q, v, acc)):
+                for j in range(3):
+                    scratch[i, j] = 0
+                for k in range(first, last):
+                    for j in range(3):
+                        scratch[i, j] += markers.design_shape[offset + k - first, j] * vector[markers.coordinate[k]]
+            for i in range(3):
+                scratch[0, i] += markers.design_point[d, i]
+            store_design(state, d, frame, q, v, acc, scratch[0], scratch[1], scratch[2])
+
+
+@inlined
+def store_design(state, d, frame, q, v, acc, u, du, ddu):
+    """One marker, one design variable."""
+    if frame < 0:
+        for i in range(3):
+            state.y_x[d, i], state.rate_x[d, i], state.acceleration_x[d, i] = u[i], du[i], ddu[i]
+        return
+    c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+    omega, alpha = v[frame + 2], acc[frame + 2]
+    rotated(state.y_x[d], c, s, 1.0, u[0], u[1])
+    state.y_x[d, 2] = u[2]
+    rotate_sum(state.rate_x[d], c, s, 0.0, u, omega, u)
+    rotate_sum(state.acceleration_x[d], c, s, 0.0, u, alpha, u)
+    for i in range(2):
+        state.rate_x[d, i] += (c * du[0] - s * du[1]) if i == 0 else (s * du[0] + c * du[1])
+        state.acceleration_x[d, i] += (c * ddu[0] - s * ddu[1]) if i == 0 else (s * ddu[0] + c * ddu[1])
+    state.rate_x[d, 2], state.acceleration_x[d, 2] = du[2], ddu[2]
+    rotate_sum(state.centripetal_x[d], c, s, -omega * omega, u, 2 * omega, du)

@@ -1,0 +1,149 @@
+"""Markers in the compiled loop: pose, Jacobian and curvature terms of every point that a joint or load grips.
+
+A marker sits at z0 + Z c in the frame of its body (r, theta), c the elastic coordinates it feels:
+
+    y  = [ r + A u,  theta + t0 + T c ],                   u = z0 + Z c,   A = A(theta)
+    B  = dy/dq:    r: identity,   theta: [A J u, 1],       c: [A Z, T],    J = [[0, -1], [1, 0]]
+    y'' = B q'' + b,    b = [-theta'^2 A u + 2 theta' A J Z c', 0]
+    B_w = d(B w)/dq for a rate w = v or a:   theta: -A u w_theta + A J Z w_c,   c: A J Z w_theta
+    b_q:   theta: -theta'^2 A J u - 2 theta' A Z c',   c: -theta'^2 A Z
+
+A body without frame coordinates (grounded, or the ground) has theta = 0 and only the columns c.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.kernel import inlined, kernel
+
+
+class Markers(NamedTuple):
+    """What never changes. Columns of marker m are `start[m]:start[m + 1]`: first r_x, r_y, theta if it has a frame."""
+
+    plane: tuple  # not None: these are markers in the plane
+    frames: None  # which are those of space alone
+    pose: tuple  # 0, 1, 2; its length is known when the loop is compiled
+    frame: np.ndarray  # (n_m,) global number of r_x, or -1
+    point: np.ndarray  # (n_m, 3) z0 and t0
+    start: np.ndarray  # (n_m + 1,)
+    coordinate: np.ndarray  # (n_columns,) global number
+    shape: np.ndarray  # (n_columns, 3) rows of Z and T; zero for the frame's columns
+    design_start: np.ndarray  # (n_m + 1,) into the next three
+    design_variable: np.ndarray  # (n_d,)
+    design_point: np.ndarray  # (n_d, 3) derivative of z0 and t0
+    design_shape_start: np.ndarray  # (n_d,) into the next
+    design_shape: np.ndarray  # derivative of `shape`, block after block
+
+    def state(self, dtype: type) -> "MarkerState":
+        """Memory for the state of the markers."""
+        n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
+        return MarkerState(*(np.zeros((n, 3), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 4))
+
+
+class MarkerState(NamedTuple):
+    """What the current state makes of them; y = (x, y, angle)."""
+
+    y: np.ndarray  # (n_m, 3)
+    rate: np.ndarray  # B v
+    acceleration: np.ndarray  # B a
+    centripetal: np.ndarray  # b
+    B: np.ndarray  # (n_columns, 3)
+    B_v: np.ndarray
+    B_a: np.ndarray
+    b_q: np.ndarray
+    y_x: np.ndarray  # (n_d, 3) derivatives by the active design variables
+    rate_x: np.ndarray
+    acceleration_x: np.ndarray
+    centripetal_x: np.ndarray
+
+
+@inlined
+def rotated(column, c, s, factor, x, y):
+    """Store factor * A (x, y) in the first two entries of a column."""
+    column[0] = factor * (c * x - s * y)
+    column[1] = factor * (s * x + c * y)
+
+
+@inlined
+def turned(column, c, s, factor, x, y):
+    """Store factor * A J (x, y) in the first two entries of a column."""
+    column[0] = factor * (-c * y - s * x)
+    column[1] = factor * (-s * y + c * x)
+
+
+@inlined
+def shape_sum(markers, first, last, vector, out):
+    """Z w_c and T w_c of the columns first:last."""
+    out[:] = 0
+    for k in range(first, last):
+        w = vector[markers.coordinate[k]]
+        for i in range(3):
+            out[i] += markers.shape[k, i] * w
+
+
+@kernel
+def update_markers(markers, state, q, v, acc, scratch):
+    """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
+    for m in range(len(markers.frame)):
+        first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
+        for i, vector in enumerate((q, v, acc)):
+            shape_sum(markers, first, last, vector, scratch[i])
+        u, du, ddu = scratch[0], scratch[1], scratch[2]
+        for i in range(3):
+            u[i] += markers.point[m, i]
+        if frame < 0:
+            for i in range(3):
+                state.y[m, i], state.rate[m, i], state.acceleration[m, i] = u[i], du[i], ddu[i]
+                for k in range(first, last):
+                    state.B[k, i] = markers.shape[k, i]
+        else:
+            update_moving(markers, state, m, q, v, acc, u, du, ddu)
+
+
+@inlined
+def update_moving(markers, state, m, q, v, acc, u, du, ddu):
+    """A marker whose body has a frame."""
+    first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
+    c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+    omega, alpha = v[frame + 2], acc[frame + 2]
+    turn = first + 2
+    for i in range(2):
+        state.B[first + i, i] = 1
+    turned(state.B[turn], c, s, 1.0, u[0], u[1])
+    state.B[turn, 2] = 1
+    for k in range(turn + 1, last):
+        x, y = markers.shape[k, 0], markers.shape[k, 1]
+        rotated(state.B[k], c, s, 1.0, x, y)
+        state.B[k, 2] = markers.shape[k, 2]
+        turned(state.B_v[k], c, s, omega, x, y)
+        turned(state.B_a[k], c, s, alpha, x, y)
+        rotated(state.b_q[k], c, s, -omega * omega, x, y)
+    rotate_sum(state.B_v[turn], c, s, -omega, u, 1.0, du)
+    rotate_sum(state.B_a[turn], c, s, -alpha, u, 1.0, ddu)
+    rotate_sum(state.centripetal[m], c, s, -omega * omega, u, 2 * omega, du)
+    turned(state.b_q[turn], c, s, -omega * omega, u[0], u[1])
+    state.b_q[turn, 0] -= 2 * omega * (c * du[0] - s * du[1])
+    state.b_q[turn, 1] -= 2 * omega * (s * du[0] + c * du[1])
+    rotated(state.y[m], c, s, 1.0, u[0], u[1])
+    rotate_sum(state.rate[m], c, s, 0.0, u, 0.0, du)
+    for i in range(2):
+        state.y[m, i] += q[frame + i]
+    state.y[m, 2] = q[frame + 2] + u[2]
+    velocity(state.rate[m], state.B[turn], c, s, v, frame, omega, du)
+    velocity(state.acceleration[m], state.B[turn], c, s, acc, frame, alpha, ddu)
+
+
+@inlined
+def rotate_sum(column, c, s, factor, u, factor_turned, w):
+    """Store factor * A u + factor_turned * A J w in the first two entries of a column."""
+    column[0] = factor * (c * u[0] - s * u[1]) + factor_turned * (-c * w[1] - s * w[0])
+    column[1] = factor * (s * u[0] + c * u[1]) + factor_turned * (-s * w[1] + c * w[0])
+
+
+@inlined
+def velocity(out, turn, c, s, w, frame, w_theta, w_u):
+    """B w = w_r + A J u w_theta + A Z w_c, and the angle's rate."""
+    out[0] = w[frame] + turn[0] * w_theta + c * w_u[0] - s * w_u[1]
+    out[1] = w[frame + 1] + turn[1] * w_theta + s * w_u[0] + c * w_u[1]
+    out[2] = w_theta + w_u[2]

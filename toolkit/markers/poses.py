@@ -1,0 +1,70 @@
+"""Markers in the plane and in space alike: their poses, and the forces on them; which formulas run is known when they are compiled.
+
+Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and numba never compiles what stands behind it.
+"""
+
+import numpy as np
+
+from toolkit.foundation.kernel import inlined
+from toolkit.kinematics.spatial import update_frames
+from toolkit.markers.planar.marker_design import update_marker_designs
+from toolkit.markers.planar.marker_forces import add_force, add_force_design, add_geometric_stiffness
+from toolkit.markers.planar.marker_kernel import update_markers
+from toolkit.markers.spatial.marker_design import update_spatial_marker_designs
+from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design, add_spatial_stiffness
+from toolkit.markers.spatial.marker_kernel import update_spatial_markers
+
+
+@inlined
+def update_poses(plane, frames, markers, state, q, v, acc, scratch):
+    """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
+    if plane is not None:
+        update_markers(markers, state, q, v, acc, scratch)
+    if frames is not None:
+        update_frames(frames, state.frames, q, v, acc)
+        update_spatial_markers(markers, state, q, v, acc)
+
+
+@inlined
+def set_frames(frames, state, q, v, acc):
+    """Evaluate the frames alone; where bodies are to feel no rates, with rates that are zero."""
+    if frames is not None:
+        update_frames(frames, state.frames, q, v, acc)
+
+
+@inlined
+def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
+    """Partial design derivatives of all markers, after `update_poses`."""
+    if plane is not None:
+        update_marker_designs(markers, state, q, v, acc, scratch)
+    if frames is not None:
+        update_spatial_marker_designs(markers, state, q, v, acc)
+
+
+@inlined
+def add_pose_force(plane, frames, markers, state, m, force, factor, residual):
+    """residual += factor * B^T F for a force F, as long as a pose, on marker m."""
+    if plane is not None:
+        add_force(markers, state, m, force, factor, residual)
+    if frames is not None:
+        add_spatial_force(markers, state, m, force, factor, residual)
+
+
+@inlined
+def add_pose_stiffness(plane, frames, markers, state, m, force, factor, positions, stride, offset, values):
+    """values += factor * d(B^T F)/dq at constant F, see `marker_forces`."""
+    if plane is not None:
+        add_geometric_stiffness(markers, state, m, force, factor, positions, stride, offset, values)
+    if frames is not None:
+        add_spatial_stiffness(markers, state, m, force, factor, positions, stride, offset, values)
+
+
+@inlined
+def add_pose_force_design(plane, frames, markers, state, m, d, force, factor, q, residual_x):
+    """residual_x += factor * d(B^T F)/dx at constant F."""
+    if plane is not None:
+        frame = markers.frame[m]
+        c, s = (np.cos(q[frame + 2]), np.sin(q[frame + 2])) if frame >= 0 else (1 + 0 * q[0], 0 * q[0])
+        add_force_design(markers, state, m, d, force, factor, c, s, residual_x)
+    if frames is not None:
+        add_spatial_force_design(markers, state, m, d, force, factor, residual_x)

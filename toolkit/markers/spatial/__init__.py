@@ -1,0 +1,1 @@
+"""Markers of spatial bodies in the compiled loop."""

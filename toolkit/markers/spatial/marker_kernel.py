@@ -1,0 +1,245 @@
+"""Spatial markers in the compiled loop: pose, Jacobian and curvature terms of every point that a joint or load grips.
+
+A marker sits at u = z0 + Z c in the frame of its body, c the elastic coordinates it feels, with three axes e_1, e_2, e_3 that the
+deformation turns by the rotation vector phi = T c. Its pose is four vectors, the position and the axes, all of one form:
+
+    y_m = r + r0 [m = 0] + A X_m,     X_0 = u,     X_m = R(phi) e_m  (m = 1, 2, 3)
+    B   = dy/dq:   r: identity [m = 0],   beta_k: A_k X_m,     c_j: A X_m,j
+    y'' = B q'' + b,   b = W X_m + 2 V X_m' + A X_m'' [c'' = 0]
+    B_w = d(B w)/dq at constant w = v or a,   b_q = db/dq
+
+with the matrices A, A_k, V, W, X of the body's frame (`toolkit.kinematics.spatial`). r0 is the fixed origin of a frame that only turns.
+A body that does not turn has A = I and no columns beta; the placement of such a body is part of z0, Z, T and e_m.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.kernel import inlined, inner
+from toolkit.kinematics.nodal_rotation import TurnedVector, still, turn, turned_vector
+from toolkit.kinematics.spatial import Frames, FrameState, frame_state
+
+POSE = 12
+"""Numbers of a pose: four vectors of three components."""
+
+
+class SpatialMarkers(NamedTuple):
+    """What never changes. Columns of marker m are `start[m]:start[m + 1]`: r, then beta, as far as its body has them, then c."""
+
+    plane: None  # these are markers in space
+    frames: Frames
+    pose: tuple  # 0 ... 11; its length is known when the loop is compiled
+    frame: np.ndarray  # (n_m,) number of its frame; the last for bodies that do not turn
+    moves: np.ndarray  # (n_m,) 3 if its body has r, otherwise 0
+    turns: np.ndarray  # (n_m,) how many beta its body has
+    bends: np.ndarray  # (n_m,) 1 if any T is not zero and the axes matter
+    size: np.ndarray  # (n_m,) 12, or 3 where nothing asks for the axes: they stay zero
+    point: np.ndarray  # (n_m, 15) z0, e_1, e_2, e_3, r0
+    start: np.ndarray  # (n_m + 1,)
+    coordinate: np.ndarray  # (n_columns,) global number
+    shape: np.ndarray  # (n_columns, 6) rows of Z and T; zero for the frame's columns
+    design_start: np.ndarray  # (n_m + 1,) into the next three
+    design_variable: np.ndarray  # (n_d,)
+    design_point: np.ndarray  # (n_d, 15)
+    design_shape_start: np.ndarray  # (n_d,) into the next
+    design_shape: np.ndarray  # (..., 6) derivative of `shape`, block after block
+
+    def state(self, dtype: type) -> "SpatialMarkerState":
+        """Memory for the state of the markers."""
+        n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
+        numbers: list[Any] = [np.zeros((n, POSE), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 5 + (n_m,) + (n_c,)]
+        numbers += [
+            np.zeros((n_m, 6, POSE), dtype), np.zeros((4, 4), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
+            np.zeros((12, POSE), dtype), np.zeros((3, 6), dtype), np.zeros((4, POSE), dtype),
+            np.zeros((len(self.design_shape), POSE), dtype), turned_vector(dtype), frame_state(self.frames, dtype),
+        ]  # fmt: skip
+        return SpatialMarkerState(*numbers)
+
+
+class SpatialMarkerState(NamedTuple):
+    """What the current state makes of them; every pose is y_0, y_1, y_2, y_3."""
+
+    y: np.ndarray  # (n_m, 12)
+    rate: np.ndarray  # B v
+    acceleration: np.ndarray  # B a
+    centripetal: np.ndarray  # b
+    B: np.ndarray  # (n_columns, 12)
+    B_v: np.ndarray
+    B_a: np.ndarray
+    b_q: np.ndarray
+    y_x: np.ndarray  # (n_d, 12) derivatives by the active design variables
+    rate_x: np.ndarray
+    acceleration_x: np.ndarray
+    centripetal_x: np.ndarray
+    local_x: np.ndarray  # (n_d, 12) derivatives of X_m by the active design variables
+    local: np.ndarray  # (n_m, 12) X_m
+    slope: np.ndarray  # (n_columns, 12) X_m,j
+    bend: np.ndarray  # (n_m, 6, 12) second derivatives of X_m by phi: 11, 22, 33, 23, 13, 12
+    square: np.ndarray  # (4, 4) scratch memory
+    sums: np.ndarray  # (3, 6) u, phi, and their first and second derivatives by time
+    motion: np.ndarray  # (4, 12) X_m', the parts of X_m'' by c'' and by c', and scratch memory
+    by: np.ndarray  # (12, 12) derivatives by phi_1, phi_2, phi_3 of X_m, of X_m' and of the two parts of X_m''
+    sums_x: np.ndarray  # (3, 6) as `sums`, of one design variable
+    motion_x: np.ndarray  # (4, 12) of one design variable: X_m, X_m' and the two parts of X_m''
+    slope_x: np.ndarray  # (..., 12) derivatives of X_m,j, in the blocks of `design_shape`
+    turned: TurnedVector  # scratch memory
+    frames: FrameState
+
+
+@inner
+def second_index(i, j):
+    """Place of the pair (i, j) in the order 11, 22, 33, 23, 13, 12."""
+    return i if i == j else 6 - i - j
+
+
+@inlined
+def apply(size, matrix, source, target, factor):
+    """target += factor * matrix source, vector by vector of a pose of `size` numbers."""
+    for m in range(0, size, 3):
+        a, b, c = source[m], source[m + 1], source[m + 2]
+        for i in range(3):
+            target[m + i] += factor * (matrix[i, 0] * a + matrix[i, 1] * b + matrix[i, 2] * c)
+
+
+@inlined
+def shape_sums(markers, m, q, v, acc, sums):
+    """u and phi, and their derivatives by time, from z0, Z and T."""
+    sums[:] = 0
+    for i in range(3):
+        sums[0, i] = sums[0, i] + markers.point[m, i]
+    for k in range(markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]):
+        at = markers.coordinate[k]
+        for i in range(6):
+            entry = markers.shape[k, i]
+            sums[0, i] += entry * q[at]
+            sums[1, i] += entry * v[at]
+            sums[2, i] += entry * acc[at]
+
+
+@inner
+def update_local(markers, state, m):
+    """X_m and its derivatives in the body's frame."""
+    sums, motion = state.sums, state.motion
+    for i in range(3):
+        state.local[m, i], motion[0, i], motion[1, i] = sums[0, i], sums[1, i], sums[2, i]
+        motion[2, i] = 0
+        for row in range(12):
+            state.by[row, i] = 0
+    for block in range(3, markers.size[m], 3):
+        turned, e = state.turned, markers.point[m, block : block + 3]
+        if markers.bends[m] == 1:
+            turn(sums[0, 3:6], sums[1, 3:6], sums[2, 3:6], e, turned)
+        else:
+            still(e, turned)
+        for c in range(3):
+            k = block + c
+            state.local[m, k] = turned.value[c]
+            for row in range(3):
+                motion[row, k] = 0
+            for i in range(3):
+                state.by[i, k], state.by[3 + i, k] = turned.by[i, c], turned.along_rate[i, c]
+                state.by[6 + i, k], state.by[9 + i, k] = turned.along_growth[i, c], turned.curved[i, c]
+                motion[0, k] += turned.by[i, c] * sums[1, 3 + i]
+                motion[1, k] += turned.by[i, c] * sums[2, 3 + i]
+                motion[2, k] += turned.along_rate[i, c] * sums[1, 3 + i]
+                for j in range(i, 3):
+                    state.bend[m, second_index(i, j), k] = turned.by_by[i, j, c]
+
+
+@inner
+def update_spatial_markers(markers, state, q, v, acc):
+    """Evaluate all markers, without their design derivatives; their frames are up to date."""
+    for m in range(len(markers.frame)):
+        shape_sums(markers, m, q, v, acc, state.sums)
+        update_local(markers, state, m)
+        update_pose(markers, state, m, q, v, acc)
+        update_frame_columns(markers, state, m)
+        update_elastic_columns(markers, state, m)
+
+
+@inlined
+def update_pose(markers, state, m, q, v, acc):
+    """y, B v, B a and b."""
+    f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
+    for array in (state.y[m], state.rate[m], state.acceleration[m], state.centripetal[m]):
+        array[:] = 0
+    for i in range(3):
+        state.y[m, i] = state.y[m, i] + markers.point[m, 12 + i]
+    for i in range(markers.moves[m]):
+        at = markers.coordinate[markers.start[m] + i]
+        state.y[m, i], state.rate[m, i], state.acceleration[m, i] = q[at], v[at], acc[at]
+    apply(size, frames.A[f], local, state.y[m], 1.0)
+    apply(size, frames.A[f], motion[0], state.rate[m], 1.0)
+    apply(size, frames.A[f], motion[1], state.acceleration[m], 1.0)
+    apply(size, frames.A[f], motion[2], state.centripetal[m], 1.0)
+    if markers.turns[m] > 0:
+        apply(size, frames.V[f], local, state.rate[m], 1.0)
+        apply(size, frames.X[f], local, state.acceleration[m], 1.0)
+        apply(size, frames.W[f], local, state.centripetal[m], 1.0)
+        apply(size, frames.V[f], motion[0], state.centripetal[m], 2.0)
+
+
+@inlined
+def update_frame_columns(markers, state, m):
+    """Columns of r and beta."""
+    f, size, frames, local, motion = markers.frame[m], markers.size[m], state.frames, state.local[m], state.motion
+    first = markers.start[m] + markers.moves[m]
+    for i in range(markers.moves[m]):
+        state.B[markers.start[m] + i, i] = 1
+    for k in range(markers.turns[m]):
+        for array in (state.B[first + k], state.B_v[first + k], state.B_a[first + k], state.b_q[first + k]):
+            array[:] = 0
+        apply(size, frames.A_k[f, k], local, state.B[first + k], 1.0)
+        apply(size, frames.V_k[f, k], local, state.B_v[first + k], 1.0)
+        apply(size, frames.A_k[f, k], motion[0], state.B_v[first + k], 1.0)
+        apply(size, frames.X_k[f, k], local, state.B_a[first + k], 1.0)
+        apply(size, frames.A_k[f, k], motion[1], state.B_a[first + k], 1.0)
+        apply(size, frames.W_k[f, k], local, state.b_q[first + k], 1.0)
+        apply(size, frames.V_k[f, k], motion[0], state.b_q[first + k], 2.0)
+        apply(size, frames.A_k[f, k], motion[2], state.b_q[first + k], 1.0)
+
+
+@inner
+def combine(rows, weights, target):
+    """target = sum_i rows_i weights_i for the axes of a pose, zero for its position."""
+    for k in range(3):
+        target[k] = 0
+    for k in range(3, 12):
+        target[k] = rows[0, k] * weights[0] + rows[1, k] * weights[1] + rows[2, k] * weights[2]
+
+
+@inlined
+def update_elastic_columns(markers, state, m):
+    """Columns of the elastic coordinates."""
+    f, size, frames = markers.frame[m], markers.size[m], state.frames
+    for k in range(markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]):
+        slope = state.slope[k]
+        slope[:] = 0
+        if markers.bends[m] == 1:
+            combine(state.by, markers.shape[k, 3:6], slope)
+        for i in range(3):
+            slope[i] = slope[i] + markers.shape[k, i]
+        for array in (state.B[k], state.B_v[k], state.B_a[k], state.b_q[k]):
+            array[:] = 0
+        apply(size, frames.A[f], slope, state.B[k], 1.0)
+        if markers.turns[m] > 0:
+            apply(size, frames.V[f], slope, state.B_v[k], 1.0)
+            apply(size, frames.X[f], slope, state.B_a[k], 1.0)
+            apply(size, frames.W[f], slope, state.b_q[k], 1.0)
+        if markers.bends[m] == 1:
+            add_bent_column(markers, state, m, k)
+
+
+@inner
+def add_bent_column(markers, state, m, k):
+    """What the curvature of R(phi) adds to a column: derivatives of X_m' and X_m'' by its coordinate."""
+    f, size, frames, T, part = markers.frame[m], markers.size[m], state.frames, markers.shape[k, 3:6], state.motion[3]
+    combine(state.by[3:6], T, part)
+    apply(size, frames.A[f], part, state.B_v[k], 1.0)
+    if markers.turns[m] > 0:
+        apply(size, frames.V[f], part, state.b_q[k], 2.0)
+    combine(state.by[6:9], T, part)
+    apply(size, frames.A[f], part, state.B_a[k], 1.0)
+    combine(state.by[9:12], T, part)
+    apply(size, frames.A[f], part, state.b_q[k], 1.0)

@@ -1,0 +1,153 @@
+"""A reduced model in other units: the same body, with elastic coordinates that preprocessing would have made in those units.
+
+With the factors f of mass, length, ... every array changes by the factor of its dimension, and by s_k for every elastic coordinate:
+
+    q_k' = s_k q_k,   s_k = f_length if the coordinate moves nodes, 1 if it turns them only
+    Z' = f_length Z / [1, s],   T' = T / [1, s],   K' = f_energy K / (s s^T)
+
+So nodal coordinates stay nodal coordinates: displacements in the new length, rotations in rad. Of shapes that do both it does not matter
+what they count as, because any s_k is the same body.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.dimensions import LABELLED, NONE, Dimension, dimension_of_label, factor
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import unit
+from toolkit.reduced_model.checks import letters_of
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.model import ReducedModel
+
+LENGTH, MASS, TIME = LABELLED["length"], LABELLED["mass"], LABELLED["time"]
+ITEMS: dict[str, Dimension] = {
+    "mass": MASS, "first_moment": MASS.times(LENGTH), "inertia": MASS.times(LENGTH.power(2)),
+    "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
+    "stress_operator": LABELLED["stress"], "second_moment": MASS.times(LENGTH.power(2)),
+    "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
+    "nodes": LENGTH, "connectivity": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
+    "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "triangles": NONE, "lines": NONE,
+    "force": LENGTH.power(2), "moment": LENGTH.power(3),
+}  # fmt: skip
+"""Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
+CANCELLED = 1e-9
+"""Sum of motions in parts of their magnitudes that round-off leaves of a sum that is zero."""
+POLYNOMIALS = ("position", "rotation")
+"""Arrays of an interface point whose first axis counts powers of the arc length."""
+
+
+def converted_model(model: ReducedModel, units: str) -> ReducedModel:
+    """The model in another unit system.
+
+    Raises
+    ------
+    InputError
+        The unit system or the unit of a parameter is unknown, or the model lacks the mesh or surface that tells what its coordinates are.
+    """
+    if model.units == units:
+        return model
+    dimensions = {name: dimension_of_label(label, model.units) for name, label in model.nominal_units.items()}
+    by = {name: factor(dimensions[name], model.units, units) for name in model.nominal}
+    parameter, scale = np.array(list(by.values())), _Scales(model, units)
+    return replace(
+        model,
+        units=units,
+        nominal={name: value * by[name] for name, value in model.nominal.items()},
+        nominal_units={name: _label(dimensions[name], label, model.units, units) for name, label in model.nominal_units.items()},
+        derivatives=_each(model.derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)),
+        affine=_each(model.affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
+        interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
+        surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
+        **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
+    )
+
+
+def _single_parts(model: ReducedModel) -> dict[str, Any]:
+    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "surface")}
+
+
+def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
+    return None if group is None else {name: change(name, item) for name, item in group.items()}
+
+
+def _label(dimension: Dimension, label: str, source: str, target: str) -> str:
+    """The same quantity's label: of all with this dimension the one that had the label."""
+    names = (name for name, each in LABELLED.items() if each == dimension and unit(source, name) == label)
+    return unit(target, next(names))
+
+
+class _Scales:
+    """Factors of all entries of a model's arrays."""
+
+    def __init__(self, model: ReducedModel, units: str) -> None:
+        self.model, self.units = model, units
+        self.length = factor(LENGTH, model.units, units)
+        coordinate = np.where(_moving(model), self.length, 1.0)
+        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate)}
+
+    def part(self, part: Any, point: bool = False) -> Any:
+        """All arrays of one object."""
+        shapes = letters_of(part)
+        changed = {}
+        for item in fields(part):
+            array = getattr(part, item.name)
+            scale = self.entries(item.name, shapes[item.name], array.shape, point)
+            changed[item.name] = array if array.dtype.kind in "iu" else np.asarray(array * scale)
+        return type(part)(**changed)
+
+    def entries(self, name: str, letters: str, shape: tuple[int, ...], point: bool = False) -> Any:
+        """Factors of one array, of a shape that fits it."""
+        found = np.full(shape, factor(ITEMS[name], self.model.units, self.units))
+        for axis, letter in enumerate(letters):
+            along = self.per_axis.get(letter, np.ones(shape[axis]))
+            if letter == "r":
+                along = np.resize([self.length, self.length, 1.0], shape[axis])
+            if point and name in POLYNOMIALS and axis == 0:
+                along = self.length ** -np.arange(shape[axis], dtype=float)
+            found = found * along.reshape([-1 if k == axis else 1 for k in range(len(shape))])
+        return found
+
+    def flat(self, item: str) -> np.ndarray:
+        """Factors of the flattened array of an item."""
+        group, *rest = item.split(".")
+        array = self.model.item(item)
+        owner: Any = self.model.invariants if not rest else getattr(self.model, group)
+        owner = owner[rest[0]] if len(rest) == 2 else owner
+        name = rest[-1] if rest else group
+        return self.entries(name, letters_of(owner)[name], array.shape, point=group == "interfaces").ravel()
+
+
+def _moving(model: ReducedModel) -> np.ndarray:
+    """Which elastic coordinates move nodes and do not only turn them, (n_f,); the material of solids has no rotations."""
+    if model.mesh is not None:
+        by_node = model.mesh.recovery[:, 1:].reshape(-1, 3, model.n_f)
+        return np.any(by_node[:, :2] != 0, axis=(0, 1))
+    if model.outline is not None or (model.surface is not None and len(model.surface.triangles)):
+        return np.ones(model.n_f, bool)
+    if model.surface is not None:
+        return _shifting(model.surface.position[:, :, 1:])
+    raise InputError(
+        f"reduced model {model.label} was loaded without its mesh or surface, which tells displacements from rotations. Load all its "
+        "parts; if its file has none of them, build it again with ffrf-preprocess."
+    )
+
+
+def _shifting(moved: np.ndarray) -> np.ndarray:
+    """Of spatial beams: the fibres around a node that only turns move against each other, (n_points, 3, n_f) -> (n_f,)."""
+    whole = np.abs(moved).sum(axis=(0, 1))
+    return np.abs(moved.sum(axis=0)).max(axis=0) > CANCELLED * whole
+
+
+def _derivatives(found: Derivatives, scale: np.ndarray, parameter: np.ndarray) -> Derivatives:
+    return replace(found, value=found.value * scale[found.entry] / parameter[found.parameter])
+
+
+def _polynomial(found: Polynomial, scale: np.ndarray, parameter: np.ndarray) -> Polynomial:
+    """c_k' = f_item c_k / prod_j f_kj ** power_kj."""
+    term = np.prod(np.append(parameter, 1.0)[found.factor] ** found.power, axis=1)
+    return replace(found, value=found.value * scale[found.entry] / term[found.term])

@@ -1,0 +1,173 @@
+"""A reduced model at one design: every item at the wanted parameter values, with its exact derivatives, or a refusal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed
+from toolkit.reduced_model.dependence import Derivatives, scattered
+from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
+
+NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
+
+
+@dataclass(frozen=True)
+class DesignPoint:
+    """A reduced model at given values of its parameters, nominal where none is given.
+
+        item(p) = polynomial(p) + sum_j d_j (p_j - nominal_j)
+
+    The derivatives d_j are known at the nominal design only. So the sum is exact for an imaginary step there; for anything else it is
+    a tangent, which is refused unless `first_order` asks for it.
+
+    Raises
+    ------
+    InputError
+        A parameter is unknown; or nothing that was loaded tells how the model depends on it.
+    """
+
+    model: ReducedModel
+    values: Mapping[str, Any] = field(default_factory=dict)
+    first_order: bool = False
+
+    def __post_init__(self) -> None:
+        for parameter in self.values:
+            if parameter in self.model.nominal:
+                continue
+            raise InputError(
+                f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
+                f"{listed(self.model.parameters)}. Use one of these names, or state it in the skin file and run "
+                "preprocessing again."
+            )
+
+    @cached_property
+    def _p(self) -> np.ndarray:
+        return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
+
+    @cached_property
+    def _steps(self) -> dict[int, Any]:
+        """Steps off the nominal design by the number of the parameter."""
+        numbers, nominal = self.model.numbers, self.model.nominal
+        steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
+        return {k: step for k, step in steps.items() if step != 0}
+
+    def invariants(self) -> Any:
+        """All invariants.
+
+        Raises
+        ------
+        InputError
+            As `value`; or a tangent has led to a stiffness that no body has.
+        """
+        kind = type(self.model.invariants)
+        found = kind(**{item.name: self.value(item.name) for item in fields(kind)})
+        if self.first_order and (names := self.extrapolated()):
+            self._check_stiffness(np.real(found.stiffness), names)
+        return found
+
+    def _check_stiffness(self, stiffness: np.ndarray, names: list[str]) -> None:
+        """A skin is so much stiffer in tension than in bending that a small error of the one exceeds all of the other."""
+        diagonal = np.diag(stiffness)
+        if not np.all(diagonal > 0) or np.linalg.eigvalsh(stiffness / np.sqrt(np.outer(diagonal, diagonal)))[0] <= 0:
+            raise InputError(
+                f"following the tangent in {', '.join(names)}, the stiffness in reduced model {self.model.label} is no longer positive "
+                "definite: the step is too large for first order. Rerun preprocessing with the wanted values, or use kind = "
+                '"craig-bampton" in its [basis], whose tangents reach further.'
+            )
+
+    def interface(self, name: str) -> InterfacePoint:
+        """One interface point; its range is that of the nominal design."""
+        point = self.model.interfaces[name]  # type: ignore[index]
+        changed = {key: self.value(f"interfaces.{name}.{key}") for key in ("arc_length", "position", "rotation")}
+        return InterfacePoint(arc_length_range=point.arc_length_range, **changed)
+
+    def shape(self) -> Shape:
+        """The points with a target."""
+        nominal: Any = self.model.shape
+        return Shape(self.value("shape.position"), self.value("shape.target"), nominal.arc_length)
+
+    def value(self, item: str) -> np.ndarray:
+        """One item.
+
+        Raises
+        ------
+        InputError
+            Nothing that was loaded tells the item's value at this design.
+        """
+        nominal = self.model.item(item)
+        if not self._steps:
+            return nominal
+        by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
+        self._check(item, by_tangent)
+        if not any(self._depends(item, k) for k in self._steps):
+            return nominal
+        polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
+        flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
+        for k in by_tangent:
+            entry, slope = self.model.derivatives[item].by(k)  # type: ignore[index]
+            flat = flat + scattered(entry, self._steps[k] * slope, nominal.size)
+        if not any(
+            np.real(step) for step in self._steps.values()
+        ):  # the nominal body itself, whose last digits a thin skin feels
+            flat = nominal.ravel() + 1j * np.imag(flat)
+        return flat.reshape(nominal.shape)
+
+    def rates(self, item: str, numbers: Mapping[str, int]) -> Derivatives:
+        """Derivatives of an item by parameters: their numbers, places in the flattened item, and values there, to be summed.
+
+        Parameters
+        ----------
+        numbers : the wanted parameters, and the number that each shall have in the result
+
+        Raises
+        ------
+        InputError
+            Nothing that was loaded tells a derivative at this design.
+        """
+        wanted = np.array([numbers.get(name, -1) for name in self.model.parameters])
+        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item, NONE)
+        linear = tangent.renumbered(wanted)
+        self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
+        return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
+
+    def moves(self, item: str) -> bool:
+        """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
+        return any(self._depends(item, k) for k in self._steps)
+
+    def extrapolated(self) -> list[str]:
+        """Parameters whose real step the model follows by a tangent."""
+        items = self.model.derivatives or {}
+        moved = [k for k, step in self._steps.items() if np.real(step) != 0]
+        return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
+
+    def _is_tangent(self, item: str, k: int) -> bool:
+        tangent = (self.model.derivatives or {}).get(item)
+        return tangent is not None and tangent.depends_on(k)
+
+    def _depends(self, item: str, k: int) -> bool:
+        polynomial = (self.model.affine or {}).get(item)
+        return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
+
+    def _check(self, item: str, by_tangent: list[int]) -> None:
+        """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
+        names = self.model.parameters
+        if self.model.derivatives is None or self.model.affine is None:
+            first = names[next(iter(self._steps), 0)]
+            raise InputError(
+                f"{first!r} has no derivatives in reduced model {self.model.label}: nothing there tells how {item} depends on it. "
+                f"Leave it at {self.model.nominal[first]:g}, or rerun preprocessing."
+            )
+        moved = [k for k, step in self._steps.items() if np.real(step) != 0 and self._depends(item, k)]
+        if by_tangent and moved and not self.first_order:
+            first, where = names[moved[0]], self.model.nominal[names[moved[0]]]
+            raise InputError(
+                f"{first!r} of reduced model {self.model.label} is fixed at {where:g}: the file holds the derivative of {item} by "
+                f"{names[by_tangent[0]]!r} at the nominal design only. Rerun preprocessing with the wanted value, or write "
+                'extrapolation = "first-order" in the body\'s table to follow the tangent, with an error of second order.'
+            )

@@ -1,0 +1,221 @@
+"""The HDF5 file of a reduced model: written in one stroke, read part by part, never trusted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Mapping
+from dataclasses import fields, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from toolkit.foundation.errors import ModelFileError
+from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of, text_of, write_array, writing
+from toolkit.foundation.files.regular_file import read_start
+from toolkit.reduced_model.checks import check
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
+from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+
+if TYPE_CHECKING:
+    import h5py
+
+SCHEMA = "ffrf-reduced-model"
+SCHEMA_VERSION = 2
+ATTRIBUTES = ("dimension", "units", "reference_condition", "basis", "input_hash")
+MAPS = ("nominal", "nominal_units", "writers")
+"""Groups that hold their content as attributes."""
+ORIGIN = ("inputs", "source", "changes")
+"""The same, which a model has that was built from files."""
+
+PARTS: dict[str, Any] = {
+    "invariants": Invariants,
+    "derivatives": Derivatives,
+    "affine": Polynomial,
+    "interfaces": InterfacePoint,
+    "stress": StressPoints,
+    "shape": Shape,
+    "mesh": Mesh,
+    "outline": Outline,
+    "surface": Surface,
+    "surface_loads": SurfaceLoad,
+}
+"""Groups of the file; those in `_NAMED` hold several named objects. In space `invariants` are `SpatialInvariants`."""
+_NAMED = ("derivatives", "affine", "interfaces", "surface_loads")
+
+
+def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:
+    """Read a reduced model, only the named parts of it (`invariants` always).
+
+    Parameters
+    ----------
+    known : what was read of the same file before; its parts are kept and not read again, unless the file is another one now
+
+    Raises
+    ------
+    ModelFileError
+        The file is missing, no HDF5 file, foreign, of another schema version, incomplete, its parts disagree, or its numbers are
+        not physical.
+    """
+    path = Path(path)
+    _check_signature(path)
+    with reading(path, partial(_damaged, path)) as content:
+        attributes: dict[str, Any] = content.attributes()
+        _check_schema(attributes, path)
+        if lacking := [name for name in ATTRIBUTES if name not in attributes]:
+            raise ValueError(f"it lacks {', '.join(lacking)}")
+        own = {name: attributes[name] for name in ATTRIBUTES}
+        head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
+        head |= {name: content.attributes(name) for name in ORIGIN if content.has(name)}
+        if known and any(getattr(known, name) != value for name, value in head.items()):
+            known = None
+        before = known.bytes_read if known else {}
+        found = {name: getattr(known, name) for name in before}
+        wanted = [name for name in PARTS if name not in found and name in ("invariants", *parts)]
+        found |= {name: _read_part(content, name, own["dimension"]) for name in wanted}
+        _check_complete(str(attributes.get("contents", "")), found)
+        read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
+    model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
+    check(model, path)
+    return model
+
+
+def stored_bytes(path: str | Path) -> dict[str, int]:
+    """Bytes that the arrays of each group take in the file, without reading them.
+
+    Raises
+    ------
+    ModelFileError
+        The file is missing or damaged.
+    """
+    path = Path(path)
+    _check_signature(path)
+    with reading(path, partial(_damaged, path)) as content:
+        return {name: content.stored_bytes(name) for name in PARTS if content.has(name)}
+
+
+def _contents(model: Mapping[str, Any]) -> list[str]:
+    """Names of all named objects: without one of them a model would be read as one that does not depend on a parameter."""
+    return [f"{part}/{name}" for part in _NAMED for name in model.get(part) or {}]
+
+
+def _check_complete(contents: str, found: Mapping[str, Any]) -> None:
+    wanted = {name for name in contents.splitlines() if found.get(name.split("/")[0]) is not None}
+    if lacking := sorted(wanted ^ set(_contents(found))):
+        raise ValueError(f"its list of contents and its groups differ by {', '.join(lacking)}")
+
+
+def is_reduced_model(path: str | Path) -> bool:
+    """Whether a file calls itself a reduced model, of whatever schema version and even if parts of it are missing."""
+    return schema_of(Path(path)) == SCHEMA
+
+
+def described_by(path: str | Path) -> list[str]:
+    """The file that describes the body of a reduced model, as seen from the model's folder; none if it does not say."""
+    path = Path(path)
+    try:
+        with reading(path, partial(_damaged, path)) as content:
+            found = {name: content.attributes(name) if content.has(name) else {} for name in ORIGIN}
+    except ModelFileError:
+        return []
+    texts = {Path(name).name for name in found["source"]}
+    return [name for name in found["inputs"] if Path(name).name in texts]
+
+
+def hash_of(path: str | Path) -> str:
+    """Hash of the inputs of a reduced model; empty if it does not say."""
+    return text_of(Path(path), "input_hash") or ""
+
+
+def _damaged(path: Path, reason: str) -> ModelFileError:
+    return ModelFileError(
+        f"{str(path)!r} cannot be read as a reduced model: it is damaged or incomplete ({reason}). Build it again with "
+        "ffrf-preprocess."
+    )
+
+
+def _check_signature(path: Path) -> None:
+    """Say plainly what HDF5 would report in the words of its developers."""
+    try:
+        start = read_start(path, len(SIGNATURE))
+    except FileNotFoundError:
+        raise ModelFileError(
+            f"there is no reduced model {str(path)!r}. Mend the path; a missing model is built with ffrf-preprocess."
+        ) from None
+    except OSError as error:
+        raise ModelFileError(
+            f"{str(path)!r} cannot be read ({error.strerror}). Give a reduced model, a file written by ffrf-preprocess."
+        ) from error
+    if start != SIGNATURE:
+        raise ModelFileError(
+            f"{str(path)!r} is not an HDF5 file and so not a reduced model. Give a file written by ffrf-preprocess."
+        )
+
+
+def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
+    schema, version = attributes.get("schema"), attributes.get("schema_version")
+    if schema != SCHEMA:
+        raise ModelFileError(
+            f"{str(path)!r} is an HDF5 file but not a reduced model: its attribute 'schema' is not {SCHEMA!r}. "
+            "Give a file written by ffrf-preprocess."
+        )
+    if version != SCHEMA_VERSION:
+        raise ModelFileError(
+            f"{str(path)!r} has schema version {version}, this program reads version {SCHEMA_VERSION}. "
+            "Build it again with the ffrf-preprocess of this version."
+        )
+
+
+def _write(group: h5py.Group, name: str, value: Any) -> None:
+    if value is None:
+        return
+    if isinstance(value, (str, int, float)):
+        group.attrs[name] = np.bytes_(value.encode()) if isinstance(value, str) else value
+    elif isinstance(value, np.ndarray):
+        write_array(group, name, value)
+    else:
+        below = group.create_group(name, track_order=True)
+        items = value.items() if isinstance(value, Mapping) else ((f.name, getattr(value, f.name)) for f in fields(value))
+        for key, item in items:
+            _write(below, key, item)
+
+
+def _read_part(content: Content, name: str, dimension: int) -> Any:
+    if name != "invariants" and not content.has(name):
+        return None
+    kind = SpatialInvariants if name == "invariants" and dimension == 3 else PARTS[name]
+    if name in _NAMED:
+        return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
+    return _read_object(kind, content, name)
+
+
+def _read_object(kind: Any, content: Content, group: str) -> Any:
+    return kind(**{f.name: content.array(f"{group}/{f.name}") for f in fields(kind)})
+
+
+def save(model: ReducedModel, path: str | Path) -> None:
+    """Write the file in one stroke: an interrupted run leaves the old file or none."""
+    path = Path(path)
+    model = _seen_from(path.parent, model)
+    check(model, path)
+    with writing(path) as file:
+        file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
+        file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
+        for item in fields(model):
+            if item.compare and not (item.name in ORIGIN and not getattr(model, item.name)):
+                _write(file, item.name, getattr(model, item.name))
+
+
+def _seen_from(folder: Path, model: ReducedModel) -> ReducedModel:
+    """The model with the names of its inputs relative to a folder; as they are where no path leads from there to them."""
+    if model.inputs_from is None or model.inputs_from.resolve() == folder.resolve():
+        return model
+    origin = model.inputs_from.resolve()
+    try:
+        names = {name: Path(os.path.relpath(origin / name, folder.resolve())).as_posix() for name in model.inputs}
+    except ValueError:  # another drive
+        return model
+    renamed: dict[str, Any] = {name: {names[k]: v for k, v in getattr(model, name).items()} for name in ("inputs", "source")}
+    return replace(model, **renamed, inputs_from=folder)

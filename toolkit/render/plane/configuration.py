@@ -1,0 +1,76 @@
+"""A scene in the plane at one step of a solution: where its bodies and points are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.kinematics.planar import rotation
+from toolkit.reduced_model.model import Outline
+from toolkit.render.moment import Moment
+
+
+@dataclass(frozen=True)
+class Configuration(Moment):
+    """One step of a planar solution."""
+
+    def elastic(self, body: str) -> np.ndarray:
+        """q_f of a flexible body, shape (n_f,)."""
+        return self.coordinates(body)[3 if self.scene.body(body).has_frame else 0 :]
+
+    def place(self, body: str, points: np.ndarray) -> np.ndarray:
+        """Points (n, 2) given in the frame of a flexible body, r + A(theta) u."""
+        found = self.scene.body(body)
+        if found.has_frame:
+            x, y, angle = self.coordinates(body)[:3]
+        else:
+            (x, y), angle = (found.position, found.angle) if isinstance(found, Flexible) else ((0.0, 0.0), 0.0)
+        return np.real(np.array([x, y]) + points @ rotation(angle).T)
+
+    def position(self, body: str, point: str) -> np.ndarray:
+        """Where the body carries the named point of the scene: r + A(theta) (z0 + Z q), or z0 + Z q without a frame; (2,)."""
+        found, q = self.scene.body(body), self.coordinates(body)
+        marker = found.marker(self.scene, point, body)
+        local = np.real(marker.point[:2] + q[marker.columns] @ marker.shape[:, :2])
+        return q[:2] + rotation(q[2]) @ local if found.has_frame else local
+
+    def turned(self, body: str, point: str, direction: np.ndarray) -> np.ndarray:
+        """A direction (2,) of the undeformed configuration that turns with the body at a point: by theta + t0 + T q."""
+        q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
+        angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
+        return rotation(angle + q[2] if self.scene.body(body).has_frame else angle) @ direction
+
+    def segments(self, body: str) -> list[np.ndarray]:
+        """Lines that stand for a body, each (n, 2): along a rod, or from the centre of mass of a rigid body to every gripped point.
+
+        A flexible body with a mesh is drawn as it is, without lines; else it is its outline, or a line through its interface points.
+        """
+        found = self.scene.body(body)
+        if isinstance(found, Flexible):
+            return self._chain(body, found)
+        if isinstance(found, Rod):
+            return [np.array([self.position(body, point) for point in found.between])]
+        centre = self.coordinates(body)[:2]
+        return [np.array([centre, self.position(body, point)]) for name, point in self.grips() if name == body]
+
+    def _chain(self, body: str, found: Flexible) -> list[np.ndarray]:
+        model = self.scene.model(found.model, "interfaces", "mesh", "outline")
+        if model.outline:
+            return [self.place(body, line @ np.append(1.0, self.elastic(body))) for line in lines_of(model.outline)]
+        points = sorted((model.interfaces or {}).values(), key=lambda point: float(point.arc_length))
+        if model.mesh or len(points) < 2:
+            return []
+        q = np.append(1.0, self.elastic(body))
+        return [self.place(body, np.array([point.at(float(point.arc_length))[0] @ q for point in points]))]
+
+
+def lines_of(outline: Outline) -> list[np.ndarray]:
+    """Positions (n, 2, 1 + n_f) along every line of edges that follow one another."""
+    first, last = outline.edges[:, 0], outline.edges[:, 2]
+    starts = np.flatnonzero(np.append(True, first[1:] != last[:-1]))
+    pieces = np.split(outline.edges, starts[1:])
+    chains = [np.append(piece[:, :2].ravel(), piece[-1, 2]) for piece in pieces]
+    return [outline.position[chain[np.append(True, np.diff(chain) != 0)]] for chain in chains]

@@ -1,0 +1,96 @@
+"""What all pictures of one solution share, so that they can be compared: the colours' limits, the window, the detail."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import drawn_model, skin_shape
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+
+_DETAIL = 0.16
+"""Half width of the detail, relative to the extent of the skin."""
+
+
+@dataclass(frozen=True)
+class Look:
+    """Choices for a set of pictures.
+
+    Attributes
+    ----------
+    thickness
+        Flexible body that can be drawn -> its thickness, zero if unknown.
+    stress_limit
+        The colours run from minus to plus this stress; zero if there is no stress to show.
+    points
+        What the main window contains, (n, 2).
+    detail
+        Corners of the detail, (2, 2), or None.
+    """
+
+    thickness: dict[str, float]
+    stress_limit: float
+    points: np.ndarray
+    detail: np.ndarray | None
+
+    @property
+    def extent(self) -> float:
+        """Size of what is drawn, which sizes of dots and tubes follow."""
+        return float(np.ptp(self.points, axis=0).max()) or 1.0
+
+
+def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
+    """Look of the pictures at the given steps."""
+    moments = [Configuration(solution, step) for step in dict.fromkeys([0, *steps])]
+    scene = solution.system.scene
+    skins = [name for name in moments[0].flexible() if skin_shape(moments[0], name)]
+    shapes = {name: [shape for shape in (skin_shape(moment, name) for moment in moments) if shape] for name in skins}
+    lines = [shape.line.reshape(-1, 2) for each in shapes.values() for shape in each]
+    others = [each for moment in moments for each in _drawn_points(moment)]
+    points = np.vstack([np.zeros((0, 2)), *lines, *others])
+    points = points if len(points) else np.zeros((1, 2))
+    stress = np.concatenate([np.zeros(1), *(shape.stress.ravel() for each in shapes.values() for shape in each)])
+    return Look(
+        {name: _thickness(scene, name) for name in skins},
+        round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
+        points,
+        _detail(moments, skins),
+    )
+
+
+def round_up(value: float) -> float:
+    """The next number with a short decimal form that can be halved; zero stays zero."""
+    if value == 0:
+        return 0.0
+    power = 10.0 ** np.floor(np.log10(value))
+    return float(next(power * digit for digit in (1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10) if power * digit >= value))
+
+
+def _drawn_points(moment: Configuration) -> list[np.ndarray]:
+    lines = [segment for body in moment.scene.bodies for segment in moment.segments(body)]
+    return [*lines, *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
+
+
+def _thickness(scene: Scene, body: str) -> float:
+    path = f"bodies.{body}.thickness"
+    return float(np.real(scene.number(path))) if path in scene.available_paths() else 0.0
+
+
+def _detail(moments: list[Configuration], skins: list[str]) -> np.ndarray | None:
+    """Corners of a square round the place where a body with a target moves most; None if nothing has a target or moves."""
+    for name in skins:
+        shape = drawn_model(moments[0], name).shape
+        if shape is None or moments[0].scene.body(name).has_frame:
+            continue
+        moved = np.array([shape.position @ np.append(1.0, moment.elastic(name)) for moment in moments])
+        distance = np.linalg.norm(moved - shape.position[:, :, 0], axis=2)
+        step, node = np.unravel_index(np.argmax(distance), distance.shape)
+        if distance[step, node] > 0:
+            half = _DETAIL * np.ptp(moved[0], axis=0).max()
+            centre = moments[0].place(name, (moved[step, node] + shape.position[node, :, 0])[None] / 2)[0]
+            return np.array([centre - half, centre + half])
+    return None

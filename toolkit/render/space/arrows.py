@@ -1,0 +1,68 @@
+"""Forces and torques at one instant, as vectors at the points that they act at."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.description.profile import Curve
+from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.markers.component import Component
+from toolkit.render.space.configuration import SpatialConfiguration
+
+_CLOSED = 1e-12
+"""Square of a pressure's resultant that is round-off, relative to that of its moments over the size of the scene."""
+
+
+class Arrow(NamedTuple):
+    """A vector at a point, in the scene's units of force or torque."""
+
+    kind: str  # "force" or "torque"
+    point: np.ndarray  # (3,)
+    vector: np.ndarray  # (3,)
+
+
+def arrows(moment: SpatialConfiguration) -> list[Arrow]:
+    """Of all loads that are forces or torques; of a torque between two bodies its reaction too, of a pressure its resultant."""
+    found = []
+    for load in moment.scene.loads.values():
+        if isinstance(load, SpatialPointForce):
+            found.append(Arrow("force", moment.ends(load)[0], _turned(moment, load, load.force, load.frame)))
+        elif isinstance(load, SpatialTorque):
+            torque = _turned(moment, load, load.torque, load.frame)
+            one, other = moment.ends(load)
+            found.append(Arrow("torque", one, torque))
+            if load.reaction != "ground":
+                found.append(Arrow("torque", other, -torque))
+        elif isinstance(load, Pressure):
+            found += _resultant(moment, load)
+    return found
+
+
+def _resultant(moment: SpatialConfiguration, load: Pressure) -> list[Arrow]:
+    """f of a pressure at c_b = f_a L[a, b] [1; q_f] / (f . f), where it acts on a flat surface; none of a closed surface."""
+    body = moment.spatial_body(load.body)
+    assert isinstance(body, SpatialFlexible)
+    numbers = load.numbers_on(moment.scene, body)
+    f, shares = np.real(numbers.force), np.real(numbers.moment).reshape(-1, 3, 3)
+    if f @ f <= _CLOSED * np.abs(shares[0]).max() ** 2 / moment.scene.size**2:
+        return []
+    centre = np.einsum("a,jab,j->b", f, shares, np.append(1.0, moment.elastic(load.body))) / (f @ f)
+    local = centre if body.frame == "moving" else body.placement.T @ centre
+    return [
+        Arrow("force", moment.place(load.body, local[None])[0], _factor(load.curve, moment.time) * moment.rotation(load.body) @ f)
+    ]
+
+
+def _turned(moment: SpatialConfiguration, load: Component, vector: tuple, frame: str) -> np.ndarray:
+    """A load's vector at the time of the moment, in the axes of space."""
+    axes = moment.turned(*load.grips[0], np.eye(3)) if frame == "body" else np.eye(3)
+    return _factor(load.time_curve, moment.time) * axes @ np.real(np.array(vector))
+
+
+def _factor(curve: Curve | None, time: float) -> float:
+    return 1.0 if curve is None else float(np.real(curve.evaluate(np.array([time]))[0, 0]))

@@ -1,0 +1,135 @@
+"""A scene in space at one step of a solution: where its bodies, points and axes are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import product
+
+import numpy as np
+
+from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
+from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.render.moment import Moment
+from toolkit.system.solution import Solution
+
+FAR = 1e-9
+"""Distance from its centre of mass below which a body is gripped there, relative to its radius of gyration."""
+
+BOX_EDGES = 12
+
+
+@dataclass(frozen=True)
+class SpatialConfiguration(Moment):
+    """One step of a spatial solution."""
+
+    @classmethod
+    def undeformed(cls, solution: Solution) -> SpatialConfiguration:
+        """Where all bodies are before anything has moved."""
+        system = solution.system
+        return cls(replace(solution, q=np.real(system.start()[0][None, : system.n_q]), times=solution.times[:1]), 0)
+
+    def spatial_body(self, body: str) -> SpatialBody:
+        """The body of that name."""
+        found = self.scene.body(body)
+        assert isinstance(found, SpatialBody)
+        return found
+
+    def elastic(self, body: str) -> np.ndarray:
+        """q_f of a flexible body, shape (n_f,)."""
+        return self.coordinates(body)[self.spatial_body(body).frame_size :]
+
+    def rotation(self, body: str) -> np.ndarray:
+        """A of the body's frame, (3, 3); without orientation coordinates the unit matrix."""
+        found, q = self.spatial_body(body), self.coordinates(body)
+        if found.turns == 4:
+            return matrix_of(q[found.moves : found.moves + 4])
+        if found.turns == 1:
+            return matrix_of(quaternion_of(q[found.moves] * found.unit_axis))
+        return np.eye(3)
+
+    def place(self, body: str, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) given in the axes of a flexible body's reduced model, r + A u."""
+        found = self.spatial_body(body)
+        assert isinstance(found, SpatialFlexible)
+        origin = self.coordinates(body)[:3] if found.moves else np.array(found.position)
+        axes = self.rotation(body) @ (np.eye(3) if found.turns == 4 else found.placement)
+        return np.real(origin + points @ axes.T)
+
+    def position(self, body: str, point: str) -> np.ndarray:
+        """Where the body carries the named point of the scene: r + A (z0 + Z c), (3,)."""
+        marker, c = self._marker(body, point)
+        return self._carried(body, np.real(marker.point[:3] + c @ marker.shape[:, :3]), np.real(marker.point[12:15]))
+
+    def turned(self, body: str, point: str, axes: np.ndarray) -> np.ndarray:
+        """Directions (3, n), columns, of the undeformed configuration that turn with the body at a point: A R(T c) e."""
+        marker, c = self._marker(body, point, axes)
+        return (
+            self.rotation(body)
+            @ matrix_of(quaternion_of(np.real(c @ marker.shape[:, 3:])))
+            @ np.real(marker.point[3:12]).reshape(3, 3).T
+        )
+
+    def centre(self, body: str) -> np.ndarray:
+        """Centre of mass of a rigid body, (3,)."""
+        found = self.spatial_body(body)
+        assert isinstance(found, SpatialRigidBody)
+        origin, middle = np.real(found.frame_origin(self.scene)), np.real(found.mass_properties(self.scene)[1])
+        if not found.frame_size:
+            return middle
+        return self._carried(body, middle - origin, 0 * origin if found.moves else origin)
+
+    def frame(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Origin (3,) and axes (3, 3), as columns, of the body's frame."""
+        found = self.spatial_body(body)
+        if isinstance(found, SpatialFlexible):
+            origin, *ends = self.place(body, np.vstack([np.zeros(3), np.eye(3)]))
+            return origin, np.array(ends).T - origin[:, None]
+        return self.centre(body), self.rotation(body)
+
+    def segments(self, body: str) -> list[np.ndarray]:
+        """Lines that stand for a rigid body, each (2, 3): along a rod, else from the centre of mass to every gripped point.
+
+        A body that is gripped nowhere else is shown by the edges of the uniform box that has its mass and inertia, a flexible body
+        without a surface by lines from the middle of its interface points to each.
+        """
+        found = self.spatial_body(body)
+        if isinstance(found, SpatialFlexible):
+            return self._interface_star(body, found)
+        if not isinstance(found, SpatialRigidBody):
+            return []
+        if isinstance(found, SpatialRod):
+            return [np.array([self.position(body, point) for point in found.between])]
+        centre, points = self.centre(body), [*self.grips(), *((body, point) for point in found.named_points())]
+        ends = [self.position(name, point) for name, point in dict.fromkeys(points) if name == body]
+        arms = [
+            np.array([centre, end]) for end in ends if np.linalg.norm(end - centre) > FAR * found.radius_of_gyration(self.scene)
+        ]
+        return arms or self._box(body, found)
+
+    def _interface_star(self, body: str, found: SpatialFlexible) -> list[np.ndarray]:
+        model, q = self.scene.model(found.model, "surface"), np.append(1.0, self.elastic(body))
+        if model.surface is not None or not model.interfaces:
+            return []
+        points = self.place(body, np.array([point.here[0] @ q for point in model.interfaces.values()]))
+        return [np.array([points.mean(axis=0), point]) for point in points]
+
+    def _box(self, body: str, found: SpatialRigidBody) -> list[np.ndarray]:
+        """Edges of a box along the principal axes, whose half sides are sqrt(3 s / m) for the second moments s."""
+        mass, _, moments = found.mass_properties(self.scene)
+        s, axes = np.linalg.eigh(np.real(moments))
+        half, axes = np.sqrt(3 * s.clip(0) / np.real(mass)), self.rotation(body) @ axes
+        corners = {signs: self.centre(body) + axes @ (half * signs) for signs in product((-1, 1), repeat=3)}
+        pairs = [(a, b) for a in corners for b in corners if a < b and np.abs(np.subtract(a, b)).sum() == 2]
+        return [np.array([corners[a], corners[b]]) for a, b in pairs]
+
+    def _marker(self, body: str, point: str, axes: np.ndarray | None = None) -> tuple[SpatialMarkerNumbers, np.ndarray]:
+        """A marker, and its coordinates c."""
+        marker = self.spatial_body(body).marker(self.scene, point, body, axes)
+        return marker, self.coordinates(body)[marker.columns]
+
+    def _carried(self, body: str, local: np.ndarray, fixed: np.ndarray) -> np.ndarray:
+        """r + A u, where r of a frame that has no origin of its own is a fixed point."""
+        origin = self.coordinates(body)[:3] if self.spatial_body(body).moves else fixed
+        return origin + self.rotation(body) @ local

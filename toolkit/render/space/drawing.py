@@ -1,0 +1,155 @@
+"""A scene in space at one instant in one panel: bodies with their stress, rods, joints, supports, loads, names."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
+from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.render.moment import names_by_place
+from toolkit.render.panel import strokes
+from toolkit.render.plane.labels import write_beside
+from toolkit.render.plane.scene_drawing import COLORS, ROD, SUPPORT, UNDEFORMED
+from toolkit.render.space import parts
+from toolkit.render.space.arrows import arrows
+from toolkit.render.space.body_shape import body_shape
+from toolkit.render.space.configuration import BOX_EDGES, SpatialConfiguration
+from toolkit.render.space.look import ARROW, SpatialLook, rod_radius
+from toolkit.render.space.panel import AXES, SpatialPanel
+from toolkit.render.space.symbols import spatial_symbols
+
+JOINT, UNTOLD, EQUIVALENT = "#3a3f47", "#c8cdd4", "viridis"
+LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
+_SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
+"""Light that leaves colours readable."""
+_REACHES, _LEAD = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0), 2.5
+"""Gaps between a point and its name, and the distance from which a line leads there, in letters."""
+_SMALLEST = 1e-3
+"""Of the largest force or torque: a smaller one is not drawn."""
+_MOVED = 0.25
+"""Of a tube's radius: a body that has moved less hides its undeformed shape."""
+
+
+def draw_spatial_scene(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
+    """Everything at one instant in one panel; returns an actor that the colour bar belongs to, or None."""
+    _draw_undeformed(panel, moment, look)
+    actor = _draw_bodies(panel, moment, look)
+    _draw_rods(panel, moment, look)
+    _draw_links(panel, moment, look)
+    _draw_symbols(panel, moment, look)
+    _draw_arrows(panel, moment, look)
+    if look.view.triads:
+        _draw_triads(panel, moment, look)
+    _write_names(panel, moment, look)
+    return actor
+
+
+def has_moved(moment: SpatialConfiguration, look: SpatialLook) -> bool:
+    """Whether any body is so far from where it is undeformed that both places are drawn."""
+    start = SpatialConfiguration.undeformed(moment.solution)
+    pairs = [(body_shape(start, body).points, body_shape(moment, body).points) for body in look.bodies]
+    pairs += [pair for body in moment.scene.bodies for pair in zip(start.segments(body), moment.segments(body), strict=True)]
+    return any(_apart(before, now, look) for before, now in pairs)
+
+
+def _apart(before: np.ndarray, now: np.ndarray, look: SpatialLook) -> bool:
+    return bool(np.abs(before - now).max(initial=0) >= _MOVED * look.radius)
+
+
+def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Bodies that have moved, faint and behind everything else, where they were."""
+    start, faint = SpatialConfiguration.undeformed(moment.solution), {"color": UNDEFORMED, "lighting": False}
+    for body in look.bodies:
+        shape = body_shape(start, body)
+        if not _apart(shape.points, body_shape(moment, body).points, look):
+            continue
+        if len(shape.triangles) or shape.sides:
+            panel.draw_back(parts.surface(shape), opacity=0.12, **faint)
+        if len(shape.triangles):
+            panel.draw_back(parts.edges(shape), opacity=0.5, line_width=1, **faint)
+        if len(shape.lines):
+            panel.draw_back(parts.fibres(shape), opacity=0.5, line_width=1, **faint)
+    for body in moment.scene.bodies:
+        for before, now in zip(start.segments(body), moment.segments(body), strict=True):
+            if _apart(before, now, look):
+                panel.draw_back(parts.rod(before, 0.6 * look.radius), opacity=0.25, **faint)
+
+
+def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
+    """The flexible bodies with their stress, what is clamped in the colour of supports."""
+    actor, limit = None, look.stress_limit or 1.0
+    colors: dict[str, Any] = (
+        {"cmap": COLORS, "clim": (-limit, limit)} if look.signed else {"cmap": EQUIVALENT, "clim": (0.0, limit)}
+    )
+    for body in look.bodies:
+        shape = body_shape(moment, body)
+        style: dict[str, Any] = {**colors, **_SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
+        values = look.colored(shape)
+        if len(shape.triangles) or shape.sides:
+            actor = panel.draw(parts.surface(shape, values), **style)
+        if len(shape.triangles):
+            panel.draw_nearer(parts.edges(shape), 1.0 * look.radius, color="black", opacity=0.6, line_width=1, lighting=False)
+        if len(shape.lines):
+            least = 0.2 if shape.sides else 0.6
+            actor = panel.draw(parts.fibres(shape, values).tube(radius=least * look.radius, n_sides=12), **style)
+        if moment.spatial_body(body).frame == "grounded" and (fixed := parts.clamped_faces(shape)).n_cells:
+            panel.draw_nearer(fixed, 0.1 * look.radius, color=SUPPORT, **_SHINE)
+    return actor
+
+
+def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Rigid bodies: rods, stars with a ball at the centre of mass, or the edges of a box."""
+    for body in moment.scene.bodies:
+        segments, boxed = moment.segments(body), len(moment.segments(body)) == BOX_EDGES
+        radius = 0.5 * look.radius if boxed else rod_radius(moment, body, look.radius)
+        for ends in segments:
+            panel.draw(parts.rod(ends, radius), color=ROD, smooth_shading=True)
+        found = moment.scene.body(body)
+        if segments and isinstance(found, SpatialRigidBody) and not isinstance(found, SpatialRod):
+            panel.draw(parts.ball(moment.centre(body), 2 * look.radius), color=ROD, smooth_shading=True)
+
+
+def _draw_links(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Springs as coils, other components between two points as thin rods."""
+    for link in moment.links():
+        ends = moment.ends(link)
+        points = parts.coil(ends, 1.6 * look.radius) if isinstance(link, SpatialSpringDamper) else ends
+        panel.draw(parts.rod(points, 0.4 * look.radius), color=JOINT, smooth_shading=True)
+
+
+def _draw_symbols(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Joints and grounds, before everything else."""
+    for symbol in spatial_symbols(moment):
+        color = SUPPORT if symbol.grounded else JOINT
+        opacity = 0.5 if symbol.kind == "plane" else 1.0
+        panel.draw_front(symbol.surface(1.3 * look.radius), color=color, opacity=opacity, **_SHINE)
+
+
+def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Forces and torques, the longer the larger."""
+    for kind, point, vector in arrows(moment):
+        relative = float(np.linalg.norm(vector)) / (look.largest[kind] or 1.0)
+        if relative >= _SMALLEST:
+            whole = vector / look.largest[kind] * ARROW * look.extent
+            mesh = parts.arrow(point, whole, look.radius * min(1.0, 0.3 + relative), 2 if kind == "torque" else 1)
+            panel.draw_front(mesh, color=LOADS[kind], **_SHINE)
+
+
+def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """The axes of the bodies' frames."""
+    for body in moment.scene.bodies:
+        origin, axes = moment.frame(body)
+        for direction, color in zip(axes.T, AXES.values(), strict=True):
+            panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **_SHINE)
+
+
+def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+    """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
+    named = [(panel.pixel(point), name) for point, name in names_by_place(moment, look.radius / 2)]
+    panel.plotter.subplot(0, panel.number)
+    for point, place in write_beside(panel, named, [], panel.covered(), _REACHES):
+        way = place - point
+        if np.linalg.norm(way) > _LEAD * panel.letter:
+            strokes(panel.plotter, [np.array([point, place - panel.letter * way / np.linalg.norm(way)])], UNDEFORMED, 1.0)

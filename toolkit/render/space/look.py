@@ -1,0 +1,118 @@
+"""What all pictures of one spatial solution share: the colours' limit, what is in view, the lengths of arrows."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.render.plane.look import round_up
+from toolkit.render.space.arrows import arrows
+from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
+from toolkit.render.space.camera import ISOMETRIC
+from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.view import View
+from toolkit.responses.stress.von_mises import point_stress
+from toolkit.system.solution import Solution
+
+MOST_MOMENTS = 60
+"""Of the whole motion that are looked at for what has to be in view and for the largest stress."""
+TUBE, ARROW = 1 / 180, 1 / 7
+"""Radius of a tube and length of the longest arrow, relative to the extent of the scene."""
+
+
+@dataclass(frozen=True)
+class SpatialLook:
+    """Choices for a set of pictures.
+
+    Attributes
+    ----------
+    bodies
+        Flexible bodies that have a surface.
+    signed
+        Whether the stress of fibres is shown with its sign; with a solid in the scene all is von Mises stress.
+    stress_limit
+        The largest stress, rounded up; zero if there is none to show.
+    points
+        What has to be in view, (n, 3).
+    largest
+        "force" and "torque" -> the largest one, which has the longest arrow.
+    view
+        How it is looked at.
+    """
+
+    bodies: tuple[str, ...]
+    signed: bool
+    stress_limit: float
+    points: np.ndarray
+    largest: dict[str, float]
+    view: View
+
+    @property
+    def extent(self) -> float:
+        """Size of what is drawn, which sizes of tubes and symbols follow."""
+        return float(np.linalg.norm(np.ptp(self.points, axis=0))) or 1.0
+
+    @property
+    def radius(self) -> float:
+        """Of a tube."""
+        return TUBE * self.extent
+
+    @property
+    def stress_name(self) -> str:
+        """What the colours mean."""
+        return "stress" if self.signed else "von Mises stress"
+
+    def colored(self, shape: BodyShape) -> np.ndarray:
+        """The stress that is shown at the points of a shape, (n,)."""
+        stress = point_stress(shape.stress)
+        return stress if self.signed else np.abs(stress)
+
+
+def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) -> SpatialLook:
+    """Look of the pictures at the given steps, wide enough for the whole motion."""
+    some = np.linspace(0, len(solution.times) - 1, min(len(solution.times), MOST_MOMENTS)).round().astype(int)
+    moments = [SpatialConfiguration(solution, int(step)) for step in sorted({*some.tolist(), *steps})]
+    scene = solution.system.scene
+    bodies = tuple(name for name in moments[0].flexible() if has_shape(scene, name))
+    points, limits, signed = [np.zeros((0, 3))], [0.0], True
+    for moment in [SpatialConfiguration.undeformed(solution), *moments]:
+        points += _drawn_points(moment)
+        for body in bodies:
+            shape = body_shape(moment, body)
+            points.append(outermost(shape.points))
+            signed = signed and shape.stress.shape[1] == 1
+            stress = np.abs(point_stress(shape.stress))
+            limits.append(float(stress[np.isfinite(stress)].max(initial=0)))
+    every = np.vstack(points)
+    every = every if len(every) else np.zeros((1, 3))
+    loads = [arrow for moment in moments for arrow in arrows(moment)]
+    largest = {
+        kind: max((float(np.linalg.norm(a.vector)) for a in loads if a.kind == kind), default=0.0) for kind in ("force", "torque")
+    }
+    size = ARROW * float(np.linalg.norm(np.ptp(every, axis=0)))
+    tips = [a.point + size * a.vector / largest[a.kind] for a in loads if largest[a.kind]]
+    return SpatialLook(bodies, signed, round_up(max(limits)), np.vstack([every, *tips]), largest, view)
+
+
+def outermost(points: np.ndarray) -> np.ndarray:
+    """The points that are furthest to every side as the camera sees it, and between these sides; instead of all of a fine mesh."""
+    corners = np.array(np.meshgrid(*[(-1, 0, 1)] * 3)).reshape(3, -1).T
+    return points[np.unique(np.argmax(points @ (corners @ ISOMETRIC).T, axis=0))]
+
+
+def _drawn_points(moment: SpatialConfiguration) -> list[np.ndarray]:
+    """Of rigid bodies, joints and links."""
+    scene = moment.scene
+    lines = [segment for body in scene.bodies for segment in moment.segments(body)]
+    joints = [joint for joint in scene.joints.values() if isinstance(joint, SpatialJoint)]
+    return [*lines, *(moment.ends(each) for each in [*joints, *moment.links()])]
+
+
+def rod_radius(moment: SpatialConfiguration, body: str, least: float) -> float:
+    """Radius of the cylinder that stands for a rigid body: of a rod its own, where that can be seen."""
+    found = moment.scene.body(body)
+    return max(least, float(np.sqrt(np.real(found.area) / np.pi))) if isinstance(found, SpatialRod) else least

@@ -1,0 +1,96 @@
+"""Pictures of a scene in space: one instant, or several instants beside each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.units import unit
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.render.canvas import canvas
+from toolkit.render.layout import color_bar, explain, head_line, overview_places
+from toolkit.render.panel import INK, Place
+from toolkit.render.plane.scene_drawing import UNDEFORMED
+from toolkit.render.plane.scene_picture import even
+from toolkit.render.space.arrows import arrows
+from toolkit.render.space.camera import Camera
+from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.space.curves import stress_extremes
+from toolkit.render.space.drawing import LOADS, draw_spatial_scene, has_moved
+from toolkit.render.space.look import SpatialLook
+from toolkit.render.space.panel import SpatialPanel
+
+_MARGIN = 0.08
+"""Round what is drawn, relative to its extent; symbols stand a little beyond it."""
+_FOOT = 10
+"""Height of the space below the panels, in letters."""
+
+
+def draw_spatial_instant(moment: SpatialConfiguration, look: SpatialLook, path: Path, width: int) -> None:
+    """One instant."""
+    letters, height = width // 70, round(0.62 * width)
+    place: Place = (letters, _FOOT * letters, width - 2 * letters, height - (_FOOT + 3) * letters)
+    _draw(path, (width, height), [place], [moment], look, letters)
+
+
+def draw_spatial_overview(moments: Sequence[SpatialConfiguration], look: SpatialLook, path: Path, width: int) -> None:
+    """Several instants, two beside each other."""
+    letters = width // 60
+    places, height = overview_places(len(moments), width, _FOOT * letters)
+    _draw(path, (width, height), places, moments, look, letters)
+
+
+def _draw(
+    path: Path,
+    size: tuple[int, int],
+    places: list[Place],
+    moments: Sequence[SpatialConfiguration],
+    look: SpatialLook,
+    letters: int,
+) -> None:
+    camera = Camera.framing(look.points, places[0][2] / places[0][3], _MARGIN, look.view.perspective)
+    actor = None
+    with canvas(path, *size, len(moments)) as plotter:
+        panels = [SpatialPanel(plotter, k + 1, place, letters, camera) for k, place in enumerate(places)]
+        for panel in panels:
+            panel.open()
+        for panel, moment in zip(panels, moments, strict=True):
+            actor = draw_spatial_scene(panel, moment, look) or actor
+            head_line(panel, ",  ".join(spatial_caption(moment, look)))
+        lowest = [panel for panel in panels if panel.place[1] == places[-1][1]]
+        lowest[0].scale_bar(unit(moments[0].scene.units, "length"))
+        lowest[-1].compass(_gravity(moments[0]))
+        _legend(plotter, actor, moments, look, letters)
+
+
+def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
+    found: list[Any] = [load for load in moment.scene.loads.values() if isinstance(load, SpatialGravity)]
+    return np.real(np.sum([load.acceleration for load in found], axis=0)) if found else None
+
+
+def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
+    """Time and range of the stress; digits as fine as the scene needs."""
+    units, words = moment.scene.units, [f"t = {moment.time:.4g} {unit(moment.scene.units, 'time')}"]
+    if look.stress_limit:
+        ranges = np.array([stress_extremes(moment, body) for body in look.bodies])
+        low, high = ranges[:, 0].min(), np.abs(ranges).max() if not look.signed else ranges[:, 1].max()
+        numbers = [even(value, look.stress_limit / 100) for value in (low, high)]
+        words.append(f"{look.stress_name} {f'{numbers[0]} to' if look.signed else 'up to'} {numbers[1]} {unit(units, 'stress')}")
+    return words
+
+
+def _legend(plotter: Any, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, letters: int) -> None:
+    """Colour bar at the lower left, meaning of colours at the lower right."""
+    units = moments[0].scene.units
+    if actor is not None and look.stress_limit:
+        color_bar(plotter, actor, f"{look.stress_name} in {unit(units, 'stress')}", letters)
+    found = [("faint: undeformed", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
+    kinds = {arrow.kind for moment in moments for arrow in arrows(moment)}
+    labels = {"force": ("force", "force"), "torque": ("torque (two heads)", "torque")}
+    for kind in (kind for kind in labels if kind in kinds and look.largest[kind]):
+        words, quantity = labels[kind]
+        found.append((f"{words}, largest {look.largest[kind]:.4g} {unit(units, quantity)}", LOADS[kind]))
+    explain(plotter, [*found, ("motion and shape to scale", INK)], letters)

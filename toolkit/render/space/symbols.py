@@ -1,0 +1,147 @@
+"""Drawing symbols of joints and supports in space: which stands where, and the surfaces it consists of."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pyvista
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from toolkit.joints.planar.joint import Joint
+from toolkit.joints.spatial.cylindrical import Cylindrical
+from toolkit.joints.spatial.distance import SpatialDistance
+from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.spatial.point_on_plane import PointOnPlane
+from toolkit.joints.spatial.prismatic import Prismatic
+from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
+from toolkit.joints.spatial.universal import Universal
+from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
+from toolkit.render.space.configuration import SpatialConfiguration
+
+KINDS: dict[type, str] = {
+    SpatialRevolute: "hinge",
+    Cylindrical: "sleeve",
+    Prismatic: "slider",
+    PointOnPlane: "plane",
+    Universal: "cross",
+    SpatialRigidJoint: "weld",
+}
+"""What stands for a kind of joint; any other is a ball. Drivers stand beside the joint that they move."""
+
+
+class SpatialSymbol(NamedTuple):
+    """A symbol at a point (3,), its own axes (3, 3), as columns, turned with the body that carries it."""
+
+    kind: str
+    point: np.ndarray
+    axes: np.ndarray
+    grounded: bool = False
+
+    def surface(self, size: float) -> Any:
+        """Its surface; size is about the radius of its parts."""
+        mesh = _SURFACES[self.kind]()
+        placed = np.eye(4)
+        placed[:3, :3], placed[:3, 3] = size * self.axes, self.point
+        return mesh.transform(placed, inplace=False)
+
+
+def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
+    """Joints, grounds and clamps of a scene."""
+    found = [symbol for joint in moment.scene.joints.values() for symbol in _joint_symbols(moment, joint)]
+    for link in moment.links():
+        for (body, _), end in zip(link.grips, moment.ends(link), strict=True):
+            found += [*_ground(end, body == "ground"), SpatialSymbol("pin", end, np.eye(3), body == "ground")]
+    return found + [SpatialSymbol("weld", point, np.eye(3), True) for point in clamped_points(moment)]
+
+
+def clamped_points(moment: SpatialConfiguration) -> list[np.ndarray]:
+    """Middles of what nothing moves of grounded bodies: sections of beams, and connected parts of a solid's surface."""
+    found: list[np.ndarray] = []
+    for body in moment.flexible():
+        if moment.spatial_body(body).frame == "grounded" and has_shape(moment.scene, body):
+            shape = body_shape(moment, body)
+            found += _clamped_sections(shape) + _clamped_parts(shape)
+    return found
+
+
+def _clamped_sections(shape: BodyShape) -> list[np.ndarray]:
+    """Ends of fibres that are close to each other belong to one section."""
+    fixed, found = shape.points[shape.lines.ravel()[shape.still[shape.lines.ravel()]]], []
+    reach = np.linalg.norm(np.ptp(shape.points, axis=0)) / 20
+    while len(fixed):
+        near = np.linalg.norm(fixed - fixed[0], axis=1) < reach
+        found.append(fixed[near].mean(axis=0))
+        fixed = fixed[~near]
+    return found
+
+
+def _clamped_parts(shape: BodyShape) -> list[np.ndarray]:
+    """Triangles that share points belong to one part."""
+    fixed, n = shape.triangles[shape.still[shape.triangles].all(axis=1)], len(shape.points)
+    links = coo_array((np.ones(2 * len(fixed)), (np.tile(fixed[:, 0], 2), fixed[:, 1:].T.ravel())), (n, n))
+    part = connected_components(links, directed=False)[1][fixed[:, 0]]
+    return [shape.points[np.unique(fixed[part == each])].mean(axis=0) for each in np.unique(part)]
+
+
+def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSymbol]:
+    """A symbol stands where body a is gripped; its axes are those of body b, which a slide's axis is fixed in."""
+    if isinstance(joint, (SpatialAngleDriver, SpatialPositionDriver, SpatialDistance)):
+        return []
+    kind, grounded = KINDS.get(type(joint), "ball"), "ground" in joint.bodies
+    point, base = moment.ends(joint)
+    own = joint.axes
+    before = np.eye(3) if own is None else np.real(own)
+    axes = moment.turned(*joint.grips[1], before)
+    if kind == "weld":
+        return [SpatialSymbol(kind, point, np.eye(3), True)] if grounded else []
+    if kind == "cross":
+        first = moment.turned(*joint.grips[0], before)[:, 0]
+        axes = np.column_stack([first, axes[:, 1], np.cross(first, axes[:, 1])])
+    if kind in ("slider", "sleeve"):
+        return [SpatialSymbol(kind, point, axes), SpatialSymbol("rails" if kind == "slider" else "rail", point, axes, grounded)]
+    if kind == "plane":
+        off = axes[:, 2] * (axes[:, 2] @ (base - point))
+        return [SpatialSymbol("pin", point, axes), SpatialSymbol(kind, point + off, axes, grounded)]
+    return [*_ground(point, grounded), SpatialSymbol(kind, point, axes)]
+
+
+def _ground(point: np.ndarray, grounded: bool) -> list[SpatialSymbol]:
+    return [SpatialSymbol("ground", point, np.eye(3), True)] if grounded else []
+
+
+def _cylinder(direction: tuple[float, ...], radius: float, height: float, center: tuple[float, ...] = (0, 0, 0)) -> Any:
+    return pyvista.Cylinder(center=center, direction=direction, radius=radius, height=height, resolution=32)
+
+
+def _box(x: float, y: float, z: float) -> Any:
+    return pyvista.Box((-x, x, -y, y, -z, z))
+
+
+def _together(*meshes: Any) -> Any:
+    return pyvista.PolyData().append_polydata(*(mesh.triangulate() for mesh in meshes))
+
+
+def _pyramid() -> Any:
+    """A foot below a point, on a plate."""
+    cone = pyvista.Cone(center=(0, 0, -1.6), direction=(0, 0, 1), height=3.2, radius=2.4, resolution=4)
+    plate = pyvista.Box((-2.6, 2.6, -2.6, 2.6, -3.9, -3.2))
+    return _together(cone, plate)
+
+
+_ALONG = (0.0, 0.0, 1.0)
+_SURFACES = {
+    "hinge": lambda: _cylinder(_ALONG, 1.1, 5.0),
+    "ball": lambda: pyvista.Sphere(radius=1.6, theta_resolution=32, phi_resolution=32),
+    "pin": lambda: pyvista.Sphere(radius=0.9, theta_resolution=24, phi_resolution=24),
+    "sleeve": lambda: _cylinder(_ALONG, 1.5, 4.0),
+    "rail": lambda: _cylinder(_ALONG, 0.5, 14.0),
+    "slider": lambda: _box(1.6, 1.6, 2.2),
+    "rails": lambda: _together(*(_cylinder(_ALONG, 0.35, 14.0, (x, y, 0)) for x in (-2.0, 2.0) for y in (-2.0, 2.0))),
+    "plane": lambda: _box(5.0, 5.0, 0.1),
+    "cross": lambda: _together(_cylinder((1.0, 0.0, 0.0), 0.8, 5.0), _cylinder((0.0, 1.0, 0.0), 0.8, 5.0)),
+    "weld": lambda: _box(1.7, 1.7, 1.7),
+    "ground": _pyramid,
+}

@@ -1,0 +1,130 @@
+"""Force and torque that a joint exerts."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, Literal
+
+import numpy as np
+
+from toolkit.equations.equations import allocate_work
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.planar.joint_kernel import Joints, evaluate_joint
+from toolkit.markers.poses import update_pose_designs, update_poses
+from toolkit.responses.forces.least_squares_forces import least_squares_forces
+from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
+from toolkit.responses.instant import Instant, magnitude
+from toolkit.responses.response import Partials
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+
+COMPONENTS = {2: ("x", "y", "torque"), 3: ("x", "y", "z", "torque-x", "torque-y", "torque-z")}
+"""Components of a joint's force by the dimension of space."""
+
+
+class JointForce(Instant):
+    """Force F = - g_y^T lam of a joint on its body a, in global axes: one component, its magnitude, or the torque about the joint's point.
+
+    Where joints repeat each other and the scene asks for it (`solver.redundant`), it is that of least squares.
+
+    Attributes
+    ----------
+    joint
+        Name of the joint.
+    component
+        What of the force: one component, its magnitude, or the torque; in space torque-x, torque-y and torque-z.
+    """
+
+    kind = "joint-force"
+    quantity = "force"
+
+    joint: str
+    component: Literal["x", "y", "z", "magnitude", "torque", "torque-x", "torque-y", "torque-z"]
+
+    @property
+    def unit_quantity(self) -> str:
+        """A torque has another unit than a force."""
+        return "torque" if self.component.startswith("torque") else "force"
+
+    def check(self, scene: Any) -> None:
+        """The component exists in the scene's space.
+
+        Raises
+        ------
+        InputError
+            It does not; names those that do.
+        """
+        super().check(scene)
+        if self.component not in (*COMPONENTS[scene.dimension], "magnitude"):
+            known = ", ".join([*COMPONENTS[scene.dimension], "magnitude"])
+            raise InputError(
+                f"a joint force in a scene of dimension {scene.dimension} has no {self.component!r}; available: {known}."
+            )
+
+    def at(self, solution: Solution, step: int) -> Partials:
+        """Value, and derivatives by coordinates, multipliers and design."""
+        force, force_q, force_lam, force_x = self.force(solution, step)
+        d = solution.system.scene.dimension
+        if self.component == "magnitude":
+
+            def change() -> np.ndarray:
+                dq, dlam = solution.derivative("q")[step], solution.derivative("multipliers")[step]
+                return (np.real(force_q) @ dq + np.real(force_lam) @ dlam + force_x)[:d]
+
+            size, direction = magnitude(force[:d], change)
+            weights = np.append(direction, np.zeros(len(force) - d))
+            return Partials(size, q=weights @ force_q, multipliers=weights @ force_lam, design=weights @ force_x)
+        k = COMPONENTS[d].index(self.component)
+        return Partials(force[k], q=force_q[k], multipliers=force_lam[k], design=force_x[k])
+
+    def force(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Its components and their derivatives by q, by the multipliers and by the design."""
+        system, q = solution.system, solution.q[step]
+        j = list(system.scene.joints).index(self.joint)
+        of_joint = _planar_force if system.scene.dimension == 2 else spatial_joint_force
+        if not len(system.plan.dropped):
+            return of_joint(system, j, q, solution.multipliers[step])
+        forces = least_squares_forces(system, q, solution.multipliers[step], partial(_wrenches, system, q))
+        value, by_q, by_lam, by_x = of_joint(system, j, q, forces.value)
+        return value, by_q + by_lam @ forces.by_q, by_lam @ forces.by_lam, by_x + np.real(by_lam @ forces.by_x)
+
+
+def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Forces, times the scene's size, and torques of all joints, with their derivatives."""
+    of_joint, d = (_planar_force if system.scene.dimension == 2 else spatial_joint_force), system.scene.dimension
+    found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
+    scale = np.concatenate([np.where(np.arange(len(each[0])) < d, system.scene.size, 1.0) for each in found])
+    value, *partials = (np.concatenate([each[k] for each in found]) for k in range(4))
+    return scale * value, *(scale[:, None] * each for each in partials)
+
+
+def _planar_force(
+    system: System, j: int, q: np.ndarray, lam: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
+    plan = system.plan
+    assert isinstance(plan.joints, Joints)
+    work, markers = allocate_work(plan, system.dtype), plan.markers
+    rest: np.ndarray = np.zeros(system.n, system.dtype)
+    padded = np.concatenate([q, rest[system.n_q :]])
+    acc = np.concatenate([rest[: system.n_q], lam])
+    for function in (update_poses, update_pose_designs):
+        system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
+    system.run(evaluate_joint, system.functions[0], plan.joints, j, markers, work.markers, acc, work.joint)
+    rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
+    force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
+    force_lam[:, rows] = -work.joint.phi_z[: plan.joints.n_rows[j], :3].T
+    force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
+    force_x = np.zeros((3, system.n_x))
+    stiffness = -work.joint.stiffness[:3] if plan.joints.curved[j] else 0 * work.joint.stiffness[:3]
+    for side in range(2):
+        m = plan.joints.marker[j, side]
+        by_pose = stiffness[:, 3 * side : 3 * side + 3]
+        for k in range(markers.start[m], markers.start[m + 1]):
+            force_q[:, markers.coordinate[k]] += by_pose @ work.markers.B[k]
+        for d in range(markers.design_start[m], markers.design_start[m + 1]):
+            force_x[:, markers.design_variable[d]] += np.real(by_pose @ work.markers.y_x[d])
+    for d in range(plan.joints.design_start[j], plan.joints.design_start[j + 1]):
+        by_parameter = stiffness[:, 6 + plan.joints.design_parameter[d]]
+        force_x[:, plan.joints.design_variable[d]] += np.real(by_parameter) * plan.joints.design_value[d]
+    return -work.joint.force[:3], force_q, force_lam, force_x

@@ -1,0 +1,92 @@
+"""Multipliers of redundant constraints: of all that give the same forces on the bodies those of least squares.
+
+The run has multipliers lam that are zero for rows that repeat others (see `redundant_joints`), whose null vectors are N, J^T N = 0. With
+w = G lam the forces and torques of all joints, forces times the scene's size, that of the least sum w . w is
+
+    mu = lam - N (N^T G^T G N)^-1 N^T G^T G lam
+
+Derivatives: from J^T mu = J^T lam and N^T G^T G mu = 0, with dmu = p + N z, p zero for repeating rows, v = G^T w and
+a = J_K^T (J_K J_K^T)^-1 v_K,
+
+    J^T p = dJ^T (lam - mu) + J^T dlam,   N^T G^T G N z = N^T dJ a - (dG N)^T w - (G N)^T (dG mu + G p)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.compilation.redundant_rows import null_vectors
+from toolkit.system.redundant_joints import joint_terms
+from toolkit.system.system import System
+
+Wrenches = Callable[[np.ndarray], tuple[np.ndarray, ...]]
+"""G lam and its derivatives by q, by lam and by the design, for multipliers."""
+
+
+class Forces(NamedTuple):
+    """Multipliers and their derivatives by q, by the run's multipliers and by the design."""
+
+    value: np.ndarray  # (n_lam,)
+    by_q: np.ndarray  # (n_lam, n_q)
+    by_lam: np.ndarray  # (n_lam, n_lam)
+    by_x: np.ndarray  # (n_lam, n_x)
+
+
+def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
+    """Multipliers (n_lam,) of least squares for those of a run from which redundant rows were dropped."""
+    n_q = system.n_q
+    jacobian = system.matrix(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc).toarray()[n_q:, :n_q]
+    repeating = system.plan.dropped - n_q
+    kept = np.setdiff1d(np.arange(len(lam)), repeating)
+    N, G = null_vectors(jacobian, kept, repeating), wrenches(lam)[2]
+    GN = G @ N
+    value = lam - N @ np.linalg.solve(GN.T @ GN, GN.T @ (G @ lam))
+    real = (np.real(each) for each in (jacobian, N, G, lam, value))
+    return Forces(value, *_derivatives(system, np.real(q), kept, wrenches, *real))
+
+
+def _derivatives(
+    system: System,
+    q: np.ndarray,
+    kept: np.ndarray,
+    wrenches: Wrenches,
+    J: np.ndarray,
+    N: np.ndarray,
+    G: np.ndarray,
+    lam: np.ndarray,
+    mu: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    GN, w, own = G @ N, G @ mu, J[kept]
+
+    def solved(right: np.ndarray) -> np.ndarray:
+        return np.linalg.solve(own @ own.T, right)
+
+    def change(by: np.ndarray, rest: np.ndarray) -> np.ndarray:
+        p = np.zeros((len(lam), by.shape[1]))
+        p[kept] = solved(own @ by)
+        return p + N @ np.linalg.solve(GN.T @ GN, rest - GN.T @ (G @ p))
+
+    a = own.T @ solved((G.T @ w)[kept])
+    force, rows = _blocks(system, _terms(system, q, 0 * a, lam - mu)), _blocks(system, _terms(system, q, a, 0 * lam))
+    of_mu, of_null = wrenches(mu), [wrenches(column) for column in N.T]
+    found = []
+    for k, place in ((0, 1), (1, 3)):  # by q, by the design
+        bent = np.array([w @ np.real(each[place]) for each in of_null])
+        found.append(change(force[k], N.T @ rows[2 + k] - bent - GN.T @ np.real(of_mu[place])))
+    return found[0], change(J.T, np.zeros((N.shape[1], len(lam)))), found[1]
+
+
+def _terms(system: System, q: np.ndarray, a: np.ndarray, lam: np.ndarray):
+    """Joints alone at acc = [a; lam]."""
+    dtype = np.result_type(q, a, lam, system.dtype)
+    return joint_terms(system, np.concatenate([q, 0 * lam]).astype(dtype), np.concatenate([a, lam]).astype(dtype))
+
+
+def _blocks(system: System, terms) -> tuple[np.ndarray, ...]:
+    """d(J^T lam)/dq, d(J^T lam)/dx, d(J a)/dq, d(J a)/dx."""
+    n_q, by_q = system.n_q, np.real(system.matrix(terms.I_q).toarray())
+    by_x = np.real(terms.I_x)
+    return by_q[:n_q, :n_q], by_x[:n_q], by_q[n_q:, :n_q], by_x[n_q:]

@@ -1,0 +1,79 @@
+"""Force and torque of a spatial joint on its body a, with their derivatives.
+
+With f = g_z^T lam, conjugate to the pose (r, e_1, e_2, e_3) of marker a:
+
+    F = - f_r,     M = - sum_i e_i x f_i
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.equations.equations import Work, allocate_work
+from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, SpatialJoints, evaluate_spatial_joint
+from toolkit.markers.poses import update_pose_designs, update_poses
+from toolkit.system.system import System
+
+
+def spatial_joint_force(
+    system: System, j: int, q: np.ndarray, lam: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x); q (n_q,), lam (n_lam,)."""
+    plan, work = system.plan, allocate_work(system.plan, system.dtype)
+    joints, markers, state = plan.joints, plan.markers, work.markers
+    rest: np.ndarray = np.zeros(system.n, system.dtype)
+    padded, acc = np.concatenate([q, rest[system.n_q :]]), np.concatenate([rest[: system.n_q], lam])
+    for function in (update_poses, update_pose_designs):
+        system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, work.scratch)
+    system.run(evaluate_spatial_joint, joints, j, state, acc, work.joint)
+    value = _wrench(work.joint.z, work.joint.force)
+    rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
+    by_lam: np.ndarray = np.zeros((6, system.n - system.n_q), system.dtype)
+    by_lam[:, rows : rows + count] = np.stack([_wrench(work.joint.z, row) for row in work.joint.phi_z[:count]], axis=1)
+    by_q: np.ndarray = np.zeros((6, system.n_q), system.dtype)
+    by_x = np.zeros((6, system.n_x))
+    _add_number_designs(system, j, work, lam[rows : rows + count], by_x)
+    for side in range(2):
+        m = joints.marker[j, side]
+        for k in range(markers.start[m], markers.start[m + 1]):
+            by_q[:, markers.coordinate[k]] += _change(system, j, side, state.B[k].copy(), acc, work)
+        for d in range(markers.design_start[m], markers.design_start[m + 1]):
+            by_x[:, markers.design_variable[d]] += np.real(_change(system, j, side, state.y_x[d].copy(), acc, work))
+    return value, by_q, by_lam, by_x
+
+
+def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
+    """(F, M) of f (24,) at the poses z (24,)."""
+    torque = sum((np.cross(z[3 * i : 3 * i + 3], f[3 * i : 3 * i + 3]) for i in range(1, 4)), np.zeros(3))
+    return -np.concatenate([f[:3], torque])
+
+
+def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, work: Work) -> np.ndarray:
+    """Derivative of (F, M) in a direction y of one marker's pose: with y as its rate, the joint's kernel gives g_zz y."""
+    state, joint, joints = work.markers, work.joint, system.plan.joints
+    for k in range(2):
+        state.rate[joints.marker[j, k]] = y if k == side else 0
+    system.run(evaluate_spatial_joint, joints, j, state, acc, joint)
+    rows = slice(joints.row[j], joints.row[j] + joints.n_rows[j])
+    dforce = acc[rows] @ joint.along[: joints.n_rows[j], 0]
+    found = _wrench(joint.z, dforce)
+    if side == 0:
+        moved: np.ndarray = np.zeros(NUMBERS, system.dtype)
+        moved[:12] = y
+        found[3:] += _wrench(moved, joint.force)[3:]
+    return found
+
+
+def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
+    """What the numbers of the rows change, such as a length."""
+    joints, z = system.plan.joints, np.real(work.joint.z)
+    assert isinstance(joints, SpatialJoints)
+    for d in range(joints.design_start[j], joints.design_start[j + 1]):
+        f, at = np.zeros(NUMBERS), joints.design_place[d]
+        factor = np.real(lam[joints.design_row[d]]) * joints.design_value[d]
+        if joints.design_kind[d] == 1:
+            f[joints.linear_place[at]] += factor
+        elif joints.design_kind[d] == 2:
+            for i, k in (joints.pair[at], joints.pair[at][::-1]):
+                f[3 * i : 3 * i + 3] += factor * z[3 * k : 3 * k + 3]
+        by_x[:, joints.design_variable[d]] += _wrench(z, f)

@@ -1,0 +1,1 @@
+"""Stress of flexible bodies as a response."""

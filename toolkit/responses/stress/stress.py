@@ -1,0 +1,181 @@
+"""Stress of flexible bodies: the field over all points and times, its maximum, and the smooth maximum."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from toolkit.bodies.model_body import DEPENDENCE
+from toolkit.description.description import Positive
+from toolkit.description.point import BodyPoint
+from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.reduced_model.dependence import Derivatives
+from toolkit.reduced_model.design_point import NONE
+from toolkit.reduced_model.model import place_parameter
+from toolkit.responses.response import Partials, Response
+from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
+from toolkit.responses.stress.von_mises import point_slope, point_stress
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
+from toolkit.system.solution import Solution
+
+
+def stress_operator(scene: Scene, body: str) -> np.ndarray:
+    """Components of stress per elastic coordinate at the scene's parameter values, shape (n_s, 1 or 6, n_f)."""
+    operator = design_point(scene, body).value("stress_operator")
+    return operator[:, None] if operator.ndim == 2 else operator
+
+
+def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
+    """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
+    operator = stress_operator(scene, body)
+    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), operator.reshape(-1, operator.shape[-1]).T)
+    return found.reshape(*q_f.shape[:-1], *operator.shape[:2])
+
+
+def by_instant(states: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """States (n_t, k) times a matrix (k, m), one after the other: a product of all at once rounds each by how many there are.
+
+    Stress is a difference of large displacements, and a smooth maximum multiplies the last digits of that difference by its exponent: so
+    those of a window must be those of the whole run.
+    """
+    return np.stack([state @ matrix for state in states]) if len(states) else states @ matrix
+
+
+def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
+    """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
+    scene = solution.system.scene
+    names = {model_parameter(scene, body, variable.path): x for x, variable in enumerate(solution.system.design)}
+    asked = any(name in scene.model(flexible_body(scene, body).model).nominal for name in names)
+    return design_point(scene, body, *DEPENDENCE, *parts).rates(item, names) if asked else NONE
+
+
+def model_parameter(scene: Scene, body: str, path: str) -> str:
+    """Parameter of a body's reduced model that the number at a path may be; empty if it is none."""
+    group, name, *rest = path.split(".")
+    if group == "bodies" and name == body:
+        return ".".join(rest)
+    point = scene.points[name] if group == "points" and rest == ["arc_length"] else None
+    return place_parameter(point.interface) if isinstance(point, BodyPoint) and point.body == body else ""
+
+
+def stress_field(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
+    """Stress at every point and time (n_t, n_s), and its design derivatives (n_t, n_s, n_x); components are B q_f, with B dq_f + dB q_f."""
+    scene, q = solution.system.scene, solution.q[:, elastic_coordinates(solution, body)]
+    operator, components = stress_operator(scene, body), stress_components(scene, body, q)
+    flat = operator.reshape(-1, operator.shape[-1])
+    derivative = np.einsum("sf,tfx->tsx", flat, solution.dq[:, elastic_coordinates(solution, body)])
+    rates = design_rates(solution, body, "stress_operator")
+    for x in np.unique(rates.parameter):
+        entry, value = rates.by(x)
+        change = coo_array((value, np.unravel_index(entry, flat.shape)), flat.shape).tocsr()
+        derivative[:, :, x] += np.real(q @ change.T)
+    slope = np.real(point_slope(components))
+    return point_stress(components), np.einsum("tsc,tscx->tsx", slope, derivative.reshape(*components.shape, -1))
+
+
+class StressResponse(Response):
+    """Base of responses that weight the stress of all points and times.
+
+    Attributes
+    ----------
+    body
+        Name of a flexible body.
+    measure
+        Signed: tension counts. Absolute: tension and compression count alike. The stress of solids is von Mises', which has no sign.
+    when
+        All times, or the end.
+    """
+
+    quantity = "stress"
+
+    body: str
+    measure: Literal["signed", "absolute"] = "signed"
+    when: Literal["all", "end"] = "all"
+
+    def check(self, scene: Scene) -> None:
+        """The body is flexible."""
+        flexible_body(scene, self.body)
+
+    def considered(self, solution: Solution) -> np.ndarray:
+        """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
+        components = self.components(solution)
+        stress = point_stress(components)
+        return np.hstack([stress, -stress]) if self.twice(components) else stress
+
+    def components(self, solution: Solution) -> np.ndarray:
+        """Components of stress at the times that count, (n_t, n_s, 1 or 6)."""
+        where = elastic_coordinates(solution, self.body)
+        q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
+        return stress_components(solution.system.scene, self.body, q)
+
+    def twice(self, components: np.ndarray) -> bool:
+        """Whether the opposite sign counts too."""
+        return self.measure == "absolute" and components.shape[-1] == 1
+
+    def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
+        """Partials of a response from its derivatives by the considered values."""
+        weights, components = np.real(weights), self.components(solution)
+        if self.twice(components):
+            weights = weights[:, : weights.shape[1] // 2] - weights[:, weights.shape[1] // 2 :]
+        by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
+        if self.when == "end":
+            by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
+        where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.scene, self.body)
+        value_q = np.zeros(solution.q.shape)
+        value_q[:, where] = by_instant(by_component, np.real(operator.reshape(by_component.shape[1], -1)))
+        by_operator = np.real(by_component.T @ solution.q[:, where]).ravel()
+        rates = design_rates(solution, self.body, "stress_operator")
+        design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
+        return Partials(value, q=value_q, design=design)
+
+
+class KSStress(StressResponse):
+    """Smooth maximum of the stress (paper, eq. 47) over all points and times.
+
+    A value of `aggregation` that is right for MPa is wrong for Pa, unless it is a pure number because of a `reference_stress`.
+
+    Attributes
+    ----------
+    aggregation
+        Parameter rho, in 1/unit of stress, or a pure number with `reference_stress`.
+    reference_stress
+        Stress that all stresses are divided by first; the result is a stress again.
+    """
+
+    kind = "ks-stress"
+
+    aggregation: Positive
+    reference_stress: Positive | None = None
+
+    @property
+    def sharpness(self) -> float:
+        """The parameter in 1/unit of stress."""
+        return self.aggregation / (1.0 if self.reference_stress is None else self.reference_stress)
+
+    def partials(self, solution: Solution) -> Partials:
+        """Value and softmax weights."""
+        value, weights = kreisselmeier_steinhauser(self.considered(solution), self.sharpness)
+        return self.chain(solution, value, weights)
+
+    def remark(self, solution: Solution) -> str:
+        """How far the smooth maximum is from the true one, and how far it could be."""
+        stress = self.considered(solution)
+        gap = np.real(kreisselmeier_steinhauser(stress, self.sharpness)[0]) - stress.real.max()
+        return f"exceeds the true maximum by {gap:.3g}, at most ln(n)/rho = {gap_bound(stress.size, self.sharpness):.3g}"
+
+
+class MaxStress(StressResponse):
+    """Largest stress over all points and times; its derivative is that of the point and time where it occurs."""
+
+    kind = "max-stress"
+
+    def partials(self, solution: Solution) -> Partials:
+        """Value, and weight one at the place of the maximum."""
+        stress = self.considered(solution)
+        weights = np.zeros(stress.shape)
+        place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
+        weights[place] = 1
+        return self.chain(solution, stress[place], weights)

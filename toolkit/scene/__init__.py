@@ -1,0 +1,1 @@
+"""Scenes: points, bodies, joints, loads, design variables and wanted responses under one roof."""

@@ -1,0 +1,331 @@
+"""A scene: points, bodies, joints, loads, design variables, wanted responses; what a user writes."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from pathlib import Path
+from typing import Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from toolkit.bodies.body import Body
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.ground import Ground
+from toolkit.bodies.spatial.ground import SpatialGround
+from toolkit.description.description import Description, Registered, numbers_below
+from toolkit.description.design import Design, DesignVariable
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
+from toolkit.description.vector_paths import numbered
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed
+from toolkit.joints.planar.joint import Joint
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.load import Load
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.pressure import Pressure
+from toolkit.reduced_model.file import load
+from toolkit.reduced_model.model import ReducedModel, place_parameter
+from toolkit.scene.names import check_dimension, check_names, known
+
+NOT_DESIGN = {
+    "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
+    "motion. Choose numbers of points, bodies, joints or loads.",
+    "responses": "numbers of a response change what is asked about the motion, not the motion. Choose numbers of points, bodies, "
+    "joints or loads.",
+}
+"""Tables of a scene whose numbers have no derivative, and why."""
+
+
+class Scene(Description):
+    """A multibody scene.
+
+    Attributes
+    ----------
+    units
+        Unit system of all numbers.
+    dimension
+        Of space: 2, or 3.
+    points
+        Name -> [x, y], in space [x, y, z], or interface point; rods run between points, joints sit at them.
+    bodies
+        Name -> body; the body `ground` is always there.
+    joints
+        Name -> joint.
+    loads
+        Name -> load.
+    design
+        Short name -> path of a number of points, bodies, joints or loads.
+    responses
+        Name -> response.
+    solver
+        Options of the analyses.
+    directory
+        Folder that paths of reduced models start from; for a scene file its own.
+    """
+
+    units: Literal["mm-t-s", "m-kg-s"]
+    dimension: Literal[2, 3] = 2
+    points: dict[str, Point | BodyPoint] = Field(default_factory=dict)
+    bodies: dict[str, Body]
+    joints: dict[str, Joint] = Field(default_factory=dict)
+    loads: dict[str, Load | Gravity | SpatialGravity | Pressure] = Field(default_factory=dict)
+    design: dict[str, str] = Field(default_factory=dict)
+    responses: dict[str, Registered] = Field(default_factory=dict)
+    solver: RunOptions = RunOptions()
+    directory: Path = Path()
+
+    @model_validator(mode="after")
+    def _names(self) -> Self:
+        check_names(self.points, self.bodies, self.joints, self.loads, self.responses)
+        check_dimension(self.dimension, self.points, {"bodies": self.bodies, "joints": self.joints, "loads": self.loads})
+        return self
+
+    def all_bodies(self) -> dict[str, Body]:
+        """The bodies and the ground."""
+        return {"ground": Ground() if self.dimension == 2 else SpatialGround(), **self.bodies}
+
+    def body(self, name: str) -> Body:
+        """One body.
+
+        Raises
+        ------
+        InputError
+            There is none of that name; lists all.
+        """
+        known(name, (*self.bodies, "ground"), "the scene", "body")
+        return self.all_bodies()[name]
+
+    def interface(self, point: str) -> Point | BodyPoint:
+        """The point as it was written.
+
+        Raises
+        ------
+        InputError
+            There is no point of that name; lists all.
+        """
+        known(point, self.points, "the scene", "point")
+        return self.points[point]
+
+    def position(self, point: str) -> np.ndarray:
+        """Undeformed global position of a point, shape (d,).
+
+        Raises
+        ------
+        InputError
+            There is no such point, or it is an interface point of a body that has none.
+        """
+        written = self.interface(point)
+        if isinstance(written, Point):
+            return written.position()
+        body = self.bodies[written.body]
+        if not isinstance(body, ModelBody):
+            raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
+        return body.position_at_rest(self, point, written.body)
+
+    def model_files(self) -> list[Path]:
+        """Files of the reduced models of its bodies, each once."""
+        names = dict.fromkeys(body.model for body in self.bodies.values() if isinstance(body, ModelBody))
+        return [self.directory / name for name in names]
+
+    def model(self, path: str, *parts: str) -> ReducedModel:
+        """The invariants and interface points of a reduced model, and other parts on request; each is read once.
+
+        Parameters
+        ----------
+        path : of the file, relative to the scene's folder
+
+        Raises
+        ------
+        InputError
+            The model is in another unit system than the scene, or of another dimension.
+        ModelFileError
+            The file cannot be used, see `toolkit.reduced_model.file.load`.
+        """
+        full = self.directory / path
+        changed = full.stat().st_mtime_ns if full.exists() else 0
+        model = _load(full, ("interfaces", *parts), changed)
+        if model.units != self.units:
+            raise InputError(
+                f"reduced model {path!r} is in {model.units}, the scene in {self.units}. "
+                "State the scene in the units of its models, or build the model anew in those of the scene."
+            )
+        if model.dimension != self.dimension:
+            raise InputError(
+                f"reduced model {path!r} has dimension {model.dimension}, the scene {self.dimension}. "
+                "Build the model for the scene's dimension, or give the scene (`dimension = 2 or 3`) that of its models."
+            )
+        return model
+
+    def arc_lengths(self, body: Body) -> dict[str, Any]:
+        """Interface points of a body that the scene puts elsewhere along it: name in the reduced model -> arc length.
+
+        Raises
+        ------
+        InputError
+            Another point sits at the same interface point of a body whose shapes follow its place.
+        """
+        mine = {name: p for name, p in self.points.items() if isinstance(p, BodyPoint) and self.bodies.get(p.body) is body}
+        found = {}
+        for name, point in mine.items():
+            if point.arc_length is not None:
+                twin = next((n for n, other in mine.items() if other.interface == point.interface and n != name), None)
+                if twin and isinstance(body, ModelBody) and place_parameter(point.interface) in self.model(body.model).nominal:
+                    raise InputError(
+                        f"points.{name} and points.{twin} sit at the same interface point, whose place the shapes of body "
+                        f"{point.body!r} follow: one cannot move without the other. Use one of them."
+                    )
+                found[point.interface] = point.arc_length
+        return found
+
+    def extrapolated(self) -> dict[str, list[str]]:
+        """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
+        bodies = {name: body for name, body in self.bodies.items() if isinstance(body, ModelBody)}
+        found = {name: body.design_point(self).extrapolated() for name, body in bodies.items()}
+        return {name: parameters for name, parameters in found.items() if parameters}
+
+    @property
+    def gravity(self) -> np.ndarray:
+        """Sum of all gravity loads, shape (d,), length/time^2."""
+        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, (Gravity, SpatialGravity))]
+        return sum(found, np.zeros(self.dimension))
+
+    @property
+    def size(self) -> float:
+        """Extent of the points or of the largest body, the length that displacements are compared with."""
+        positions = np.real([self.position(point) for point in self.points])
+        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(self.dimension)
+        return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
+
+    def number(self, path: str) -> Any:
+        """The number at a path; a flexible body's parameter that the scene does not set has its nominal value.
+
+        Raises
+        ------
+        InputError
+            There is no number at the path; lists all paths.
+        """
+        path = self.path_of(path)
+        written = self._numbers_near(path)
+        if path in written:
+            return written[path]
+        nominal = self.model_parameters()
+        if path not in nominal:
+            raise InputError(
+                f"there is no number {path!r} in the scene; available: {listed(self.available_paths())}. "
+                "Design variables and overrides are paths of such numbers."
+            )
+        return nominal[path]
+
+    def path_of(self, path: str) -> str:
+        """The path as `available_paths` has it: in space x, y and z name the numbers of every vector."""
+        groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
+        return numbered(path, groups) if self.dimension == 3 else path
+
+    def _numbers_near(self, path: str) -> dict[str, Any]:
+        """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
+        group, name = (*path.split("."), "")[:2]
+        items = getattr(self, group) if group in type(self).model_fields else None
+        return dict(
+            numbers_below(f"{group}.{name}", items[name]) if isinstance(items, dict) and name in items else self.numbers()
+        )
+
+    def model_parameters(self) -> dict[str, float]:
+        """Paths of the numbers that come from reduced models: parameters, and arc lengths of interface points."""
+        found: dict[str, float] = {}
+        for name, body in self.bodies.items():
+            if isinstance(body, ModelBody):
+                model = self.model(body.model)
+                places = {place_parameter(interface) for interface in model.interfaces or {}}  # reached through their points
+                own = {parameter: value for parameter, value in model.nominal.items() if parameter not in places}
+                found |= {f"bodies.{name}.{parameter}": value for parameter, value in own.items()}
+        for name, point in self.points.items():
+            owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
+            if isinstance(point, BodyPoint) and isinstance(owner, ModelBody):
+                interfaces = self.model(owner.model).interfaces or {}
+                place = interfaces.get(point.interface)
+                if place is not None and place.arc_length_range[0] < place.arc_length_range[1]:
+                    found[f"points.{name}.arc_length"] = float(interfaces[point.interface].arc_length)
+        return found
+
+    def available_paths(self) -> list[str]:
+        """Paths of all numbers that can be design variables."""
+        written = [path for path, _ in self.numbers() if path.split(".")[0] in ("points", "bodies", "joints", "loads")]
+        return list(dict.fromkeys([*written, *self.model_parameters()]))
+
+    def with_number(self, path: str, value: Any) -> Self:
+        """A copy in which one number has another value, real or complex.
+
+        Raises
+        ------
+        InputError
+            There is no number at the path.
+        """
+        path = self.path_of(path)
+        if path not in self._numbers_near(path):
+            self.number(path)
+            group, name, key = path.split(".")
+            owner = getattr(self, group)
+            changed = owner[name].model_copy(update={key: value}) if group == "points" else _with_extra(owner[name], key, value)
+            return self.model_copy(update={group: {**owner, name: changed}})
+        return super().with_number(path, value)
+
+    def design_variables(self, names: list[str] | None = None) -> Design:
+        """The design variables by short name or path; all that the scene declares by default.
+
+        Raises
+        ------
+        InputError
+            A name or path is unknown, or leads to a number without derivative; lists those that are possible.
+        """
+        variables: list[DesignVariable] = []
+        available = dict.fromkeys(self.available_paths())
+        for name in self.design if names is None else names:
+            path = self.path_of(self.design.get(name, name))
+            if path.split(".")[0] in NOT_DESIGN:
+                raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
+            if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in available:
+                raise InputError(
+                    f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
+                    "State it by an arc length off the nodes in the skin file, and run preprocessing again."
+                )
+            if path not in available:
+                which = (
+                    f"the path {path!r} of design variable {name!r} leads nowhere"
+                    if path != name
+                    else f"unknown design variable {name!r}"
+                )
+                raise InputError(
+                    f"{which}; short names of the scene: {', '.join(self.design) or 'none'}; paths: {listed(available)}."
+                )
+            if (twin := next((other.name for other in variables if other.path == path), None)) is not None:
+                raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
+            variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
+        return Design(tuple(variables))
+
+
+def _with_extra(body: Body, key: str, value: Any) -> Body:
+    changed = body.model_copy()
+    object.__setattr__(changed, "__pydantic_extra__", {**body.model_values(), key: value})
+    return changed
+
+
+def forget_models() -> None:
+    """Read every reduced model anew from here on, so that what a run reads can be counted."""
+    _read_before.cache_clear()
+
+
+@lru_cache(maxsize=32)
+def _read_before(_path: Path, _changed: int) -> dict[Path, ReducedModel]:
+    """Where the parts of a file that were read stay, as long as the file is the same."""
+    return {}
+
+
+def _load(path: Path, parts: tuple[str, ...], changed: int) -> ReducedModel:
+    """At least these parts; what was read before is not read again."""
+    shelf = _read_before(path, changed)
+    known = shelf.get(path)
+    if known is None or not known.bytes_read.keys() >= set(parts):
+        shelf[path] = known = load(path, parts, known)
+    return known

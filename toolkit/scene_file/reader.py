@@ -1,0 +1,174 @@
+"""Scenes in TOML: the same objects as in Python, with errors that name the file, the key and what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from pydantic import ValidationError
+
+from toolkit.description.description import Description
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import CURVES
+from toolkit.description.run_options import RunOptions
+from toolkit.description.validation_messages import SHORT, messages
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.toml_file import parse_toml, read_toml
+from toolkit.responses.catalogue import Response
+from toolkit.responses.instant import Instant
+from toolkit.scene.kinds import DIMENSIONS, kinds_of
+from toolkit.scene.scene import Scene
+
+
+def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
+    """Read a scene file; `changes` replaces values by path or short name, given as in TOML (`{"points.A.x": "73"}`).
+
+    Raises
+    ------
+    InputError
+        The file is missing, is no TOML, or a key or value is wrong; all wrong keys are reported at once.
+    """
+    path = Path(path)
+    table = read_toml(path, "a scene in TOML")
+    short = table.get("design", {})
+    for key, text in (changes or {}).items():
+        long = short.get(key) if isinstance(short, dict) else None
+        _change(table, long if isinstance(long, str) else key, text, path)
+    return scene_from_table(table, path)
+
+
+def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
+    """A scene from nested tables; `path` is the file they came from.
+
+    Raises
+    ------
+    InputError
+        A key or value is wrong; all wrong ones are reported at once.
+    """
+    problems: list[str] = []
+    dimension = _dimension(table, path)
+    groups = {name: _group(table.get(name, {}), name, problems) for name in ("points", "bodies", "joints", "loads", "responses")}
+    parsed: dict[str, Any] = {name: {} for name in groups}
+    for name, text in groups["points"].items():
+        parsed["points"][name] = _point(text, dimension, f"points.{name}", problems)
+    kinds: dict[str, Mapping[str, type]] = {**kinds_of(dimension), "responses": Response.kinds}
+    others: dict[str, Mapping[str, type]] = kinds_of(5 - dimension)
+    for group, known in kinds.items():
+        for name, item in groups[group].items():
+            parsed[group][name] = _item(item, known, others.get(group, {}), f"{group}.{name}", problems)
+    if "solver" in table:
+        parsed["solver"] = _validated(RunOptions, table["solver"], "solver", problems)
+    rest = {key: value for key, value in table.items() if key not in (*groups, "solver")}
+    if problems:
+        raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
+    scene = _validated(Scene, {**rest, **parsed, "directory": path.parent}, "", problems)
+    if scene is None:
+        raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
+    try:
+        scene.design_variables()
+    except InputError as error:
+        raise InputError(f"{path.name}: {error}") from error
+    return scene
+
+
+def _dimension(table: Mapping[str, Any], path: Path) -> int:
+    """What decides what all the rest may be.
+
+    Raises
+    ------
+    InputError
+        It is neither 2 nor 3.
+    """
+    given = table.get("dimension", 2)
+    if type(given) is not int or given not in DIMENSIONS:
+        raise InputError(
+            f"{path.name}: dimension = {SHORT.repr(given)} cannot be meant. Write dimension = 3 for a scene in space, and 2, or nothing, "
+            "for one in the plane."
+        )
+    return given
+
+
+def _group(value: Any, name: str, problems: list[str]) -> dict[str, Any]:
+    if isinstance(value, dict):
+        return value
+    problems.append(f"{name} must be a table of names, not {SHORT.repr(value)}.")
+    return {}
+
+
+SPACES = {2: "a planar point has two, [x, y]", 3: "a point in space has three, [x, y, z]"}
+
+
+def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
+    if isinstance(value, list):
+        if len(value) == dimension:
+            return _validated(Point, dict(zip("xyz", value, strict=False)), where, problems)
+        other = 5 - dimension
+        hint = f" A scene of dimension {other} begins with dimension = {other}." if len(value) == other else ""
+        problems.append(f"{where} has {len(value)} coordinates; {SPACES[dimension]}.{hint}")
+        return None
+    return _validated(BodyPoint, value, where, problems)
+
+
+def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], where: str, problems: list[str]) -> Any:
+    """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
+    if not isinstance(value, dict) or "type" not in value:
+        problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
+        return None
+    wanted = value["type"]
+    kind = kinds.get(wanted) if isinstance(wanted, str) else None
+    if kind is None:
+        hint = ""
+        if isinstance(wanted, str) and wanted in others:
+            other = others[wanted].dimension  # type: ignore[attr-defined]
+            hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
+        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.{hint}")
+        return None
+    return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
+
+
+def _validated(kind: type[Description], value: Any, where: str, problems: list[str]) -> Any:
+    try:
+        return kind.model_validate(value)
+    except ValidationError as error:
+        problems += messages(error, kind, value, where, {**Instant.kinds, **CURVES})
+        return None
+
+
+def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
+    """Set one value by its path; x and y, in space z too, name the entries of a vector."""
+    try:
+        value = parse_toml(f"value = {text}")["value"]
+    except ValueError:
+        value = text
+    *owners, last = key.split(".")
+    owner: Any = table
+    axes = "xyz"[: table["dimension"] if table.get("dimension") in DIMENSIONS else 2]
+    for depth, name in enumerate(owners):
+        index = _index(owner, name, axes)
+        if index is None and (owners[0] != "solver" or isinstance(owner, list)):
+            raise InputError(_leads_nowhere(key, name, owner, axes, path))
+        if index is None:
+            owner[name] = {}
+            index = name
+        owner = owner[index]
+        if not isinstance(owner, (dict, list)):
+            raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
+    index = _index(owner, last, axes)
+    if index is None and (isinstance(owner, list) or not owners):
+        raise InputError(_leads_nowhere(key, last, owner, axes, path))
+    owner[last if index is None else index] = value
+
+
+def _index(owner: Any, name: str, axes: str) -> Any:
+    if isinstance(owner, list):
+        axis = axes.find(name) if len(name) == 1 else -1
+        index = axis if axis >= 0 else int(name) if name.isdecimal() and len(name) < 10 else len(owner)
+        return index if index < len(owner) else None
+    return name if name in owner else None
+
+
+def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path) -> str:
+    letters = ", ".join(axes)
+    possible = ", ".join(owner) if isinstance(owner, dict) else letters if len(owner) == len(axes) else f"0 to {len(owner) - 1}"
+    return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}; possible here: {possible}."

@@ -1,0 +1,1 @@
+"""Gradients by the discrete adjoint: backwards through the steps of a run."""

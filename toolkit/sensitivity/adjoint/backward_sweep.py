@@ -1,0 +1,121 @@
+"""From partial derivatives of responses by the states of a run to their gradients by the design: backwards, window by window."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.analyses.run_start import run_start
+from toolkit.description.run_options import RunOptions
+from toolkit.description.time_grid import step_lengths
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.responses.response import Partials
+from toolkit.solvers.transient.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
+from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
+from toolkit.solvers.transient.prediction import SAME, STEEP
+from toolkit.solvers.transient.scheme import Scheme
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+
+PIECE = 200
+"""Steps whose states are copied at once, and between two reports of progress."""
+
+
+class Sweep(NamedTuple):
+    """What all steps of a backward run share, what one leaves to the one before, and the gradient (n_x, n_r) that grows."""
+
+    system: System
+    options: RunOptions
+    lengths: np.ndarray  # (n_t,) of the step to each state of the run, that to the start like the one after it
+    ratios: np.ndarray  # (n_t,) see `step_ratio`
+    relaxation: np.ndarray  # (n_t,) see `relaxed`
+    scheme: Scheme
+    transposition: np.ndarray
+    memory: AdjointMemory
+    gradient: np.ndarray
+
+
+def begin_sweep(system: System, options: RunOptions, times: np.ndarray, n_r: int) -> Sweep:
+    """Nothing swept yet; `times` (n_t,) are those of the run."""
+    lengths = step_lengths(times)
+    to_each = np.append(lengths[:1], lengths)
+    ratios = np.append(1.0, to_each[1:] / to_each[:-1])
+    ratios[np.abs(ratios - 1) <= SAME] = 1.0
+    ratios[ratios > STEEP] = 0.0
+    memory = adjoint_memory(system.plan, system.lu_plan, system.weights, n_r)
+    gradient = np.zeros((system.n_x, n_r))
+    return Sweep(system, options, to_each, ratios, relaxed(to_each), scheme_of(options), transposition(system), memory, gradient)
+
+
+def sweep(
+    state: Sweep, window: Solution, first: int, found: Sequence[Partials], progress: Callable[[int], None] = lambda _: None
+) -> None:
+    """Go backwards through a window whose first state is that of step `first`; `found` are partials by the window's states.
+
+    `progress` is called with the step that is reached.
+
+    Raises
+    ------
+    SingularSystemError
+        A step's transposed equations have no unique solution.
+    """
+    for r, partials in enumerate(found):
+        state.gradient[:, r] += 0 if partials.design is None else partials.design
+    for high in range(len(window.times), 0, -PIECE):
+        piece = slice(max(0, high - PIECE), high)
+        _sweep_piece(state, window, piece, first, found)
+        progress(first + piece.start)
+
+
+def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
+    system, steps = state.system, slice(first + piece.start, first + piece.stop)
+    begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
+    by_q, by_v, by_acc = (_stacked(system, piece, found, name) for name in ("q", "v", "multipliers"))
+    curves, curves_x = system.curves(window.times[piece])
+    levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
+    failed = system.run(
+        integrate_backwards, system.evaluator, system.plan, system.functions, curves, curves_x, state.lengths[steps],
+        state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),
+        by_q, by_v, by_acc, state.memory, state.gradient,
+    )  # fmt: skip
+    if failed >= 0:
+        raise SingularSystemError(
+            f"the transposed equations of a step do not determine {system.numbering.names[failed]}. Use the direct method, whose "
+            "solution the run has shown to exist, or remove redundant joints."
+        )
+
+
+def end_sweep(state: Sweep) -> np.ndarray:
+    """The start's part added: the gradient (n_x, n_r)."""
+    start = run_start(state.system, state.options)
+    bars = state.memory.bars
+    for bar, change in zip((bars.q, bars.v, bars.acc), (start.dq, start.dv, start.dacc), strict=True):
+        state.gradient[:] += change.T @ bar
+    return state.gradient
+
+
+def _padded(system: System, window: Solution, piece: slice) -> np.ndarray:
+    """q, v and [a; lam] of some states, (3, n_t, n)."""
+    states, n_q = np.zeros((3, piece.stop - piece.start, system.n)), system.n_q
+    states[:, :, :n_q] = window.q[piece], window.v[piece], window.a[piece]
+    states[2, :, n_q:] = window.multipliers[piece]
+    return states
+
+
+def _stacked(system: System, piece: slice, found: Sequence[Partials], name: str) -> np.ndarray:
+    """One kind of partial derivatives of all responses, at its place among the unknowns: (n_t, n, n_r)."""
+    stacked = np.zeros((piece.stop - piece.start, system.n, len(found)))
+    where = slice(system.n_q, system.n) if name == "multipliers" else slice(0, system.n_q)
+    for r, partials in enumerate(found):
+        if getattr(partials, name) is not None:
+            stacked[:, where, r] = np.real(getattr(partials, name)[piece])
+    return stacked
+
+
+def transposition(system: System) -> np.ndarray:
+    """Place of the transposed entry of every entry of the pattern, which is symmetric: (n_entries,)."""
+    columns = system.plan.indices
+    rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
+    return np.lexsort((rows, columns))

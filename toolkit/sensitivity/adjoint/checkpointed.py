@@ -1,0 +1,112 @@
+"""The adjoint of a run whose states do not fit into memory: forwards in windows, and backwards through windows computed again."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.analyses.checkpoints import Checkpoint, checkpoint_states, solve_window, solve_windows, window_bounds
+from toolkit.description.time_grid import time_grid
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.foundation.memory_sizes import GIGABYTE
+from toolkit.responses.response import Partials, Response
+from toolkit.responses.windows import combine, steps_seen
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, sweep
+from toolkit.sensitivity.analysis import Progress, Result, by_name, prepare, responses_of, result
+from toolkit.solvers.transient.run import Run, prepare_run
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+
+
+def fits(scene: Scene, system: System) -> bool:
+    """Whether all states and the responses' partials by them, 8 n_t (3 n + n_r (n + n_q)) bytes, fit into `solver.memory`.
+
+    A run that chooses its steps is not repeated in windows: it keeps all states, or refuses.
+    """
+    if scene.solver.local_error is not None:
+        return True
+    per_step = 3 * system.n + len(responses_of(scene)) * (system.n + system.n_q)
+    return bool(8 * len(time_grid(scene.solver)) * per_step <= GIGABYTE * scene.solver.memory)
+
+
+class Forwards(NamedTuple):
+    """What a run in windows leaves behind."""
+
+    run: Run
+    bounds: list[int]
+    kept: list[Checkpoint]
+    last: Solution  # the last window
+    solution: Solution  # states at the checkpoints
+    values: dict[str, Any]
+    weights: dict[str, dict[int, float]]  # response -> window -> derivative of the response by that of the window
+
+
+def checkpointed_adjoint(scene: Scene, design: list[str], progress: Progress | None = None) -> Result:
+    """Responses with gradients of a transient run, in the memory of about sqrt(n_t) states; the run is computed twice.
+
+    Raises
+    ------
+    InputError
+        As `adjoint_gradients`, or a response cannot be put together from windows.
+    """
+    tell = progress or (lambda *_: None)
+    begun = clock.perf_counter()
+    with watched_compilation() as first:
+        forwards = run_forwards(scene, tell)
+    turned = clock.perf_counter()
+    with watched_compilation() as second:
+        system = prepare(scene, design)
+        gradients = by_name(system.design, forwards.values, run_backwards(scene, system, forwards, tell).T)
+    primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
+    return result(scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
+
+
+def run_forwards(scene: Scene, tell: Progress) -> Forwards:
+    """All windows in turn, and the responses from their values."""
+    run, responses = prepare_run(prepare(scene)), responses_of(scene)
+    bounds, kept, drift = window_bounds(len(run.times)), list[Checkpoint](), 0.0
+    parts: dict[str, dict[int, Any]] = {name: {} for name in responses}
+    for j, window in enumerate(solve_windows(run, bounds, kept)):
+        drift = max(drift, window.drift)
+        for name, seen in seen_responses(responses, window).items():
+            parts[name][j] = seen.value(window)
+        tell(bounds[j + 1], 2 * bounds[-1])
+    values, weights = {}, {}
+    for name, response in responses.items():
+        values[name], found = combine(response, np.array(list(parts[name].values())))
+        weights[name] = dict(zip(parts[name], found, strict=True))
+    return Forwards(run, bounds, kept, window, checkpoint_states(run, bounds, kept, drift), values, weights)
+
+
+def run_backwards(scene: Scene, system: System, forwards: Forwards, tell: Progress) -> np.ndarray:
+    """Gradients (n_x, n_r) of a system with design variables."""
+    run, bounds, responses = forwards.run, forwards.bounds, responses_of(scene)
+    state = begin_sweep(system, run.options, run.times, len(responses))
+    for j in reversed(range(len(bounds) - 1)):
+        last_one = j == len(bounds) - 2
+        window = forwards.last if last_one else solve_window(run, forwards.kept[j], bounds[j], bounds[j + 1])[0]
+        window = replace(window, system=system)
+        seen = seen_responses(responses, window)
+        weights = {name: weights.get(j, 0.0) for name, weights in forwards.weights.items()}
+        found = [scaled(seen[name].partials(window), weights[name]) if name in seen else Partials(0.0) for name in responses]
+        sweep(state, window, bounds[j] + int(j > 0), found)
+        tell(2 * bounds[-1] - bounds[j], 2 * bounds[-1])
+    return end_sweep(state)
+
+
+def seen_responses(responses: Mapping[str, Response], window: Solution) -> dict[str, Response]:
+    """Those that look at any state of a window."""
+    first = int(np.searchsorted(window.whole_run, window.times[0]))
+    last = first + len(window.times) - 1
+    steps = {name: steps_seen(response, window.whole_run) for name, response in responses.items()}
+    return {name: response for name, response in responses.items() if first <= steps[name][1] and steps[name][0] <= last}
+
+
+def scaled(partials: Partials, weight: float) -> Partials:
+    """All derivatives times a number."""
+    return Partials(partials.value, *(None if each is None else weight * each for each in partials[1:]))

@@ -1,0 +1,1 @@
+"""How far independent methods agree on the gradients of a scene."""

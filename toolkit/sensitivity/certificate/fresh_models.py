@@ -1,0 +1,154 @@
+"""Gradients end to end: those of the stored derivatives against differences of reduced models that are built afresh.
+
+A parameter of a reduced model is changed where it stands, in the skin file beside the model, and everything is done again: splines,
+gmsh, elements, basis, invariants, simulation. With f(x) from fresh models and c(h) = [f(x + h) - f(x - h)] / 2h
+
+    df/dx = [4 c(h/2) - c(h)] / 3,    uncertain by |c(h/2) - c(h)| + 1e-10 |f| / h
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.model_body import ModelBody
+from toolkit.description.design import DesignVariable
+from toolkit.responses.stress.stress import model_parameter
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.analysis import Kind, Result, values_of
+from toolkit.sensitivity.certificate.rebuilt_bodies import build_all, given_values, is_built_from, source, with_model
+from toolkit.sensitivity.sizes import typical_size
+
+RELATIVE_STEP = 1e-3
+"""Errors of fourth order are 1e-12 of a smooth response, and the round-off of fresh eigenmodes, 1e-10, is magnified to 1e-7."""
+TOLERANCE = 1e-5
+"""Relative difference of a derivative of a smooth response that no round-off explains."""
+ROUND_OFF = 1e-10
+"""Relative changes of a response that come from the round-off of fresh shapes."""
+FROZEN = "the basis is frozen, so that a fresh one differs: this is the error of freezing it"
+
+
+STEPS = (1.0, -1.0, 0.5, -0.5)
+"""In units of a variable's step."""
+
+
+class Wanted(NamedTuple):
+    """A variable of which fresh models are wanted."""
+
+    variable: DesignVariable
+    body: str
+    parameter: str  # its name for the preprocessing
+    step: float
+
+
+class Fresh(NamedTuple):
+    """A derivative by fresh models, and by how much the difference quotients disagree about it."""
+
+    slope: float
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class FreshGradients:
+    """What fresh models say: response -> variable -> derivative; variables without it, and why; bodies with frozen bases."""
+
+    slopes: dict[str, dict[str, Fresh]] = field(default_factory=dict)
+    left_out: dict[str, str] = field(default_factory=dict)
+    frozen: dict[str, str] = field(default_factory=dict)  # variable -> what its difference means
+
+
+def disagreements(found: FreshGradients, exact: Result) -> Iterator[str]:
+    """Gradients that differ from those of fresh models by more than `TOLERANCE` and the uncertainty of these, in words.
+
+    Those of a frozen basis are left out: that they differ is what freezing means.
+    """
+    for response, slopes in found.slopes.items():
+        for variable, fresh in slopes.items():
+            slope = exact.gradients[response][variable]
+            if variable not in found.frozen and not abs(slope - fresh.slope) <= TOLERANCE * abs(slope) + fresh.uncertainty:
+                yield (
+                    f"d {response} / d {variable} is {slope:.10g} by the reduced model's derivatives, and {fresh.slope:.10g} by models "
+                    "built afresh"
+                )
+
+
+def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Callable[[int, int], None]) -> FreshGradients:
+    """Differences of fresh models for all design variables that are parameters of reduced models.
+
+    Raises
+    ------
+    InputError
+        The preprocessing is not installed, or refuses a skin file.
+    """
+    found, wanted = FreshGradients(), []
+    for variable in scene.design_variables(design):
+        body, parameter = _parameter(scene, variable)
+        if body and (reason := _hindrance(scene, variable, body)):
+            found.left_out[variable.name] = reason
+        elif body:
+            wanted.append(Wanted(variable, body, parameter, RELATIVE_STEP * typical_size(scene, variable)))
+            if _model(scene, body).basis.startswith("frozen"):
+                found.frozen[variable.name] = FROZEN
+    with tempfile.TemporaryDirectory() as folder:
+        _build(scene, wanted, Path(folder))
+        for k, each in enumerate(wanted):
+            for response, fresh in _differences(
+                scene, each, [Path(folder) / f"{k} {i}.h5" for i in range(len(STEPS))], kind
+            ).items():
+                found.slopes.setdefault(response, {})[each.variable.name] = fresh
+            progress(k + 1, len(wanted))
+    return found
+
+
+def _parameter(scene: Scene, variable: DesignVariable) -> tuple[str, str]:
+    """The flexible body whose reduced model has the variable among its parameters, and the parameter's name for the preprocessing."""
+    for name, body in scene.bodies.items():
+        if isinstance(body, ModelBody) and (parameter := model_parameter(scene, name, variable.path)):
+            if parameter in _model(scene, name).nominal and variable.path.startswith("bodies."):
+                return name, parameter
+            if variable.path.startswith("points."):
+                return name, f"interface_points.{parameter.removeprefix('arc_length_')}.arc_length"
+    return "", ""
+
+
+def _hindrance(scene: Scene, variable: DesignVariable, body: str) -> str:
+    """Why there are no fresh models of a variable; empty if there are."""
+    skin = source(scene, body)
+    if not skin.is_file():
+        return f"there is no {skin.name} beside the reduced model to build it from"
+    if not is_built_from(scene, body, skin):
+        return f"the reduced model was not built from the {skin.name} beside it"
+    if variable.value == 0 and "damping" in variable.path:
+        return "damping is zero and cannot be less"
+    return ""
+
+
+def _differences(scene: Scene, wanted: Wanted, files: list[Path], kind: Kind) -> dict[str, Fresh]:
+    up, down, half_up, half_down = (values_of(with_model(scene, wanted.body, file), kind) for file in files)
+    found = {}
+    for name in up:
+        coarse, fine = (up[name] - down[name]) / (2 * wanted.step), (half_up[name] - half_down[name]) / wanted.step
+        noise = ROUND_OFF * abs(up[name]) / wanted.step
+        found[name] = Fresh(float(4 * fine - coarse) / 3, float(np.abs(fine - coarse) + noise))
+    return found
+
+
+def _build(scene: Scene, wanted: list[Wanted], folder: Path) -> None:
+    """All models of a body in one process: file `k i.h5` is that of variable k at step i."""
+    for body in dict.fromkeys(each.body for each in wanted):
+        lines, given = [], given_values(scene, body)
+        for k, each in enumerate(wanted):
+            if each.body == body:
+                values = [{**given, each.parameter: each.variable.value + s * each.step} for s in STEPS]
+                lines += [{"file": str(folder / f"{k} {i}.h5"), "values": v} for i, v in enumerate(values)]
+        build_all(source(scene, body), lines)
+
+
+def _model(scene: Scene, body: str) -> Any:
+    flexible: Any = scene.bodies[body]
+    return scene.model(flexible.model)

@@ -1,0 +1,1 @@
+"""What the length of the steps does to values and gradients."""

@@ -1,0 +1,213 @@
+"""How far responses and gradients are off because of the length of the steps: the same run with other steps, and Richardson's rule.
+
+With f of steps h, g of steps r h, k of steps s h, and the order p of the scheme,
+
+    f - f_exact = (g - f) / (r^p - 1) = (k - g) / (s^p - r^p),
+
+where all are near the limit. The larger of both is taken: f and g may be equally wrong where a vibration is damped away in both, or agree
+by chance, which k seldom does too. Longer steps cost three quarters of a run and are often too long to tell more than that something may
+be wrong; then a run with steps half as long (r = 1/2) says how wrong. If it denies what the longer ones say, one with a quarter decides.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ToolkitError
+from toolkit.system.solution import Solution
+
+Values = Mapping[str, Any]
+Gradients = Mapping[str, Mapping[str, float]]
+Repeat = Callable[[RunOptions], tuple[Values, Gradients]]
+"""The same analysis with other options: values and gradients of its responses."""
+
+LONGER = (2, 4)
+"""Steps that tell are so many times as long."""
+CONTRADICTED = 0.04
+"""Error that longer steps tell and steps half as long deny: then these may agree with the run by chance, and shorter ones decide."""
+TIMES_AS_SHORT = {2: "with steps half as long", 4: "with steps a quarter as long"}
+"""How many times as short the steps are that decide, one after the other, and how they are called."""
+LENIENT = 2.0
+"""Derivatives may be off by so many times more than values."""
+NOTHING = 1e-6
+"""Part of the largest magnitude in the motion below which a number is taken for zero."""
+SURE = 0.01
+"""Estimated error by longer steps up to which no shorter ones are asked: it was never too small by more than a factor of four in 200
+random scenes (`tests.benchmarks.random_scenes`)."""
+
+
+@dataclass(frozen=True)
+class StepError:
+    """Estimated errors of one run by the length of its steps.
+
+    Attributes
+    ----------
+    how
+        What was compared, in words.
+    values
+        Response -> error, a part of the largest magnitude that it has in the motion.
+    gradients
+        Response -> variable -> error, a part of the largest derivative in the motion.
+    own_values, own_gradients
+        The same errors as parts of the value and of the derivative themselves, which may be small where the motion ends.
+    other_values, other_gradients
+        What the run with the other steps found.
+    order
+        Order of the scheme that the estimate supposes.
+    """
+
+    how: str
+    values: dict[str, float]
+    gradients: dict[str, dict[str, float]]
+    own_values: dict[str, float]
+    own_gradients: dict[str, dict[str, float]]
+    other_values: Values
+    other_gradients: Gradients
+    order: int
+
+    @property
+    def largest(self) -> float:
+        """Largest error of any value, and of any derivative in parts of what is allowed more for it."""
+        slopes = (error / LENIENT for each in self.gradients.values() for error in each.values())
+        return max([*self.values.values(), *slopes], default=0.0)
+
+
+class Run(NamedTuple):
+    """A run with other steps: how many times as long they are, in words, and what it found."""
+
+    ratio: float
+    how: str
+    values: Values
+    gradients: Gradients
+
+
+def step_error(
+    solution: Solution,
+    values: Values,
+    gradients: Gradients,
+    scales: Mapping[str, float],
+    slope_scales: Gradients,
+    repeat: Repeat,
+    suspicious: bool = False,
+) -> StepError | None:
+    """The estimate for a motion; None if no other steps work.
+
+    Parameters
+    ----------
+    scales : dict
+        Response -> its largest magnitude in the motion.
+    slope_scales : dict
+        Response -> variable -> what an error of the derivative is to be compared with, if that is larger than the derivative.
+    """
+    options = solution.options or solution.system.scene.solver
+    known = Known(values, gradients, scales, slope_scales, 1 if _first_order(options) else 2)
+    longer = _tried(repeat, (_longer(options, solution.whole_run, ratio) for ratio in LONGER))
+    found = _estimate(known, longer) if longer else None
+    if found is None or suspicious or not found.largest <= SURE:
+        wanted = [(1 / parts, words, _shorter(options, solution.whole_run, parts)) for parts, words in TIMES_AS_SHORT.items()]
+        shorter = _tried(repeat, wanted[:1])
+        half = _estimate(known, shorter) if shorter else None
+        if found and half and found.largest > CONTRADICTED >= half.largest:
+            half = _estimate(known, shorter + _tried(repeat, wanted[1:]))
+        found = half or found
+    return found
+
+
+class Known(NamedTuple):
+    """Values and gradients of the run that is judged, what their errors are compared with, and the order of its scheme."""
+
+    values: Values
+    gradients: Gradients
+    scales: Mapping[str, float]
+    slope_scales: Gradients
+    order: int
+
+
+def _first_order(options: RunOptions) -> bool:
+    return options.quasi_static or (options.scheme == "paper" and options.rho_inf < 1)
+
+
+def _estimate(known: Known, runs: list[Run]) -> StepError:
+    """Errors by other runs, in the order of their steps."""
+
+    def estimated(number: float, others: list[float], scale: float) -> float:
+        """The largest estimate of a number that is `others` in the other runs, a part of its scale."""
+        chain, ratios = [float(np.real(each)) for each in (number, *others)], [1.0, *(run.ratio for run in runs)]
+        steps = zip(pairwise(chain), pairwise(ratios), strict=True)
+        return _relative(max(abs((b - a) / (s**known.order - r**known.order)) for (a, b), (r, s) in steps), scale)
+
+    values = {f: estimated(value, [run.values[f] for run in runs], known.scales[f]) for f, value in known.values.items()}
+    largest = {
+        f: {x: max(abs(slope), known.slope_scales[f][x]) for x, slope in slopes.items()} for f, slopes in known.gradients.items()
+    }
+    gradients = {
+        f: {x: estimated(slope, [run.gradients[f][x] for run in runs], largest[f][x]) for x, slope in slopes.items()}
+        for f, slopes in known.gradients.items()
+    }
+    own = {f: _own(error, known.values[f], known.scales[f]) for f, error in values.items()}
+    of_slopes = {
+        f: {x: _own(error, known.gradients[f][x], largest[f][x]) for x, error in errors.items()}
+        for f, errors in gradients.items()
+    }
+    return StepError(runs[0].how, values, gradients, own, of_slopes, runs[0].values, runs[0].gradients, known.order)
+
+
+def _own(error: float, number: Any, scale: float) -> float:
+    """An error that is a part of the scale, as a part of the number itself; as it is for what is nothing but round-off."""
+    size = abs(float(np.real(number)))
+    return error * scale / size if size > NOTHING * scale else error
+
+
+def _relative(error: float, scale: float) -> float:
+    """A part of the scale; nan where the numbers themselves do not exist."""
+    return error / scale if scale > 0 else (0.0 if error == 0 else np.inf)
+
+
+def _tried(repeat: Repeat, wanted: Iterable[tuple[float, str, RunOptions] | None]) -> list[Run]:
+    """Runs with other steps, up to the first that does not work."""
+    found = []
+    for each in wanted:
+        if each is None:
+            break
+        try:
+            found.append(Run(*each[:2], *repeat(each[2])))
+        except ToolkitError:
+            break
+    return found
+
+
+def _longer(options: RunOptions, times: np.ndarray, ratio: int) -> tuple[float, str, RunOptions] | None:
+    """The run with longer steps; none for too few of them."""
+    steps = len(times) - 1
+    fewer = -(-steps // ratio)
+    if fewer == -(-steps // (ratio // 2)):
+        return None
+    if options.local_error is not None:
+        return ratio, f"with chosen steps about {ratio} times as long", _looser(options, ratio)
+    if options.times is not None:
+        kept = tuple(map(float, (*times[:-1:ratio], times[-1])))
+        return ratio, f"with every {ratio}. of its times", options.model_copy(update={"times": kept})
+    longer = options.model_copy(update={"step": options.end_time / fewer})
+    return steps / fewer, f"with steps {steps / fewer:.3g} times as long", longer
+
+
+def _shorter(options: RunOptions, times: np.ndarray, parts: int) -> RunOptions:
+    """The run with every step in so many parts."""
+    if options.local_error is not None:
+        return _looser(options, 1 / parts)
+    if options.times is not None:
+        between = [float(a + (b - a) * k / parts) for a, b in pairwise(times) for k in range(1, parts)]
+        return options.model_copy(update={"times": tuple(sorted([*map(float, times), *between]))})
+    return options.model_copy(update={"step": options.end_time / (parts * (len(times) - 1))})
+
+
+def _looser(options: RunOptions, ratio: float) -> RunOptions:
+    """Chosen steps grow with the third root of the error that is allowed (the second without inertia)."""
+    allowed = float(options.local_error or 0) * ratio ** (2 if options.quasi_static else 3)
+    return options.model_copy(update={"local_error": allowed, "step": min(options.end_time, options.step * max(ratio, 1.0))})

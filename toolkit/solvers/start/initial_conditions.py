@@ -1,0 +1,144 @@
+"""Consistent start: positions checked, velocities found, accelerations and multipliers solved for."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.equations.equations import Terms
+from toolkit.foundation.errors import InputError
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.start.assembly import assemble
+from toolkit.solvers.start.start_velocities import carried_along, project_velocities
+from toolkit.solvers.start.written_velocities import refuse_own_velocities, written_velocities
+from toolkit.system.system import System
+
+POSITION_TOLERANCE = 1e-8
+"""Largest violation of a constraint at the start, relative to the scene's size (or rad): round-off of input with 9 digits."""
+
+
+class State(NamedTuple):
+    """One state, padded to n, and its total design derivatives (n, n_x)."""
+
+    q: np.ndarray
+    v: np.ndarray
+    acc: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+    dacc: np.ndarray
+
+
+def consistent_start(
+    system: System,
+    levels: np.ndarray,
+    q: np.ndarray | None = None,
+    v: np.ndarray | None = None,
+    time: float = 0.0,
+    options: RunOptions | None = None,
+) -> State:
+    """The state at the start; `q` and `v` (n_q,) replace the scene's own start, then without design derivatives of it.
+
+    Velocities that the scene writes hold, the others are found, see `start_velocities`; a given `v` has to fit the joints as it is.
+    Positions are moved to where the joints are closed if `options.assemble` (by default the scene's), see `assembly`.
+
+    Raises
+    ------
+    InputError
+        A joint is violated at the start, or moving a design variable would violate it; or velocities contradict the joints.
+    ConvergenceError
+        The joints do not close near the given positions.
+    SingularSystemError
+        Joints are redundant, so that accelerations or multipliers are not unique.
+    """
+    position, dq = closed_positions(system, q, time, options)
+    velocity, dv = _velocities(system, position, dq, v, time)
+    acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
+    return State(position, velocity, acc, dq, dv, dacc)
+
+
+def closed_positions(
+    system: System, q: np.ndarray | None, time: float, options: RunOptions | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Positions that satisfy every joint, (n,), and their design derivatives (n, n_x); parameters and errors as `consistent_start`."""
+    position, _, dq, _ = system.start()
+    if q is not None:
+        position, dq = _padded(system, q), np.zeros_like(dq)
+    if (options or system.scene.solver).assemble:
+        position, dq = assemble(system, position, dq, time)
+    check_positions(system, position, dq, time)
+    return position, dq
+
+
+def _velocities(
+    system: System, q: np.ndarray, dq: np.ndarray, own: np.ndarray | None, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities that satisfy every joint, (n,), and their design derivatives (n, n_x)."""
+    if own is None:
+        v, dv = carried_along(system, q, *system.start()[1::2], dq)
+        return project_velocities(system, q, v, dq, dv, time, written_velocities(system))
+    given = _padded(system, own)
+    found, dfound = project_velocities(system, q, given, dq, np.zeros_like(dq), time)
+    refuse_own_velocities(system, given, found)
+    return found, dfound
+
+
+def _padded(system: System, given: np.ndarray) -> np.ndarray:
+    if np.shape(given) != (system.n_q,):
+        raise InputError(f"a start has the shape ({system.n_q},), one number per coordinate, not {np.shape(given)}.")
+    return np.concatenate([given, np.zeros(system.n - system.n_q)]).astype(system.dtype)
+
+
+def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) -> None:
+    """Refuse a start q (n,) that violates a joint, or whose design derivative dq (n, n_x) does.
+
+    Raises
+    ------
+    InputError
+        Names the joint, and the design variable.
+    """
+    zero, n_q = np.zeros_like(q), system.n_q
+    terms = system.evaluate(system.inputs(time, np.array([0, 0, 1.0])), q, zero, zero, design=True)
+    names = system.numbering.names
+    violated = np.flatnonzero(np.abs(terms.applied[n_q:]) * system.weights[n_q:] > POSITION_TOLERANCE)
+    if len(violated):
+        i = n_q + violated[0]
+        raise InputError(
+            f"inconsistent start: {names[i]} is violated by {np.real(terms.applied[i]):.3g} at t = {time:g}. "
+            "Give positions that satisfy every joint, or a length, offset or curve that starts at their value; or let "
+            "solver.assemble = true close the joints."
+        )
+    change = (system.matrix(terms.A_q) @ dq + terms.A_x)[n_q:]
+    for i, x in np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0))):
+        raise InputError(
+            f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
+            "Choose a variable that moves the points with it (a point, or leave the length to follow the points), or let "
+            "solver.assemble = true move the bodies with it."
+        )
+
+
+def initial_accelerations(
+    system: System, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, levels: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """[a; lam] of the equations at the start, which are linear in them, (n,), and their design derivatives, (n, n_x).
+
+    Raises
+    ------
+    SingularSystemError
+        Joints are redundant, or something has no mass.
+    """
+    inputs = system.inputs(time, levels)
+    terms = system.evaluate(inputs, q, v, np.zeros_like(q))
+    acc = solve_linear(system, terms.I_acc, -(terms.inertial + terms.applied), "initial accelerations")
+    if not system.n_x:
+        return acc, np.zeros_like(dq)
+    terms = system.evaluate(inputs, q, v, acc, design=True)
+    dacc = solve_linear(system, terms.I_acc, -total_change(system, terms, dq, dv), "initial accelerations")
+    return acc, dacc
+
+
+def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
+    """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly, (n, n_x)."""
+    stiffness = system.matrix(terms.I_q + terms.A_q)
+    return stiffness @ dq + system.matrix(terms.A_v) @ dv + terms.I_x + terms.A_x

@@ -1,0 +1,1 @@
+"""Equilibria: one by Newton's iteration, or many along a path that is followed, never jumped."""

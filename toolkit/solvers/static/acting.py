@@ -1,0 +1,72 @@
+"""What acts along a path of equilibria, by the path's factor: loads that grow in proportion, or all that changes with time."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.equations.equations import Inputs
+from toolkit.solvers.static.equilibrium import LEVELS, inputs_at
+from toolkit.system.system import System
+
+
+class Acting(Protocol):
+    """Everything is linear in the loads, and drivers enter the equations by their values alone."""
+
+    def at(self, factor: float) -> Inputs:
+        """What acts at a factor."""
+
+    def more(self, factor: float) -> Inputs:
+        """The same drivers, and as much more of the loads as they grow by with the factor, d / d factor."""
+
+    def driven(self, factor: float) -> np.ndarray:
+        """By how much drivers move with the factor, d / d factor, for all time curves (n_curves,)."""
+
+
+class GrowingLoads:
+    """Loads and gravity scaled by the factor, drivers between their first and last value."""
+
+    def __init__(self, system: System, options: RunOptions) -> None:
+        self._none, self._full = (inputs_at(system, options, factor) for factor in (0.0, 1.0))
+
+    def at(self, factor: float) -> Inputs:
+        """What acts at a factor."""
+        none, full = self._none, self._full
+        return none._replace(curves=none.curves + factor * (full.curves - none.curves), scale=float(factor))
+
+    def more(self, factor: float) -> Inputs:
+        """All loads once more."""
+        found = self.at(factor)
+        return found._replace(scale=found.scale + 1.0)
+
+    def driven(self, _factor: float) -> np.ndarray:
+        """The way of the drivers."""
+        found: np.ndarray = np.real(self._full.curves - self._none.curves)[:, 0]
+        return found
+
+
+class PassingTime:
+    """All time curves from one time (factor 0) to another (factor 1)."""
+
+    def __init__(self, system: System, first: float, last: float) -> None:
+        self._system, self._first, self._span = system, first, last - first
+        self._drivers = np.zeros(len(self.at(0.0).curves), bool)
+        self._drivers[[c for c in system.plan.joints.curve if c >= 0]] = True
+
+    def at(self, factor: float) -> Inputs:
+        """What acts at a factor."""
+        return self._system.inputs(self._first + factor * self._span, LEVELS)
+
+    def more(self, factor: float) -> Inputs:
+        """Loads with as much more as they grow by."""
+        found = self.at(factor)
+        growth = np.zeros_like(found.curves)
+        growth[~self._drivers, 0] = self._span * found.curves[~self._drivers, 1]
+        return found._replace(curves=found.curves + growth)
+
+    def driven(self, factor: float) -> np.ndarray:
+        """The way of the drivers."""
+        found: np.ndarray = np.real(self._span * self.at(factor).curves[:, 1])
+        return found

@@ -1,0 +1,110 @@
+"""A first equilibrium from positions that may be far from it: downhill in energy, in steps that never jump."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eigvalsh
+
+from toolkit.compilation.frame_hints import hint_of_floating
+from toolkit.description.run_options import RunOptions
+from toolkit.equations.equations import Terms
+from toolkit.foundation.errors import ConvergenceError, SingularSystemError
+from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.free_motions import free_motions
+from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.stability.saddle import factorised, free_count
+from toolkit.solvers.static.stability.softness import softest
+from toolkit.system.system import System
+
+LONGEST, NEAR, MOST = 0.2, 1e-3, 300
+"""Longest step and distance from which Newton is left alone, both in parts of the scene's size (or rad), and most steps."""
+ROUND_OFF = 1e-12
+"""Part of the largest stiffness, or of what would hold the loads over the longest step, that cannot be told from none."""
+PLAIN = 10
+"""A stiffness this much above round-off is positive beyond doubt."""
+STANDSTILL = 1e-12
+"""A step this short where the energy falls off to some side is the top of a hill, not the bottom of a valley."""
+
+
+def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> tuple[Equilibrium, int]:
+    """Newton with a shifted stiffness, [K + s W] dq + phi_q^T dlam = - residual, phi_q dq = - phi.
+
+    W compares coordinates by their weights, whatever the masses are. The shift s makes K + s W positive definite on the motions that the
+    joints allow wherever K is not (twice the lowest eigenvalue, or enough to keep the step short), so that every step goes downhill; long
+    steps are shortened. Open joints are closed on the way.
+
+    Raises
+    ------
+    ConvergenceError
+        There is no equilibrium in reach, or only an unstable one.
+    SingularSystemError
+        Something is free to move, or joints are redundant.
+    """
+    rest, n_q, inputs = np.zeros_like(q), system.n_q, inputs_at(system, options, factor)
+    for step in range(MOST):
+        terms = system.evaluate(inputs, q, rest, acc)
+        shift = _shift(system, terms)
+        matrix = static_matrix(system, terms) + shift * _metric(system)
+        correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
+        size = (system.weights[:n_q] * np.abs(np.real(correction[:n_q]))).max(initial=0)
+        if shift == 0 and size <= NEAR:
+            found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEAR)
+            return found, count + step
+        if not np.isfinite(size) or size <= STANDSTILL:
+            break
+        part = np.where(np.arange(system.n) < n_q, min(1.0, LONGEST / size), 0)
+        q, acc = q - part * correction, acc - np.where(np.arange(system.n) < n_q, 0, correction)
+    worst = system.most_moved(correction)
+    raise ConvergenceError(
+        f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
+        "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+        + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
+    )
+
+
+def _moving(system: System, correction: np.ndarray) -> np.ndarray:
+    """Coordinates that a correction moves about as much as any."""
+    moved = system.weights[: system.n_q] * np.abs(np.real(correction[: system.n_q]))
+    return np.flatnonzero(moved > 0.1 * moved.max(initial=0))
+
+
+def _shift(system: System, terms) -> float:
+    """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
+    n_q = system.n_q
+    if _plainly_stable(system, terms):
+        return 0.0
+    stiffness = np.real(system.matrix(terms.I_q + terms.A_q).toarray())[:n_q, :n_q]
+    free = free_motions(np.real(system.matrix(terms.I_acc).toarray())[:n_q, n_q:].T, system.weights[:n_q])
+    if not free.shape[1]:
+        return 0.0
+    stiffness = free.T @ stiffness @ free
+    if not np.all(np.isfinite(stiffness)):
+        raise ConvergenceError(
+            "the stiffness of the given positions is not finite. Look for a number that is orders of magnitude off."
+        )
+    lowest = eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
+    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_q]).max() / LONGEST
+    if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
+        return 0.0
+    return max(-2.0 * lowest, pull)
+
+
+def _plainly_stable(system: System, terms: Terms) -> bool:
+    """Whether K is positive definite by so much that no closer look is needed."""
+    n_q, residual = system.n_q, np.real(terms.inertial + terms.applied)[: system.n_q]
+    matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
+    try:
+        saddle = factorised(system, matrix)
+    except SingularSystemError:
+        return False
+    soft = softest(saddle, free_count(system), n_q).values
+    largest = np.abs(matrix[:n_q, :n_q] * saddle.scale[:n_q] * saddle.scale[:n_q, None]).max(initial=0)
+    pull = np.linalg.norm(residual * saddle.scale[:n_q]) / LONGEST
+    return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > PLAIN * ROUND_OFF * max(largest, pull))
+
+
+def _metric(system: System) -> np.ndarray:
+    """W on the pattern: weights squared on the diagonal of the coordinates."""
+    rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
+    diagonal = (rows == system.plan.indices) & (rows < system.n_q)
+    return np.where(diagonal, system.weights[rows] ** 2, 0.0)

@@ -1,0 +1,1 @@
+"""Paths of equilibria: steps along them, and the limit points on them."""

@@ -1,0 +1,164 @@
+"""From an equilibrium to the full load along the path of equilibria, up to a limit point or past it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import islice, pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
+from toolkit.solvers.static.acting import GrowingLoads
+from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium
+from toolkit.solvers.static.path.corrector import first_point
+from toolkit.solvers.static.path.limit_points import FULL, Place, ends, full_load, limit_point
+from toolkit.solvers.static.path.path_box import parts
+from toolkit.solvers.static.path.path_equations import PathEquations
+from toolkit.solvers.static.path.path_steps import Arc, arcs
+from toolkit.solvers.static.stability.bifurcation import bifurcation
+from toolkit.solvers.static.stability.critical_state import is_stable, soft_motion
+from toolkit.system.static_path import LimitPoint, StaticPath
+from toolkit.system.system import System
+
+NEAR = 1e-6
+"""How far, in parts of the scene's size (or rad), Newton may move a point of the path that is under the full load to round-off."""
+
+LEVEL = 1e-6
+"""Part of the path's way by which the load grows at least; its square is the part of the load by which a limit point is missed."""
+
+
+class Arrival(NamedTuple):
+    """The equilibrium under the full load, the path from the first one, and what it cost."""
+
+    state: Equilibrium
+    path: StaticPath
+    iterations: int
+    steps: int
+
+
+@dataclass
+class Trail:
+    """What was met on the path so far: points z (n + 1,), limit points, unstable equilibria under the full load."""
+
+    points: list[np.ndarray]
+    limits: list[LimitPoint] = field(default_factory=list)
+    unstable: int = 0
+    iterations: int = 0
+
+    def path(self, n_q: int) -> StaticPath:
+        """The points so far."""
+        points = np.array(self.points)
+        return StaticPath(points[:, -1], points[:, :n_q], points[:, n_q:-1], tuple(self.limits), self.unstable)
+
+
+def to_full_load(
+    system: System,
+    options: RunOptions,
+    state: Equilibrium,
+    factor: float,
+    past_limits: bool,
+    progress: Callable[[int, int], None] | None = None,
+) -> Arrival:
+    """Follow the path from a stable equilibrium to the first stable one under the full load.
+
+    Raises
+    ------
+    LimitPointError
+        The load turns back before, and the path is not to be followed past limit points.
+    BifurcationError
+        The path is unstable before its first limit point.
+    ConvergenceError
+        The path ends, or does not come to a stable equilibrium in `options.path_steps` steps.
+    """
+    equations = PathEquations(system, options, GrowingLoads(system, options))
+    trail = Trail([np.real(np.concatenate([state.q[: system.n_q], state.acc[system.n_q :], [factor]]))])
+    if factor >= FULL:
+        return Arrival(state, trail.path(system.n_q), 0, 0)
+    start = first_point(equations, trail.points[0])
+    for step, arc in enumerate(islice(arcs(equations, start, 1.0 / options.load_steps), options.path_steps), 1):
+        trail.iterations += arc.iterations
+        if arc.branching and not arc.turns and not trail.limits:
+            here = Equilibrium(*equations.padded(arc.begin.z), arc.begin.direction)
+            raise bifurcation(system, arc.begin.factor, soft_motion(system, options, here, arc.begin.factor))
+        for begin, end in pairwise(_places(equations, arc)):
+            crossing = full_load(equations, arc, begin, end)
+            found = _stable_end(equations, trail, crossing) if crossing else None
+            if crossing and found:
+                trail.points.append(np.append(crossing.z[:-1], 1.0))
+                return Arrival(found, trail.path(system.n_q), trail.iterations, step)
+            trail.points.append(end.z)
+            if end.length < arc.length:
+                _add_limit(system, trail, end, past_limits)
+        if progress:
+            progress(min(99, round(100 * max(point[-1] for point in trail.points))), 100)
+    raise _no_arrival(options, trail)
+
+
+def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilibrium | None:
+    """A point of the path under the full load, to round-off, if it is stable."""
+    system, options = equations.system, equations.options
+    q, acc = equations.padded(place.z)
+    try:
+        state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
+    except (ConvergenceError, SingularSystemError) as error:
+        raise _critical_full_load(system, place, error) from error
+    trail.iterations += count
+    if _turns_here(equations, trail, state):
+        raise _critical_full_load(system, place, "the smallest load more would move it far")
+    if is_stable(system, options, state, 1.0):
+        return state
+    trail.unstable += 1
+    return None
+
+
+def _add_limit(system: System, trail: Trail, place: Place, past_limits: bool) -> None:
+    """The last point is a limit point; the first one is refused if nobody asked to pass it."""
+    trail.limits.append(LimitPoint(float(place.z[-1]), system.most_moved(place.slope), len(trail.points) - 1))
+    if not past_limits:
+        raise _end_of_path(trail.limits[0])
+
+
+def _places(equations: PathEquations, arc: Arc) -> list[Place]:
+    """Beginning and end of an arc, and the limit point between them."""
+    (first, last), limit = ends(arc), limit_point(equations, arc)
+    return [first, *([limit] if limit else []), last]
+
+
+def _end_of_path(limit: LimitPoint) -> LimitPointError:
+    return LimitPointError(
+        f"the static path ends at {limit.percent} of the load at a limit point (snap-through): more load finds no "
+        f"equilibrium nearby, and {limit.coordinate} runs away. Stay below with a smaller load, follow the snap with a transient run in "
+        'fine steps, or follow the path past it with solver.continuation = "arc-length" (ffrf statics --past-limit).',
+        limit.load_factor,
+        limit.coordinate,
+    )
+
+
+def _turns_here(equations: PathEquations, trail: Trail, state: Equilibrium) -> bool:
+    """Whether the load grows by nothing but round-off along the path, compared with the way so far."""
+    points, n_q = np.array(trail.points)[:, : equations.n_q], equations.n_q
+    way = np.real(np.ptp([*points, np.real(state.q[:n_q])], axis=0))
+    weights = equations.system.weights[:n_q]
+    return bool(LEVEL * parts(weights * np.real(state.tangent[:n_q]), weights * way) >= 1)
+
+
+def _critical_full_load(system: System, place: Place, error: Exception | str) -> CriticalPointError:
+    coordinate = system.most_moved(place.slope)
+    return CriticalPointError(
+        f"the full load is that of a limit point or bifurcation to round-off, where nothing holds {coordinate} ({error}). Use a little "
+        "less load.",
+        float(place.z[-1]),
+        coordinate,
+    )
+
+
+def _no_arrival(options: RunOptions, trail: Trail) -> ConvergenceError:
+    passed = ", ".join(limit.percent for limit in trail.limits) or "none"
+    return ConvergenceError(
+        f"the path of equilibria meets no stable one under the full load in {options.path_steps} steps: limit points at {passed} of "
+        f"the load, {trail.unstable} unstable equilibria under the full load, and it goes on at {100 * trail.points[-1][-1]:.6g} %. "
+        "Raise solver.path_steps, use less load, or follow the motion with a transient run."
+    )

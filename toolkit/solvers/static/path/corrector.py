@@ -1,0 +1,109 @@
+"""Newton's iteration across a path of equilibria, from a predicted point to the path, and all that is known of the point found."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lapack
+
+from toolkit.foundation.errors import ConvergenceError
+from toolkit.solvers.static.path.path_equations import PathEquations
+from toolkit.solvers.static.path.path_point import PathPoint
+from toolkit.solvers.static.stability.saddle import balanced, factorised, free_count
+from toolkit.solvers.static.stability.softness import softest
+
+ROUND_OFF = 1e-13
+"""Correction below which nothing is left to gain; one that no longer halves has met round-off above it."""
+QUADRATIC = 0.1
+"""Contraction from which the next correction is known well enough: its square."""
+CLOSE = 1e-4
+"""Part of the way to another point at which the change of the stiffness is taken."""
+
+
+class Corrected(NamedTuple):
+    """A point of the path z (n + 1,), the static matrix (n, n) and d residual / d factor (n,) there, and Newton's iterations."""
+
+    z: np.ndarray
+    matrix: np.ndarray
+    load: np.ndarray
+    iterations: int
+
+
+def correct(
+    equations: PathEquations, border: np.ndarray, predicted: np.ndarray, allowed: float, exact: bool = False
+) -> Corrected:
+    """The equilibrium in the plane across the path through a predicted point.
+
+        residual(z) = 0,   b^T (z - z_predicted) = 0,   z = [q; lam; factor]
+
+    With b along the path this is pseudo-arc-length continuation (Keller 1977; as Riks 1979), whose matrix [K, residual_f; b^T] is regular
+    at limit points too. Newton may move the point by `allowed` parts of the scene's size, rad or the load. It stops where the next
+    correction would be below the tolerance, if `exact` at round-off; the matrix is that of the point before the last correction.
+
+    Raises
+    ------
+    ConvergenceError
+        Newton strays, or does not converge.
+    """
+    system, options = equations.system, equations.options
+    z, size = predicted, np.inf
+    for iteration in range(1, options.max_iterations + 1):
+        residual, matrix = equations.linearised(z)
+        load = equations.load(z, residual)
+        correction = bordered_solve(equations, matrix, load, border, np.append(residual, border @ (z - predicted)))
+        z = z - correction
+        before, size = size, measure(equations, correction)
+        if not np.isfinite(size) or measure(equations, z - predicted) > allowed + options.tolerance:
+            raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
+        left = size if exact or iteration == 1 or size > QUADRATIC * before else size * size / before
+        if left <= options.tolerance and (not exact or size > 0.5 * before or size <= ROUND_OFF):
+            return Corrected(z, matrix, load, iteration)
+    raise ConvergenceError(f"Newton did not converge in {options.max_iterations} iterations: correction {size:.1e}")
+
+
+def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
+    """The equilibrium z = [q; lam; factor] as the beginning of a path on which the factor grows."""
+    equations.begin(z)
+    residual, matrix = equations.linearised(z)
+    border = np.append(np.zeros(equations.n), 1.0)
+    return complete(equations, border, Corrected(z, matrix, equations.load(z, residual), 0), None)
+
+
+def complete(equations: PathEquations, border: np.ndarray, found: Corrected, known: PathPoint | None) -> PathPoint:
+    """The point with the direction of the path, [K, residual_f; b^T] t = [0; 1], and its stability; `known` is a point near by."""
+    system, n_q = equations.system, equations.n_q
+    direction = bordered_solve(equations, found.matrix, found.load, border, np.append(np.zeros(equations.n), 1.0))
+    saddle = factorised(system, found.matrix, equations.scale)
+    soft = softest(saddle, free_count(system), n_q, known.soft if known else None)
+    ahead = CLOSE / max(measure(equations, direction), CLOSE)
+    difference = equations.linearised(found.z + ahead * direction)[1] - equations.linearised(found.z)[1]
+    return PathPoint(found.z, direction, saddle.negative, soft, soft.change(difference) / ahead)
+
+
+def bordered_solve(
+    equations: PathEquations, matrix: np.ndarray, load: np.ndarray, border: np.ndarray, rhs: np.ndarray
+) -> np.ndarray:
+    """Solution of [A, f; b^T] x = rhs (n + 1,)."""
+    n, scale = equations.n, equations.scale
+    full = np.empty((n + 1, n + 1))
+    full[:n, :n], full[:n, n], full[n, :n], full[n, n] = (
+        balanced(equations.system, matrix, scale),
+        scale * load,
+        border[:n] * scale,
+        border[n],
+    )
+    column = np.abs(full[:n, n]).max(initial=0) or 1.0
+    full[:, n] /= column
+    row = np.abs(full[n]).max()
+    full[n] /= row
+    *_, found, info = lapack.dgesv(full, np.append(scale * rhs[:n], rhs[n] / row))
+    if info or not np.all(np.isfinite(found)):
+        raise ConvergenceError("the path has no single direction here")
+    return np.append(scale * found[:n], found[n] / column)
+
+
+def measure(equations: PathEquations, change: np.ndarray) -> float:
+    """Largest change of a coordinate or of the load factor in [q; lam; factor], in parts of the scene's size, rad, or the load."""
+    moved = np.abs(equations.system.weights[: equations.n_q] * change[: equations.n_q])
+    return max(float(moved.max(initial=0)), abs(float(change[-1])))

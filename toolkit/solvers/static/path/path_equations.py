@@ -1,0 +1,54 @@
+"""The equations of a path of equilibria: residual(z) = 0 for z = [q; lam; factor], all of them real."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.equations.equations import Inputs, Terms
+from toolkit.solvers.static.acting import Acting
+from toolkit.solvers.static.equilibrium import static_matrix
+from toolkit.solvers.static.stability.saddle import balance
+from toolkit.system.system import System
+
+
+class PathEquations:
+    """Of a scene under what acts. Of a complex step the path is that of its real design: real parts alone decide where it goes."""
+
+    def __init__(self, system: System, options: RunOptions, acting: Acting) -> None:
+        self.system, self.options, self.acting = system, options, acting
+        self.n, self.n_q = system.n, system.n_q
+        self._of_q = np.arange(system.n) < system.n_q
+        self.scale = np.ones(system.n)
+
+    def begin(self, z: np.ndarray) -> None:
+        """Take the sizes of the equations' terms from a point, for the whole path."""
+        self.scale = balance(self.system, self.linearised(z)[1])
+
+    def linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Residual (n,) and its derivative by [q; lam], (n, n)."""
+        terms = self._terms(z, self.acting.at(float(z[-1])))
+        return np.real(terms.inertial + terms.applied), np.real(self.system.matrix(static_matrix(self.system, terms)).toarray())
+
+    def load(self, z: np.ndarray, residual: np.ndarray) -> np.ndarray:
+        """d residual / d factor (n,) where the residual is known."""
+        terms = self._terms(z, self.acting.more(float(z[-1])))
+        return np.real(terms.inertial + terms.applied) - residual + self._driven_rows(float(z[-1]))
+
+    def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """q padded to n, and [0; lam], of the system's type."""
+        dtype = self.system.dtype
+        return np.where(self._of_q, z[: self.n], 0.0).astype(dtype), np.where(self._of_q, 0.0, z[: self.n]).astype(dtype)
+
+    def _terms(self, z: np.ndarray, inputs: Inputs) -> Terms:
+        q, acc = self.padded(z)
+        return self.system.evaluate(inputs, q, np.zeros_like(q), acc)
+
+    def _driven_rows(self, factor: float) -> np.ndarray:
+        """- df / d factor in the last row of every driver."""
+        joints, rows = self.system.plan.joints, np.zeros(self.n)
+        drivers = np.flatnonzero(joints.curve >= 0)
+        if len(drivers):
+            rows[joints.row[drivers] + joints.n_rows[drivers] - 1] = -self.acting.driven(factor)[joints.curve[drivers]]
+        rows[self.system.plan.dropped] = 0.0
+        return rows

@@ -1,0 +1,1 @@
+"""How stable an equilibrium is, and how far from losing its stability."""

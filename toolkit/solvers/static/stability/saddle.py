@@ -1,0 +1,111 @@
+"""Factors of the static matrix [K, G; J, 0] in coordinates of comparable size, and what they tell of stability."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigvals, lapack, qr
+
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.system.system import System
+
+SYMMETRIC = 1e-12
+"""Asymmetry, a part of the largest entry, that is round-off."""
+REAL = 1e-9
+"""Imaginary part of an eigenvalue, a part of its size, that is round-off."""
+
+
+class Saddle(NamedTuple):
+    """S = D A D = L T L^T (symmetric) or P L U, D = diag(1/w) for coordinates; for multipliers such that all entries are comparable.
+
+    `negative` is the number of motions that the joints allow against which the stiffness is negative.
+    """
+
+    scale: np.ndarray  # (n,) the diagonal of D
+    factors: np.ndarray
+    pivots: np.ndarray
+    symmetric: bool
+    negative: int
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray:
+        """A^-1 rhs; rhs (n,) or (n, columns)."""
+        scaled = (self.scale * rhs.T).T
+        if self.symmetric:
+            found = lapack.dsytrs(self.factors, self.pivots, scaled, lower=1)[0]
+        else:
+            found = lapack.dgetrs(self.factors, self.pivots, scaled)[0]
+        return (self.scale * found.T).T.reshape(rhs.shape)
+
+
+def balance(system: System, matrix: np.ndarray) -> np.ndarray:
+    """The diagonal of D (n,)."""
+    n_q, scale = system.n_q, np.ones(system.n)
+    scale[:n_q] = 1 / system.weights[:n_q]
+    stiffness = np.abs(matrix[:n_q, :n_q] * scale[:n_q] * scale[:n_q, None]).max(initial=0)
+    ties = np.abs(matrix[:n_q, n_q:] * scale[:n_q, None]).max(initial=0)
+    if stiffness > 0 and ties > 0:
+        scale[n_q:] = stiffness / ties
+    return scale
+
+
+def balanced(system: System, matrix: np.ndarray, scale: np.ndarray) -> np.ndarray:
+    """D A D; the columns of redundant constraints that were left out, whose forces are zero, are left out too."""
+    found: np.ndarray = matrix * scale
+    found *= scale[:, None]
+    for row in system.plan.dropped:
+        found[: system.n_q, row], found[row, row] = 0.0, -1.0
+    return found
+
+
+def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = None) -> Saddle:
+    """Factors of the matrix (n, n); `scale` is the diagonal of D, where it is known from one near by.
+
+    Raises
+    ------
+    SingularSystemError
+        Something is free to move, joints repeat each other, or numbers are not finite.
+    """
+    scale = balance(system, matrix) if scale is None else scale
+    scaled = balanced(system, matrix, scale)
+    largest = max(scaled.max(initial=0), -scaled.min(initial=0))
+    if not np.isfinite(largest):
+        raise SingularSystemError("the static equations hold values that are not finite")
+    skew = scaled - scaled.T
+    symmetric = bool(max(skew.max(initial=0), -skew.min(initial=0)) <= SYMMETRIC * largest)
+    if symmetric:
+        factors, pivots, info = lapack.dsytrf(scaled, lower=1)
+        negative = _negative_pivots(factors, pivots) - (system.n - system.n_q)
+    else:
+        factors, pivots, info = lapack.dgetrf(scaled)
+        negative = _negative_eigenvalues(system.n_q, scaled)
+    if info:
+        raise SingularSystemError("the static equations have no unique solution")
+    return Saddle(scale, factors, pivots, symmetric, negative)
+
+
+def free_count(system: System) -> int:
+    """How many independent motions the joints allow."""
+    return 2 * system.n_q + len(system.plan.dropped) - system.n
+
+
+def _negative_pivots(factors: np.ndarray, pivots: np.ndarray) -> int:
+    """Of T (Sylvester's law of inertia); its blocks of two, which LAPACK marks by negative numbers, have one negative eigenvalue each."""
+    single = pivots > 0
+    return int(np.count_nonzero(factors.diagonal()[single] < 0) + np.count_nonzero(~single) // 2)
+
+
+def _negative_eigenvalues(n_q: int, scaled: np.ndarray) -> int:
+    """Real negative eigenvalues of Z^T K Z with an orthonormal basis Z of the motions that the joints allow.
+
+    There are none where the symmetric part is positive definite. Complex ones (flutter) are no matter of statics.
+    """
+    ties = scaled[:n_q, n_q:]
+    ties = ties[:, np.any(ties != 0, axis=0)]
+    free = qr(ties)[0][:, ties.shape[1] :] if ties.size else np.eye(n_q)
+    stiffness = free.T @ scaled[:n_q, :n_q] @ free
+    if lapack.dpotrf((stiffness + stiffness.T) / 2)[1] == 0:
+        return 0
+    values = eigvals(stiffness)
+    real = values.real[np.abs(values.imag) <= REAL * np.abs(values)]
+    return int(np.count_nonzero(real < 0))

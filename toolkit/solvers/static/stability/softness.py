@@ -1,0 +1,51 @@
+"""Stiffnesses nearest to zero, against motions that the joints allow, in coordinates of comparable size."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh, qr
+
+from toolkit.solvers.static.stability.saddle import Saddle
+
+COUNT = 2
+"""Motions that are watched: the softest one may be overtaken by another."""
+ITERATIONS, AGAIN = 6, 2
+"""Of the inverse iteration, from anywhere and from the motions of a point near by."""
+
+
+class Softness(NamedTuple):
+    """Stiffnesses k (m,) and their motions with the forces of the joints, [phi; mu] (n, m).
+
+        K phi + phi_q^T mu = k W phi,   phi_q phi = 0,   W = diag(w^2),   phi^T W phi = 1
+
+    with the weights w of the system.
+    """
+
+    values: np.ndarray
+    motions: np.ndarray
+
+    def change(self, difference: np.ndarray) -> np.ndarray:
+        """Of the values (m,) with the static matrix (n, n)."""
+        found: np.ndarray = np.einsum("im,ij,jm->m", self.motions, difference, self.motions)
+        return found
+
+
+def softest(saddle: Saddle, n_free: int, n_q: int, known: Softness | None = None) -> Softness:
+    """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by; none if the matrix is not symmetric."""
+    n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
+    nothing = Softness(np.zeros(0), np.zeros((n, 0)))
+    if not count:
+        return nothing
+    scale, forces = saddle.scale[:n_q, None], np.zeros((n - n_q, count))
+    block = np.random.default_rng(0).normal(size=(n_q, count)) if known is None else known.motions[:n_q] / scale
+    for _ in range(ITERATIONS if known is None else AGAIN):
+        block = qr(block, mode="economic")[0]
+        solved = saddle.solve(np.vstack([block / scale, forces]))
+        flexibility, turn = eigh(block.T @ (solved[:n_q] / scale))
+        if not np.all(flexibility):
+            return nothing  # round-off has swallowed a motion of a scene whose sizes differ by too much
+        solved = solved @ turn / flexibility
+        block = solved[:n_q] / scale
+    return Softness(1 / flexibility, solved / np.sqrt((block**2).sum(axis=0)))

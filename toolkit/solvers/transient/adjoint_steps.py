@@ -1,0 +1,180 @@
+"""The compiled backward loop: derivatives of responses by the design, from the last step to the first, one linear solve per step."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.foundation.kernel import inner, kernel
+from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
+from toolkit.linear.sparse_analysis import LUPlan
+from toolkit.solvers.transient.newton import newton_matrix
+from toolkit.solvers.transient.scheme import with_step
+from toolkit.solvers.transient.staggered import carries
+
+
+class Bars(NamedTuple):
+    """Derivatives of the responses by what one step leaves to the next; blocks (n, n_r), n_r responses."""
+
+    q: np.ndarray
+    v: np.ndarray
+    acc: np.ndarray  # [a; lam]
+    aux: np.ndarray  # w
+
+
+class AdjointMemory(NamedTuple):
+    """Memory of the backward loop."""
+
+    bars: Bars
+    multiplier: np.ndarray  # (n, n_r) mu of the step above
+    load: np.ndarray  # (n, n_r)
+    jacobian: np.ndarray  # (n_entries,)
+    transposed: np.ndarray  # (n_entries,) its transpose on the same, symmetric pattern
+    terms: Terms
+    work: Work
+    solver: LinearSolver
+
+
+def adjoint_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, n_r: int) -> AdjointMemory:
+    """Reserve it for n_r responses."""
+
+    def block() -> np.ndarray:
+        return np.zeros((plan.n, n_r))
+
+    return AdjointMemory(
+        Bars(block(), block(), block(), block()),
+        block(),
+        block(),
+        np.zeros(len(plan.indices)),
+        np.zeros(len(plan.indices)),
+        allocate_terms(plan, float),
+        allocate_work(plan, float),
+        linear_solver(lu_plan, weights[: plan.n_q], n_r, float),
+    )
+
+
+@inner
+def add_transposed(plan, values, factor, block, out):
+    """out += factor A^T block for values of A on the pattern; blocks (n, n_r)."""
+    if factor == 0:
+        return
+    for i in range(plan.n):
+        for e in range(plan.indptr[i], plan.indptr[i + 1]):
+            value = factor * values[e]
+            if value != 0:
+                for r in range(block.shape[1]):
+                    out[plan.indices[e], r] += value * block[i, r]
+
+
+@inner
+def add_design(plan, factor_i, factor_a, terms, block, gradient):
+    """gradient += (factor_i I_x + factor_a A_x)^T block; gradient (n_x, n_r)."""
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        change = factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
+        for r in range(block.shape[1]):
+            gradient[x, r] += change * block[i, r]
+
+
+@inner
+def add_carried(plan, scheme, memory, gradient):
+    """What the residual of the step above took from this state."""
+    c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
+    add_transposed(plan, terms.I_q, c_i, above, bars.q)
+    add_transposed(plan, terms.A_q, c_a, above, bars.q)
+    add_transposed(plan, terms.A_v, c_a, above, bars.v)
+    add_transposed(plan, terms.I_acc, c_i, above, bars.acc)
+    add_design(plan, c_i, c_a, terms, above, gradient)
+
+
+@inner
+def add_partials(plan, step, by_q, by_v, by_acc, bars):
+    """The responses' own derivatives by the state of a step."""
+    for i in range(plan.n):
+        for r in range(bars.q.shape[1]):
+            bars.q[i, r] += by_q[step, i, r]
+            bars.v[i, r] += by_v[step, i, r]
+            bars.acc[i, r] += by_acc[step, i, r]
+
+
+@inner
+def solve_step(plan, scheme, transposition, memory):
+    """mu of a step, from J^T mu = - (derivative of the responses by [a; lam] through everything that they move); as `factorize`."""
+    bars, load = memory.bars, memory.load
+    c_q, c_v = scheme.h * scheme.h * scheme.beta, scheme.h * scheme.gamma
+    for i in range(plan.n):
+        for r in range(load.shape[1]):
+            load[i, r] = -bars.acc[i, r]
+            if i < plan.n_q:
+                load[i, r] -= scheme.new * (bars.aux[i, r] + c_q * bars.q[i, r] + c_v * bars.v[i, r])
+    newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+    for e in range(len(transposition)):
+        memory.transposed[e] = memory.jacobian[transposition[e]]
+    failed = factorize(memory.solver, plan.indptr, plan.indices, memory.transposed)
+    if failed < 0:
+        solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.transposed, False, load, memory.multiplier)
+    return failed
+
+
+@inner
+def step_back(plan, scheme, ratio, memory):
+    """Bars of the state before from those of this one; `ratio` is that of the lengths of this step and the one before."""
+    bars, terms, mu = memory.bars, memory.terms, memory.multiplier
+    h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
+    add_transposed(plan, terms.I_q, scheme.weight_inertial, mu, bars.q)
+    add_transposed(plan, terms.A_q, scheme.weight_applied, mu, bars.q)
+    add_transposed(plan, terms.A_v, scheme.weight_applied, mu, bars.v)
+    for i in range(plan.n):
+        for r in range(mu.shape[1]):
+            if i < plan.n_q:
+                q, v = bars.q[i, r], bars.v[i, r]
+                known = bars.aux[i, r] + h * h * beta * q + h * gamma * v
+                aux = h * h * scheme.beta_old * q + h * scheme.gamma_old * v - scheme.carry * known
+                bars.v[i, r] = scheme.keep * (v + h * q)
+                bars.aux[i, r] = ratio * aux
+                bars.acc[i, r] = scheme.old * known + (1 - ratio) * aux
+            else:
+                bars.q[i, r], bars.v[i, r], bars.aux[i, r], bars.acc[i, r] = 0.0, 0.0, 0.0, 0.0
+
+
+@kernel
+def integrate_backwards(
+    evaluator, plan, functions, curves, curves_x, lengths, ratios, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v,
+    by_acc, memory, gradient,
+):  # fmt: skip
+    """Add to `gradient` (n_x, n_r) what the design does in the steps to the given states.
+
+    The states are those of a window, or of the whole run: `begins` if its start is the first of them, `ends` if its end is the last.
+    `lengths` (n_t,), `levels` (n_t, 3) and `ratios` (n_t,) to the length before are those of the step to each state.
+    `memory` carries what one window leaves to the one before, at last the derivatives by the start in `memory.bars`.
+
+    With the bars b of q, v, acc, w at step n + 1 =: + (derivatives of the responses by them, everything else fixed), a step of
+    `solvers.scheme` is differentiated backwards:
+
+        J^T mu = - b_acc - new (b_w + h^2 beta b_q + h gamma b_v)
+        b_q += (w_I I_q + w_A A_q)^T mu,  b_v += w_A A_v^T mu,  gradient += (w_I I_x + w_A A_x)^T mu
+        k = b_w + h^2 beta b_q + h gamma b_v
+        before:  keep (b_v + h b_q),  ratio c  (of w),  old k + (1 - ratio) c  (of acc),
+                 c = h^2 beta_old b_q + h gamma_old b_v - carry k
+
+    Returns -1, or the number of the unknown that a step does not determine.
+    """
+    for step in range(len(q) - 1, -1, -1):
+        now, is_start = with_step(scheme, lengths[step]), begins and step == 0
+        inputs = Inputs(curves[step], curves_x[step], 1.0, levels[step], scheme.inertia, False)
+        if carries(scheme) or not is_start:
+            evaluator(plan, functions, inputs, q[step], v[step], acc[step], True, True, memory.terms, memory.work)
+        if carries(scheme) and not (ends and step == len(q) - 1):
+            add_carried(plan, scheme, memory, gradient)
+        add_partials(plan, step, by_q, by_v, by_acc, memory.bars)
+        if not is_start:
+            failed = solve_step(plan, now, transposition, memory)
+            if failed >= 0:
+                return failed
+            add_design(plan, scheme.weight_inertial, scheme.weight_applied, memory.terms, memory.multiplier, gradient)
+            step_back(plan, now, ratios[step], memory)
+    if begins:
+        for i in range(plan.n_q):
+            for r in range(gradient.shape[1]):
+                memory.bars.acc[i, r] += memory.bars.aux[i, r]
+    return -1

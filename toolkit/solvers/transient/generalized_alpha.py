@@ -1,0 +1,154 @@
+"""The compiled step loop: generalized-alpha with Newton's iteration, and the sensitivities carried along.
+
+Per step: predict, iterate to convergence, then (with design variables) solve with the Jacobian of the converged state for all design
+derivatives in one block (staggered direct differentiation, paper eqs. 40-46). Nothing here allocates.
+"""
+
+from toolkit.equations.equations import Inputs
+from toolkit.foundation.kernel import copy, inner, kernel
+from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
+from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
+from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
+from toolkit.solvers.transient.scheme import with_step
+from toolkit.solvers.transient.staggered import carries, carry_over, sensitivity_step
+
+REUSED, SHARP = 1e-13, 1e-7
+"""Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
+least its factors still serve: one refinement with the converged Jacobian squares their relative error."""
+FREE, TRUSTED = 0.05, 1.0
+"""A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
+way there; further off it has left the path of equilibria."""
+FADING = 0.8
+"""Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""
+
+
+@inner
+def begin(evaluator, plan, functions, inputs, scheme, history, memory):
+    """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
+    memory.span[0] = 0
+    for i in range(plan.n_q):
+        memory.aux[i] = history.acc[0, i]
+        for x in range(plan.n_x):
+            memory.daux[i, x] = history.dacc[0, i, x]
+    if carries(scheme):
+        q, v, acc = history.q[0], history.v[0], history.acc[0]
+        evaluator(plan, functions, inputs, q, v, acc, True, plan.n_x > 0, memory.terms, memory.work)
+        carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
+
+
+@inner
+def foresee(plan, scheme, history, step, memory):
+    """Predicted coordinates and velocities, and a first guess of [a; lam]: that of the step before."""
+    ratio = step_ratio(scheme.h, memory.span[0])
+    if ratio != 1:
+        rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
+        rescale_auxiliary(ratio, history.flat_dacc[step], plan.n_q * plan.n_x, memory.flat_daux)
+    memory.span[0] = scheme.h
+    q, v, acc = history.q[step], history.v[step], history.acc[step + 1]
+    predict(scheme, q, v, history.acc[step], memory.aux, plan.n_q, memory.q_predicted, memory.v_predicted)
+    copy(history.acc[step], acc)
+    if not scheme.inertia:
+        for i in range(plan.n_q):
+            acc[i] = v[i] / scheme.h
+
+
+@inner
+def local_error(plan, scheme, weights, history, step, memory):
+    """Estimated error that one step made in q, a part of the scene's size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
+    h, largest, before, after = scheme.h, 0.0, history.acc[step], history.acc[step + 1]
+    for i in range(plan.n_q):
+        if scheme.inertia:
+            w, w_new = memory.aux[i], scheme.new * after[i] + scheme.old * before[i] - scheme.carry * memory.aux[i]
+        else:
+            w, w_new = history.v[step, i] / h, history.v[step + 1, i] / h
+        largest = max(largest, weights[i] * abs((w_new - w).real))
+    return abs(scheme.error) * h * h * largest
+
+
+@inner
+def strayed(plan, scheme, weights, history, step):
+    """Whether a quasi-static step ends far from where the step before points to."""
+    off, way = 0.0, 0.0
+    for i in range(plan.n_q):
+        ahead = scheme.h * history.v[step, i]
+        way = max(way, weights[i] * abs(ahead.real))
+        off = max(off, weights[i] * abs((history.q[step + 1, i] - history.q[step, i] - ahead).real))
+    return off > FREE + TRUSTED * way
+
+
+@inner
+def judge(plan, scheme, weights, control, history, step, memory, outcome):
+    """Whether a converged step is good enough: CONVERGED, REJECTED or JUMPED."""
+    outcome.correction[2] = local_error(plan, scheme, weights, history, step, memory)
+    if not scheme.inertia and strayed(plan, scheme, weights, history, step):
+        return JUMPED
+    return CONVERGED if outcome.correction[2] <= control.largest_error else REJECTED
+
+
+@inner
+def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
+    """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
+
+    Returns whether the factors belong to the Jacobian. With `ggl` derivatives are always those of the converged state: its joint forces
+    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
+    """
+    close = not control.modified and correction <= REUSED
+    relinearize = plan.n_x > 0 and not close
+    if ggl is not None:
+        relinearize = plan.n_x > 0
+    if plan.n_x > 0 or carries(scheme):
+        evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
+    if relinearize and not close:
+        newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+        if control.modified or correction > SHARP:
+            factorize_step(plan, scheme, memory, ggl)
+            memory.kept[0] = scheme.h
+        elif ggl is not None:
+            ggl_matrix(scheme, memory, ggl)
+    return close
+
+
+@kernel
+def integrate(
+    evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
+    ggl, outcome,
+):  # fmt: skip
+    """Steps first ... last - 1; step n goes from time n to n + 1, over lengths[n]. Stops at the first step that is not CONVERGED.
+
+    `begins` if state 0 is the consistent start; otherwise `memory` holds what the step to the first state has left. An EASY step is
+    accepted, all others at which the loop stops are not. `ggl` is None, for which the loop is compiled without it, or memory of
+    stabilised index 2.
+    """
+    memory.kept[0] = 0
+    if begins:
+        inputs = Inputs(curves[0], curves_x[0], 1.0, levels[0], scheme.inertia, False)
+        begin(evaluator, plan, functions, inputs, scheme, history, memory)
+    for step in range(first, last):
+        now = with_step(scheme, lengths[step])
+        inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia, False)
+        q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
+        foresee(plan, now, history, step, memory)
+        outcome.counts[1] = step
+        if ggl is not None:
+            begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
+        outcome.counts[0] = newton(evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome)
+        outcome.counts[4] += outcome.counts[2]
+        if outcome.counts[0] == CONVERGED:
+            outcome.counts[0] = judge(plan, now, weights, control, history, step, memory, outcome)
+        if outcome.counts[0] != CONVERGED:
+            return
+        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
+        outcome.correction[4] = max(outcome.correction[2], outcome.correction[4])
+        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory, ggl)
+        if plan.n_x > 0:
+            if ggl is None:
+                sensitivity_step(plan, now, history, step, fresh, memory)
+            else:
+                ggl_sensitivity_step(evaluator, plan, functions, inputs, now, history, step, fresh, memory, ggl)
+        advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
+        if carries(scheme):
+            carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])
+        outcome.correction[3] = max(outcome.correction[2], FADING * outcome.correction[3])
+        if outcome.correction[3] < control.easy_error:
+            outcome.counts[0] = EASY
+            return

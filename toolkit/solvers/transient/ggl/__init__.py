@@ -1,0 +1,1 @@
+"""Steps of stabilised index 2."""

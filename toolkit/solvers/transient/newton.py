@@ -1,0 +1,172 @@
+"""Newton's iteration of one time step, with the exact Jacobian (paper, eqs. 34-37), or with kept factors of an earlier one."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.kernel import copy, inner
+from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
+from toolkit.solvers.transient.prediction import step_ratio
+
+CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
+"""What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
+of quasi-static steps: an equilibrium far off the path."""
+STAGNATED = 1e-7
+"""Correction below which Newton is content when round-off keeps it from shrinking further."""
+SLOW = 0.2
+"""Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
+ROUND_OFF, STILL = 1e-13, 0.5
+"""Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
+
+
+class Control(NamedTuple):
+    """When a step is done, and whether it was a good one."""
+
+    tolerance: float
+    most: int  # iterations
+    modified: bool  # whether factors are kept as long as they contract well
+    left: float  # error that kept factors may leave, see `allowed`
+    largest_error: float  # local error above which a step is rejected
+    easy_error: float  # local error below which the run pauses, to go on with longer steps
+
+
+@inner
+def newton_matrix(plan, scheme, terms, jacobian):
+    """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
+    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    for e in range(len(jacobian)):
+        jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
+    if not scheme.inertia:
+        for e in range(len(jacobian)):
+            if plan.indices[e] < plan.n_q:
+                jacobian[e] -= w_i * terms.I_acc[e]
+
+
+@inner
+def is_finite(vector):
+    """Whether no entry is infinite or not a number."""
+    total = 0.0
+    for i in range(len(vector)):
+        total += abs(vector[i].real)
+    return np.isfinite(total)
+
+
+@inner
+def place(scheme, memory, count, acc, q, v):
+    """Coordinates and velocities that belong to accelerations."""
+    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    for i in range(count):
+        q[i] = memory.q_predicted[i] + c_q * acc[i]
+        v[i] = memory.v_predicted[i] + c_v * acc[i]
+
+
+@inner
+def correct(plan, scheme, weights, memory, q, v, acc, outcome):
+    """Subtract Newton's correction; its size and place go to `outcome`."""
+    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    largest, worst = 0.0, 0
+    for i in range(plan.n):
+        acc[i] -= memory.correction[i]
+        if i < plan.n_q:
+            q[i] -= c_q * memory.correction[i]
+            v[i] -= c_v * memory.correction[i]
+            size = weights[i] * abs(c_q * memory.correction[i].real)
+            if not size <= largest:
+                largest, worst = size, i
+    outcome.counts[3], outcome.correction[0] = worst, largest
+
+
+@inner
+def left_over(kept, iteration, before, size):
+    """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
+    if not kept or size == 0:
+        return size
+    rate = size / before if iteration > 0 else 1.0
+    return size * rate / (1 - rate) if rate < 1 else np.inf
+
+
+@inner
+def allowed(control, scheme, kept):
+    """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
+
+    What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
+    (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
+    times e: left is that e.
+    """
+    if not kept:
+        return control.tolerance
+    return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
+
+
+@inner
+def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
+    """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
+
+    With `ggl`, which is None in other formulations, on [a; lam; eta].
+    """
+    copy(acc, memory.guess)
+    place(scheme, memory, plan.n_q, acc, q, v)
+    trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
+    for iteration in range(control.most):
+        kept, exact_before = trusted and memory.kept[0] > 0, not kept
+        memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
+        evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
+        memory.work.rough[0] = 0
+        for i in range(plan.n):
+            total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
+            memory.residual[i] = total + memory.carried[i]
+        outcome.counts[2] = iteration + 1
+        if not kept:
+            newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+            memory.kept[0] = scheme.h
+        if ggl is None:
+            failed = solve(plan, kept, memory)
+        else:
+            failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
+        if failed >= 0:
+            outcome.counts[3] = failed
+            return SINGULAR if is_finite(memory.residual) else NOT_FINITE
+        before = outcome.correction[0]
+        correct(plan, scheme, weights, memory, q, v, acc, outcome)
+        if ggl is not None:
+            correct_ggl(plan, scheme, weights, ggl, q, outcome)
+        size = outcome.correction[0]
+        if kept and iteration > 0 and not size <= SLOW * before:
+            if STILL * before < size <= ROUND_OFF:
+                return CONVERGED
+            trusted = False  # for the rest of this step
+            if not size <= before:
+                copy(memory.guess, acc)
+                if ggl is not None:
+                    ggl.eta[:] = 0
+                place(scheme, memory, plan.n_q, acc, q, v)
+            continue
+        if not np.isfinite(size):
+            return NOT_FINITE
+        stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
+        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
+            return CONVERGED
+    return NOT_CONVERGED
+
+
+@inner
+def solve(plan, kept, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
+    if kept:
+        copy(memory.residual, memory.correction)
+        apply_inverse(memory.solver, memory.correction)
+        return -1
+    failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+    if failed < 0:
+        failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+    return failed
+
+
+@inner
+def factorize_step(plan, scheme, memory, ggl):
+    """Factors of the step's matrix, from the Jacobian; as `factorize`."""
+    if ggl is None:
+        return factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
+    return factorize_ggl(scheme, memory, ggl)

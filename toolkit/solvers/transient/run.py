@@ -1,0 +1,138 @@
+"""One run over time: what its steps share, the compiled loop over them, memory for their states, and what a failed one deserves."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.description.time_grid import step_lengths, time_grid
+from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
+from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
+from toolkit.solvers.transient.generalized_alpha import integrate
+from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
+from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
+from toolkit.solvers.transient.scheme import Scheme
+from toolkit.solvers.transient.step_memory import History, Memory, Outcome, allocate_memory
+from toolkit.system.system import System
+
+OVER_ALL, OF_FORCES = 100.0, 1e-3
+"""What kept factors of modified Newton may move over a whole run, and in one equilibrium without inertia, in parts of the tolerance."""
+
+
+class Run(NamedTuple):
+    """What all steps of a run share, and what one leaves to the next."""
+
+    system: System
+    options: RunOptions
+    times: np.ndarray
+    lengths: np.ndarray  # (n_t - 1,)
+    relaxation: np.ndarray  # (n_t - 1,) see `relaxed`
+    scheme: Scheme
+    control: Control
+    memory: Memory
+    ggl: Ggl | None  # only of that formulation
+    outcome: Outcome
+
+    @property
+    def largest_local_error(self) -> float | None:
+        """Largest of all steps so far, a part of the scene's size; None where the estimate is not that of the motion."""
+        estimated = not self.options.quasi_static and self.options.scheme != "paper"  # whose accelerations lag behind
+        return float(self.outcome.correction[4]) if estimated else None
+
+
+def prepare_run(system: System, options: RunOptions | None = None) -> Run:
+    """Everything but the states; options by default the scene's own."""
+    options = options or system.scene.solver
+    times = time_grid(options)
+    lengths = step_lengths(times)
+    control = Control(options.tolerance, options.max_iterations, options.newton == "modified", left_by_kept(options), np.inf, 0.0)
+    memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
+    ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
+    outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
+    return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
+
+
+def left_by_kept(options: RunOptions) -> float:
+    """`Control.left` of a run: a part of the scene's size over time^2, without inertia a part of the scene's size."""
+    if options.quasi_static:
+        return OF_FORCES * options.tolerance
+    return OVER_ALL * options.tolerance / options.end_time**2
+
+
+def take_steps(run: Run, history: History, curves: tuple[np.ndarray, np.ndarray], begins: bool, first: int, last: int) -> None:
+    """Steps first ... last - 1 of a run, whose state 0 is the consistent start if it `begins`; the outcome tells how far they came."""
+    system, levels = run.system, constraint_levels(run.options, run.lengths, run.relaxation)
+    system.run(
+        integrate, system.evaluator, system.plan, system.functions, *curves, run.lengths, levels, run.scheme, system.weights,
+        run.control, begins, first, last, history, run.memory, run.ggl, run.outcome,
+    )  # fmt: skip
+
+
+def allocate_history(system: System, options: RunOptions, n_t: int, start: tuple) -> History:
+    """Memory for all states, the first filled in.
+
+    Raises
+    ------
+    InputError
+        The states need more memory than `solver.memory`.
+    """
+    check_memory(system, options, n_t, start)
+    return empty_history(system, n_t, start)
+
+
+def check_memory(system: System, options: RunOptions, n_t: int, start: tuple) -> None:
+    """Refuse more states than fit into memory, as `allocate_history`."""
+    needed = 8 * n_t * sum(item.size for item in start)
+    if needed > GIGABYTE * options.memory:
+        coarser = "solver.step" if options.local_error is None else "solver.local_error"
+        raise InputError(
+            f"{n_t} states of {system.n} unknowns with {system.n_x} design variables need {in_gigabytes(needed)}, more than "
+            f"solver.memory = {options.memory:g} GB. Choose a larger {coarser}, a shorter time, or fewer design variables at once; "
+            "or the adjoint method, which keeps checkpoints only, unless steps are chosen."
+        )
+
+
+def empty_history(system: System, n_t: int, start: tuple) -> History:
+    """Memory for n_t states, the first filled in."""
+    arrays = [np.zeros((n_t, *item.shape), system.dtype if item.ndim == 1 else float) for item in start]
+    for array, item in zip(arrays, start, strict=True):
+        array[0] = item
+    return History(*arrays, *(array.reshape(n_t, -1) for array in arrays[3:]))
+
+
+def failure(run: Run) -> Exception:
+    """The error that a failed step deserves."""
+    status, step, iterations, worst, _ = (int(count) for count in run.outcome.counts)
+    name, time, tolerance = run.system.numbering.names[worst], run.times[step + 1], run.options.tolerance
+    step_length = run.lengths[step]
+    if status == REJECTED:
+        return ConvergenceError(
+            f"no step at t = {run.times[step]:g} is short enough: one of {step_length:.1e} makes a local error of "
+            f"{run.outcome.correction[2]:.1e} > solver.local_error = {run.options.local_error:.1e}. Something jumps there, or the error "
+            "asked for is below round-off: choose a larger one, or smoother loads."
+        )
+    if status == JUMPED:
+        return ConvergenceError(
+            f"the quasi-static motion jumps at t = {time:g}: the next equilibrium is far from where the last two point to. Past a limit "
+            "point (snap-through) there is none nearby, and only a run with inertia can follow; otherwise the step of "
+            f"{step_length:g} is too large. Try a smaller solver.step, or solver.local_error."
+        )
+    if status == SINGULAR:
+        return SingularSystemError(
+            f"the equations do not determine {name} at t = {time:g}: redundant joints, or a mechanism in a singular position. "
+            "Remove the redundant joint, or start off the singular position."
+        )
+    if run.options.quasi_static:
+        return ConvergenceError(
+            f"without inertia the motion ends at t = {time:g}: Newton finds no equilibrium after {iterations} iterations, with a step of "
+            f"{step_length:.2g}; largest correction in {name}. At a limit point (snap-through) there is none nearby: only a run with "
+            "inertia can follow, and statics names the point. Before one, try a smaller solver.step, or solver.local_error."
+        )
+    what = f"correction {run.outcome.correction[0]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
+    return ConvergenceError(
+        f"Newton stopped at t = {time:g} after {iterations} iterations: {what}, largest in {name}. "
+        f"Try a smaller solver.step (now {step_length:g}) or a smoother load curve."
+    )

@@ -1,0 +1,78 @@
+"""Sensitivities of one converged step (staggered direct differentiation, paper eqs. 40-46), and the terms that a step carries over."""
+
+from toolkit.foundation.kernel import inner
+from toolkit.linear.linear_solver import solve_refined_block
+from toolkit.solvers.transient.prediction import advance_auxiliary, predict
+
+
+@inner
+def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, out):
+    """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; blocks (n, n_x)."""
+    for i in range(plan.n):
+        for e in range(plan.indptr[i], plan.indptr[i + 1]):
+            by_q = factor_i * terms.I_q[e] + factor_a * terms.A_q[e]
+            by_v = factor_a * terms.A_v[e]
+            by_acc = factor_i * terms.I_acc[e] if with_acc else 0 * by_q
+            row = plan.indices[e]
+            if by_v != 0 or by_acc != 0:
+                for x in range(out.shape[1]):
+                    out[i, x] += by_q * dq[row, x] + by_v * dv[row, x] + by_acc * dacc[row, x]
+            elif by_q != 0:
+                for x in range(out.shape[1]):
+                    out[i, x] += by_q * dq[row, x]
+
+
+@inner
+def add_design_change(plan, terms, factor_i, factor_a, out):
+    """out += factor_i I_x + factor_a A_x; out (n, n_x)."""
+    for e in range(len(plan.touched_row)):
+        i, x = plan.touched_row[e], plan.touched_variable[e]
+        out[i, x] += factor_i * terms.I_x[i, x] + factor_a * terms.A_x[i, x]
+
+
+@inner
+def sensitivity_step(plan, scheme, history, step, fresh, memory):
+    """Total design derivatives at n + 1 from those at n, with the converged Jacobian; `fresh` if its factors are its own."""
+    terms = memory.terms
+    w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    dq, dv, dacc = history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1]
+    count, after = plan.n_q * plan.n_x, step + 1
+    predict(
+        scheme, history.flat_dq[step], history.flat_dv[step], history.flat_dacc[step], memory.flat_daux, count,
+        history.flat_dq[after], history.flat_dv[after],
+    )  # fmt: skip
+    load = memory.pseudo_load
+    for i in range(plan.n):
+        for x in range(plan.n_x):
+            load[i, x] = memory.dcarried[i, x]
+    add_design_change(plan, terms, w_i, w_a, load)
+    add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
+    solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
+    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    for i in range(plan.n):
+        for x in range(plan.n_x):
+            dacc[i, x] = -dacc[i, x]
+            if i < plan.n_q:
+                dq[i, x] += c_q * dacc[i, x]
+                dv[i, x] += c_v * dacc[i, x]
+    advance_auxiliary(scheme, history.flat_dacc[step], history.flat_dacc[after], count, memory.flat_daux)
+
+
+@inner
+def carries(scheme):
+    """Whether a step's residual needs terms of the step before."""
+    return scheme.carried_inertial != 0 or scheme.carried_applied != 0
+
+
+@inner
+def carry_over(plan, scheme, memory, dq, dv, dacc):
+    """The carried part of the next step's residual, and its total derivative (without it a gradient is wrong by a per cent)."""
+    terms = memory.terms
+    c_i, c_a = scheme.carried_inertial, scheme.carried_applied
+    for i in range(plan.n):
+        memory.carried[i] = c_i * terms.inertial[i] + c_a * terms.applied[i]
+        for x in range(plan.n_x):
+            memory.dcarried[i, x] = 0
+    if plan.n_x > 0:
+        add_design_change(plan, terms, c_i, c_a, memory.dcarried)
+        add_state_change(plan, terms, c_i, c_a, dq, dv, dacc, True, memory.dcarried)

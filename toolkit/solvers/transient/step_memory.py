@@ -1,0 +1,83 @@
+"""Memory of the step loop: histories of all states, what one step leaves to the next, scratch."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.equations.equations import Plan, Terms, Work, allocate_terms, allocate_work
+from toolkit.linear.linear_solver import LinearSolver, linear_solver
+from toolkit.linear.sparse_analysis import LUPlan
+
+
+class History(NamedTuple):
+    """Everything at every time; q and v are padded to n, acc = [a; lam], leading d: total design derivative, last axis n_x."""
+
+    q: np.ndarray  # (n_t, n)
+    v: np.ndarray
+    acc: np.ndarray
+    dq: np.ndarray  # (n_t, n, n_x)
+    dv: np.ndarray
+    dacc: np.ndarray
+    flat_dq: np.ndarray  # (n_t, n n_x) the same memory, for formulas that serve vectors and blocks alike
+    flat_dv: np.ndarray
+    flat_dacc: np.ndarray
+
+
+class Memory(NamedTuple):
+    """What one step leaves to the next, and scratch memory."""
+
+    aux: np.ndarray  # (n,) auxiliary acceleration w
+    daux: np.ndarray  # (n, n_x)
+    flat_daux: np.ndarray  # (n n_x,) the same memory
+    carried: np.ndarray  # (n,) carried part of the residual
+    dcarried: np.ndarray  # (n, n_x)
+    pseudo_load: np.ndarray  # (n, n_x)
+    span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
+    kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
+    guess: np.ndarray  # (n,) first guess of [a; lam]
+    q_predicted: np.ndarray
+    v_predicted: np.ndarray
+    residual: np.ndarray
+    correction: np.ndarray
+    jacobian: np.ndarray  # (n_entries,)
+    terms: Terms
+    work: Work
+    solver: LinearSolver
+
+
+class Outcome(NamedTuple):
+    """What the loop reports: `status`, step, Newton iterations of that step, unknown at fault; in all: iterations."""
+
+    counts: np.ndarray  # (5,)
+    correction: np.ndarray
+    """(5,), relative to the scene's size: Newton's last correction, the largest that a step was content with; the last local error, the
+    largest of late and the largest of all steps."""
+
+
+def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
+    """Memory of the loop."""
+
+    def zeros(*shape: int) -> np.ndarray:
+        return np.zeros(shape, dtype)
+
+    n, n_x = plan.n, plan.n_x
+    daux = zeros(n, n_x)
+    return Memory(
+        aux=zeros(n),
+        daux=daux,
+        flat_daux=daux.reshape(-1),
+        carried=zeros(n),
+        dcarried=zeros(n, n_x),
+        pseudo_load=zeros(n, n_x),
+        span=np.zeros(1),
+        kept=np.zeros(1),
+        guess=zeros(n),
+        q_predicted=zeros(n),
+        v_predicted=zeros(n),
+        residual=zeros(n),
+        correction=zeros(n),
+        jacobian=zeros(len(plan.indices)),
+        terms=allocate_terms(plan, dtype),
+        work=allocate_work(plan, dtype),
+        solver=linear_solver(lu_plan, weights[: plan.n_q], n_x, dtype),
+    )

@@ -1,0 +1,1 @@
+"""Speed against accuracy, measured: a grid of settings against a reference."""

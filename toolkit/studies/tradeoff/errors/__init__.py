@@ -1,0 +1,1 @@
+"""What settings are measured against, and how far they are off."""

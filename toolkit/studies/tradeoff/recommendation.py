@@ -1,0 +1,43 @@
+"""A setting as what a person pastes: the scene's table [solver], and tables of skin.toml."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+
+from toolkit.description.run_options import RunOptions
+from toolkit.studies.toml_fragment import toml_table, toml_value
+from toolkit.studies.tradeoff.runs.worker import Case, model_bodies
+from toolkit.studies.tradeoff.settings.setting import Setting, options_with
+from toolkit.studies.tradeoff.settings.skin_models import model_file, tables_file
+
+
+def solver_fragment(case: Case, setting: Setting) -> str:
+    """The table [solver] that takes the place of the scene's; what is the default anyway stands in it only if it did before."""
+    scene, plain = case.scene(), RunOptions().model_dump()
+    options = options_with(scene, setting.solver).model_dump(exclude_unset=True)
+    kept = {key: value for key, value in options.items() if key in scene.solver.model_fields_set or value != plain[key]}
+    return toml_table("solver", kept)
+
+
+def changes(case: Case, setting: Setting) -> dict[str, str]:
+    """The same as changes of single values, `ffrf ... --set PATH=VALUE`, of those that differ from the scene's."""
+    scene = case.scene()
+    mine, theirs = scene.solver.model_dump(), options_with(scene, setting.solver).model_dump(exclude_unset=True)
+    return {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
+
+
+def skin_fragments(case: Case, setting: Setting) -> dict[str, str]:
+    """Body -> the tables of its skin file that take the place of those that are there."""
+    found = {}
+    for body in model_bodies(case.scene(), setting):
+        tables = json.loads(tables_file(model_file(case.models, case.identity, body, setting.skin)).read_text(encoding="utf-8"))
+        if tables:
+            found[body] = "\n\n".join(toml_table(name, table) for name, table in tables.items())
+    return found
+
+
+def next_steps(case: Case, setting: Setting) -> Iterator[str]:
+    """What to do with a fragment, in words."""
+    if chosen := changes(case, setting):
+        yield "To try it: " + " ".join(f"--set '{path}={text}'" for path, text in chosen.items())

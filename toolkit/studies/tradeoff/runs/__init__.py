@@ -1,0 +1,1 @@
+"""Settings run and timed, one after another or side by side."""

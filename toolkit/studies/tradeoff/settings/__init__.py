@@ -1,0 +1,1 @@
+"""What a study varies, and what it keeps of each setting."""

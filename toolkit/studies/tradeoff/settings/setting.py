@@ -1,0 +1,77 @@
+"""One way to solve a scene: options of the solver and keys of the skins' files that replace the scene's own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from pydantic import ValidationError
+
+from toolkit.description.run_options import RunOptions
+from toolkit.description.validation_messages import messages
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One value of one axis: its label, what it replaces in the solver's table and in skin.toml, and whether the scene has it already.
+
+    A solver's option that is None is left out, so that its default holds.
+    """
+
+    label: str
+    solver: dict[str, Any] = field(default_factory=dict)
+    skin: dict[str, Any] = field(default_factory=dict)
+    own: bool = False
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A choice on every axis, by the axes' names."""
+
+    choices: dict[str, Choice]
+
+    @property
+    def labels(self) -> dict[str, str]:
+        """Axis -> label."""
+        return {axis: choice.label for axis, choice in self.choices.items()}
+
+    @property
+    def solver(self) -> dict[str, Any]:
+        """Options of the solver that replace the scene's."""
+        return {key: value for choice in self.choices.values() for key, value in choice.solver.items()}
+
+    @property
+    def skin(self) -> dict[str, Any]:
+        """Keys of the skin's file that replace those that are there; none if the scene's own models serve."""
+        return {key: value for choice in self.choices.values() for key, value in choice.skin.items()}
+
+    @property
+    def own(self) -> bool:
+        """Whether this is the scene as it stands."""
+        return all(choice.own for choice in self.choices.values())
+
+    def __str__(self) -> str:
+        return ", ".join(f"{axis} {label}" for axis, label in self.labels.items())
+
+
+def options_with(scene: Scene, changes: dict[str, Any]) -> RunOptions:
+    """The scene's options with others in their place; None leaves an option out.
+
+    Raises
+    ------
+    InputError
+        A value cannot be meant.
+    """
+    table = {**scene.solver.model_dump(exclude_unset=True), **changes}
+    given = {key: value for key, value in table.items() if value is not None}
+    try:
+        return RunOptions.model_validate(given)
+    except ValidationError as error:
+        raise InputError("\n".join(messages(error, RunOptions, given, "solver", {}))) from error
+
+
+def with_options(scene: Scene, changes: dict[str, Any]) -> Scene:
+    """The scene with other options of the solver, see `options_with`."""
+    return scene.model_copy(update={"solver": options_with(scene, changes)})

@@ -1,0 +1,182 @@
+"""The compiled scene: numbering, plan, functions and start values; made once, never changed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import Any
+
+import numpy as np
+from numba import typeof
+from numba.core.registry import CPUDispatcher
+from scipy.sparse import csr_array
+
+from toolkit.compilation.arrays.component_arrays import families
+from toolkit.compilation.checks import check_numbers
+from toolkit.compilation.numbering import Numbering, number, weights
+from toolkit.compilation.patterns.common_pattern import on_common_pattern
+from toolkit.compilation.plan import build_plan
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
+from toolkit.description.design import Design
+from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
+from toolkit.foundation.kernel import call, first_class, plain, slots
+from toolkit.foundation.near_ties import first_largest
+from toolkit.joints.kernels.planar.joint_kernel import SIGNATURE as JOINT_SIGNATURE
+from toolkit.joints.planar.revolute import revolute
+from toolkit.linear.sparse_analysis import LUPlan, analyse
+from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
+from toolkit.loads.planar.torque import torque
+from toolkit.scene.scene import Scene
+from toolkit.system.redundant_joints import without_redundant_rows
+
+
+@dataclass(frozen=True)
+class System:
+    """A scene made ready to be solved.
+
+    Real systems run compiled; a system whose scene holds a complex number (see `sensitivity.numerical`) runs the same formulas
+    as plain Python. `functions` are the formulas of the joints and loads that the scene uses.
+    """
+
+    scene: Scene
+    design: Design
+    numbering: Numbering
+    plan: Plan
+    lu_plan: LUPlan
+    values: Quantities
+    derivatives: list[Quantities]
+    functions: tuple
+    dtype: type
+    weights: np.ndarray  # (n,) see `numbering.weights`
+
+    @property
+    def n_q(self) -> int:
+        """Number of coordinates."""
+        return self.plan.n_q
+
+    @property
+    def n(self) -> int:
+        """Number of unknowns: coordinates and multipliers."""
+        return self.plan.n
+
+    @property
+    def n_x(self) -> int:
+        """Number of design variables."""
+        return self.plan.n_x
+
+    @property
+    def compiled(self) -> bool:
+        """Whether the formulas run compiled."""
+        return self.dtype is float
+
+    def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
+        """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
+        return call(function, *arguments) if self.compiled else plain(function)(*arguments)
+
+    def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
+        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
+        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+        if self.compiled:  # exactly what the kernel is compiled for
+            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
+            curves, curves_x, levels = (
+                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
+            )
+            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        self._evaluation(self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
+        return terms
+
+    @cached_property
+    def _evaluation(self) -> Callable:
+        """`evaluate_all` as it is compiled for this plan, without a look at the types of its arguments: that takes four times as long."""
+        if not self.compiled or not isinstance(evaluate_all, CPUDispatcher):
+            return partial(self.run, evaluate_all)
+        if self._signature() is None:
+            (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
+        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
+        return found
+
+    @cached_property
+    def evaluator(self) -> Any:
+        """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
+        if not self.compiled:
+            return plain(evaluate_all)
+        _ = self._evaluation  # compiled by now
+        return first_class(evaluate_all, self._signature())
+
+    def _signature(self) -> Any:
+        """The signature that `evaluate_all` is compiled for with this plan; one process may have planar and spatial scenes."""
+        own = typeof(self.plan)
+        found = getattr(evaluate_all, "nopython_signatures", ())
+        return next((signature for signature in reversed(found) if signature.args[0] == own), None)
+
+    def matrix(self, values: np.ndarray) -> csr_array:
+        """Values on the common pattern as a sparse matrix (n, n)."""
+        return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
+
+    def most_moved(self, change: np.ndarray) -> str:
+        """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
+        return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
+
+    def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
+
+        first = list(self.numbering.first.values())
+        states: np.ndarray = np.zeros((2, self.n), self.dtype)
+        changes = np.zeros((2, self.n, self.n_x))
+        for b, of_body in self.values.start.items():
+            states[:, first[b] : first[b] + len(of_body[0])] = of_body
+        for x, derivative in enumerate(self.derivatives):
+            for b, of_body in derivative.start.items():
+                changes[:, first[b] : first[b] + len(of_body[0]), x] = of_body
+        return states[0], states[1], changes[0], changes[1]
+
+    def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
+        curves = [curve.evaluate(times) for curve in self.values.curves.values()]
+        pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
+        changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
+        return (
+            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *curves], axis=1)[:, 1:], self.dtype),
+            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *changes], axis=1)[:, 1:], float),
+        )
+
+    def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
+        """What acts at one time."""
+        curves, curves_x = self.curves(np.array([time]))
+        return Inputs(curves[0], curves_x[0], scale, np.asarray(levels, float), True, False)
+
+
+def _formulas(scene: Scene) -> tuple[list, list]:
+    """The different formulas of the scene's joints, and of its loads; there is always one."""
+    return families(list(scene.joints.values())) or [revolute], families(loads_of(scene)) or [torque]
+
+
+def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The formulas of the scene's joints and loads, ready for the compiled loop."""
+    joints, loads = _formulas(scene)
+    return slots(joints, JOINT_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
+def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
+    """Compile a scene with the named design variables (none by default) and, on request, markers that no component needs.
+
+    Raises
+    ------
+    InputError
+        A name, a path, a body's grip or a parameter is wrong; or a driver is redundant.
+    """
+    check_numbers(scene)
+    variables = scene.design_variables(design or [])
+    numbering = number(scene, markers)
+    values = evaluate_quantities(scene, numbering)
+    changes = derivatives(scene, numbering, [variable.path for variable in variables])
+    on_common_pattern(values, changes)
+    dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
+    plan = build_plan(scene, numbering, values, changes, dtype)
+    functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
+    lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
+    return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

@@ -1,0 +1,1 @@
+"""What linear deformation in a moving frame leaves out: large deformation, buckling, centrifugal stiffening."""

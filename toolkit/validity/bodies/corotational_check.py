@@ -1,0 +1,83 @@
+"""The truth that the small-deformation meter estimates: the same elements under the same forces, solved corotationally."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.processes.preprocessing_process import run
+from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.deformation import Deformation, chain, deformation_of, flexible_bodies
+
+PROGRAM = "preprocessing.corotational.command"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Linear against corotational elements at one instant, beside the meter's estimate; lengths and stresses in the scene's units."""
+
+    estimate: Deformation
+    error: float  # largest distance of a node between the two
+    stress: float  # largest magnitude, linear
+    corotational_stress: float
+    stress_error: float  # largest difference at a stress point
+
+    @property
+    def relative(self) -> float:
+        """The error in parts of the largest linear displacement."""
+        return self.error / self.estimate.displacement if self.estimate.displacement else 0.0
+
+
+def compare_with_corotational(solution: Solution, body: str) -> Comparison:
+    """Solve a flexible body corotationally at the instant of the largest estimated error, in a process of the preprocessing.
+
+    Raises
+    ------
+    InputError
+        The preprocessing is not installed; the reduced model does not hold its finite elements; or the corotational body has no
+        equilibrium under the forces.
+    """
+    scene = solution.system.scene
+    behind = chain(scene, body)
+    if behind is None and (scene.dimension == 3 or scene.model(flexible_body(scene, body).model, "outline").outline is not None):
+        raise InputError(
+            f"body {body!r} does not consist of beams in the plane, the only elements that turn here. Compare it with several bodies in a "
+            "row instead of one, which turn themselves."
+        )
+    if behind is None:
+        raise InputError(
+            f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "
+            "again with ffrf-preprocess."
+        )
+    estimate = deformation_of(behind, solution, body)
+    elastic = np.real(solution.q[solution.times == estimate.time][:1, elastic_coordinates(solution, body)])
+    content = {
+        "nodes": behind.elements.nodes,
+        "connectivity": behind.elements.connectivity,
+        **vars(behind.made_of),
+        "held": behind.held,
+        "displacements": behind.displacements(elastic)[0],
+    }
+    done = run(PROGRAM, [], json.dumps([{name: value.tolist() for name, value in content.items()}]))
+    if done.returncode:
+        raise InputError(f"body {body!r} at t = {estimate.time:g}: {done.stderr.strip()}")
+    found = json.loads(done.stdout)[0]
+    return Comparison(estimate, *(found[name] for name in ("error", "stress", "corotational_stress", "stress_error")))
+
+
+def flexible_of(solution: Solution) -> list[str]:
+    """Flexible bodies of a solution.
+
+    Raises
+    ------
+    InputError
+        There is none.
+    """
+    found = flexible_bodies(solution.system.scene)
+    if not found:
+        raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
+    return found

@@ -1,0 +1,120 @@
+"""The critical speed of a flexible body that spins: linear FFRF lacks centrifugal stiffening and diverges beyond it.
+
+In a frame that spins at omega about an axis the linear body feels K q_f - omega^2 C q_f, with the mass C that moves across the axis (in
+the plane all of it): it is stable as long as this matrix is positive definite, that is, as omega is below the lowest frequency of such
+motions of the body held by its frame.
+
+    C = sum_a Q[a, a] - sum_ab n_a n_b Q[a, b]        elastic rows and columns, n: unit vector of the axis in the body
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from scipy.linalg import eigh
+
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.foundation.near_ties import first_largest
+from toolkit.kinematics.spatial import angular_velocity
+from toolkit.reduced_model.spatial_model import all_second_moments
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.solution import Solution
+
+
+def spinning_bodies(scene: Scene) -> list[str]:
+    """Names of the flexible bodies whose frame can turn."""
+    return [name for name, body in scene.bodies.items() if isinstance(body, (Flexible, SpatialFlexible)) and body.turns]
+
+
+def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None) -> float:
+    """The speed of the body's frame, in rad/time, beyond which the linear body is unstable.
+
+    Parameters
+    ----------
+    axis : direction (3,) in the axes of the reduced model, of a body in space; by default that of a turning frame, or of the angular
+        velocity at the start, or the most critical of the three axes of the model
+    """
+    given = [axis] if axis is not None else _likely_axes(scene, body)
+    return min(_critical(scene, body, each) for each in given)
+
+
+def _critical(scene: Scene, body: str, axis: np.ndarray) -> float:
+    stiffness, mass = _scaled(scene, body, axis)
+    last = len(mass) - 1  # the largest eigenvalue of K^-1 C is exact, where the smallest of C^-1 K would drown in round-off
+    largest = float(eigh(mass, stiffness, eigvals_only=True, subset_by_index=[last, last])[0])
+    return float(1 / np.sqrt(largest)) if largest > 0 else np.inf
+
+
+def _likely_axes(scene: Scene, body: str) -> list[np.ndarray]:
+    found = scene.bodies[body]
+    if not isinstance(found, SpatialFlexible):
+        return [ACROSS]
+    spin = found.unit_axis if found.frame == "turning" else np.real(found.spin)
+    return [found.placement.T @ spin] if np.any(spin) else list(np.eye(3))
+
+
+ACROSS = np.array([0.0, 0.0, 1.0])
+"""The axis of all rotations in the plane."""
+
+
+def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
+    """Bodies that the scene starts beyond their critical speed, how fast, and the critical speed about that axis."""
+    for body in spinning_bodies(scene):
+        found = scene.bodies[body]
+        if isinstance(found, SpatialFlexible):
+            spin = np.real(found.placement.T @ found.spin)
+        else:
+            spin = float(np.real(found.frame_velocity()[2])) * ACROSS  # type: ignore[attr-defined]
+        if not _stable(scene, body, spin):
+            yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
+
+
+def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]:
+    """Bodies that exceed their critical speed where they spin fastest, with that speed and the critical one about the axis then."""
+    scene = solution.system.scene
+    for body in spinning_bodies(scene):
+        spins = _spins(solution, body)
+        spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
+        if not _stable(scene, body, spin):
+            yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
+
+
+def _spins(solution: Solution, body: str) -> np.ndarray:
+    """Angular velocity of the frame in the axes of the reduced model, (n_t, 3)."""
+    found, where = solution.system.scene.bodies[body], solution.coordinates(body)
+    q, v = np.real(solution.q[:, where]), np.real(solution.v[:, where])
+    if not isinstance(found, SpatialFlexible):
+        return v[:, 2, None] * ACROSS
+    at = found.moves
+    if found.frame == "turning":
+        return v[:, at, None] * (found.placement.T @ found.unit_axis)
+    return angular_velocity(q[:, at : at + 4], v[:, at : at + 4])
+
+
+def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
+    """Whether K - omega^2 C is positive definite; far cheaper than the critical speed itself."""
+    speed = float(np.linalg.norm(spin))
+    if speed == 0:
+        return True
+    stiffness, mass = _scaled(scene, body, spin)
+    try:
+        np.linalg.cholesky(stiffness - speed**2 * mass)
+    except np.linalg.LinAlgError:
+        return False
+    return True
+
+
+def _scaled(scene: Scene, body: str, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """K, scaled to a unit diagonal, and C for an axis of any length in the same scale, (n_f, n_f)."""
+    inv = flexible_body(scene, body).invariants(scene)
+    if scene.dimension == 3:
+        Q, n = all_second_moments(np.real(inv.second_moment)), axis / np.linalg.norm(axis)
+        mass = (np.einsum("aaij->ij", Q) - np.einsum("a,b,abij->ij", n, n, Q))[1:, 1:]
+    else:
+        mass = np.real(inv.inertia[1:, 1:])
+    stiffness = np.real(inv.stiffness)
+    scale = 1 / np.sqrt(np.diag(stiffness))
+    return scale[:, None] * stiffness * scale, scale[:, None] * mass * scale

@@ -1,0 +1,42 @@
+"""How far dampers change frequencies, while modes are those of the undamped scene."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+
+SEEN, LARGE = 0.01, 0.3
+"""Parts of the critical damping above which it is told, and of the lowest frequency above which it is a doubt: sqrt(1 - 0.3^2) is 5 %
+below one."""
+
+
+def cautions_of_damping(damping: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray) -> Iterator[Caution]:
+    """Cautions of undamped modes.
+
+        zeta_k = y_k^T C y_k / (2 omega_k y_k^T M y_k),    damped frequency omega_k sqrt(1 - zeta_k^2)
+
+    Parameters
+    ----------
+    damping, mass : array (n_q, n_q)
+        C and M.
+    squares : array (n_modes,)
+        omega^2.
+    shapes : array (n_q, n_modes)
+        y.
+    """
+    vibrating = squares > 0
+    damped, inert = (np.einsum("im,ij,jm->m", shapes, each, shapes)[vibrating] for each in (damping, mass))
+    ratios = damped / (2 * np.sqrt(squares[vibrating]) * inert)
+    if not ratios.size or not ratios.max() > SEEN:
+        return
+    most = int(np.argmax(ratios > LARGE if ratios.max() > LARGE else ratios > SEEN))
+    yield Caution(
+        "damped",
+        f"these frequencies are undamped: dampers are not in them. Damping is up to {ratios.max():.2g} of the critical one; that at "
+        f"{np.sqrt(squares[vibrating][most]) / (2 * np.pi):.4g} Hz, with {ratios[most]:.2g}, "
+        + ("lowers it by " + f"{1 - np.sqrt(1 - ratios[most] ** 2):.1%}." if ratios[most] < 1 else "does not vibrate at all."),
+        doubt=bool(ratios[0] > LARGE),
+    )

@@ -1,0 +1,76 @@
+"""Cautions about what the model leaves out: large deformation in a frame, buckling, and frames that spin too fast for linear bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.critical_load import Compression, critical_compressions
+from toolkit.validity.bodies.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
+from toolkit.validity.bodies.deformation import LIMIT, deformations
+
+
+def large_deformations(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies that leave the range of small deformations in their frame."""
+    length = unit(solution.system.scene.units, "length")
+    for body, each in deformations(solution).items():
+        if each is not None and each.exceeded:
+            yield Caution(
+                "large-deformation",
+                f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
+                f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
+                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
+                "body, or several bodies in a row instead of one, make it smaller.",
+            )
+
+
+def critical_loads(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
+    for found, doubt in critical_compressions(solution):
+        yield Caution(
+            "critical-load", _feigned(found) if found.feigned > found.missed else _buckling(found, solution.steps > 0), doubt
+        )
+
+
+def _buckling(found: Compression, moving: bool) -> str:
+    when = f" at t = {found.time:.4g}" if moving else ""
+    if found.load >= 1:
+        what = f"it buckles{' if that lasts' if moving else ''}, which these numbers do not show"
+    else:
+        what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
+    return (
+        f"{found.body} is compressed{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
+        "of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as they should. "
+        "ffrf check-deformation solves it with elements that turn."
+    )
+
+
+def _feigned(found: Compression) -> str:
+    return (
+        f"{found.body} is softer under its tension than it should be: these equations make lateral deflections {found.feigned:.0%} too "
+        "large or more, and frequencies too low. Linear FFRF has no geometric stiffness of a body in its frame, which tension would raise, "
+        "while the frame turns with the ends. Load it less, stiffen it, or make several bodies in a row of it."
+    )
+
+
+def excessive_speeds(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose frame spins beyond their critical speed."""
+    for body, speed, critical in too_fast_in_motion(solution):
+        yield Caution(
+            "critical-speed",
+            f"{body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
+            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, or make several "
+            "bodies in a row of it.",
+        )
+
+
+def speed_limits(scene: Scene) -> str:
+    """What to know of critical speeds where a run failed; empty without flexible bodies that turn."""
+    return " ".join(
+        f"A frame that spins faster than {critical_speed(scene, body):.4g} rad/s, the critical speed of {body}, diverges in linear FFRF "
+        "with any step, because centrifugal stiffening is not in it."
+        for body in spinning_bodies(scene)
+    )

@@ -1,0 +1,1 @@
+"""What a scene makes one ask before anything runs."""

@@ -1,0 +1,35 @@
+"""What the description of a scene alone makes one ask: joints without effect, bodies that nothing holds, numbers in other units."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.compilation.frame_hints import floats_with_its_clamp
+from toolkit.foundation.verdict import Caution
+from toolkit.joints.planar.joint import Joint
+from toolkit.loads.springs import PointSpring, TurnSpring
+from toolkit.scene.scene import Scene
+from toolkit.validity.description.joint_cautions import cautions_of_joints
+from toolkit.validity.description.stale_models import stale_models
+from toolkit.validity.description.unit_cautions import cautions_of_units
+
+
+def cautions_of_scene(scene: Scene) -> list[Caution]:
+    """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
+    return [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
+
+
+def _held_by_nothing(scene: Scene) -> Iterator[Caution]:
+    """Flexible bodies that no joint and no spring grips, although their model clamps them."""
+    holding = [
+        each for each in (*scene.joints.values(), *scene.loads.values()) if isinstance(each, (Joint, PointSpring, TurnSpring))
+    ]
+    gripped = {body for each in holding for body in each.bodies}
+    for name in scene.bodies:
+        if name not in gripped and floats_with_its_clamp(scene, name):
+            yield Caution(
+                "held-by-nothing",
+                f'no joint holds {name!r}, which moves freely with its frame. frame = "grounded" fixes what its reduced model clamps to '
+                "the ground.",
+                doubt=False,
+            )

@@ -1,0 +1,76 @@
+"""Energy that a run creates or loses: what no load put in or took out, and no round-off explains."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from toolkit.system.solution import Solution
+from toolkit.validity.motion.energy_balance import EnergyBalance, energy_balance
+
+
+def created_energy(solution: Solution) -> float:
+    """Largest energy that came from nowhere, over the largest energy or work; infinite where it is no number.
+
+        max over time of  E - E_start - |E_2 - E|,   E = T + U - W - integral of v . D v
+
+    The damping D of flexible bodies can only take energy, so what it took is left out: of stiff damping that no step resolves, the sum
+    over the steps is wrong by far more than there is. E_2 is summed over every second state alone: what the sum of the work is wrong by
+    was not created.
+    """
+    return energy_defects(solution)[0]
+
+
+def energy_defects(solution: Solution) -> tuple[float, float]:
+    """Energy that was created, see `created_energy`, and energy that vanished, both over the largest energy or work.
+
+        lost = max over time of  E_start - E - |E_2 - E|,   E = T + U - W   with what damping took in W
+
+    A single step says nothing: both are zero.
+    """
+    if solution.steps < 2:
+        return 0.0, 0.0
+    states = ("times", "q", "v", "a", "multipliers")
+    every_second = replace(solution, **{name: getattr(solution, name)[::2] for name in states})
+    balance, coarse = energy_balance(solution), energy_balance(every_second)
+    parts = (balance.kinetic + balance.strain, balance.work)
+    largest = max(unresolved_energy(solution), *(np.abs(part).max() for part in parts))
+    created = _beyond(_surplus(solution, balance), _surplus(every_second, coarse))
+    lost = _beyond(-balance.defect, -coarse.defect)
+    return _part(created, largest), _part(lost, largest)
+
+
+def _beyond(defect: np.ndarray, coarse: np.ndarray) -> float:
+    """Largest defect (n_t,) that its sum over every second state (n_t // 2 + 1,) confirms."""
+    return float((defect[::2] - np.abs(coarse - defect[::2])).max())
+
+
+def _part(energy: float, largest: float) -> float:
+    relative = energy / largest if largest != 0 else 0.0
+    return relative if np.isfinite(relative) else np.inf
+
+
+def _surplus(solution: Solution, balance: EnergyBalance) -> np.ndarray:
+    """E minus its start, (n_t,)."""
+    constant, shape = solution.system.plan.constant, (solution.system.n_q, solution.system.n_q)
+    force = solution.v @ coo_array((constant.damping, (constant.row, constant.column)), shape=shape).T.tocsr()
+    taken = np.sum(solution.v * force, axis=1)
+    return balance.defect - np.append(0, np.cumsum(np.diff(solution.times) * (taken[1:] + taken[:-1]) / 2))
+
+
+def unresolved_energy(solution: Solution) -> float:
+    """Energy of what Newton leaves open, at the start: sum_i (M_ii v_i^2 + |K_ii| q_i^2) / 2.
+
+    q_i is the coordinate's part of `solver.tolerance`, v_i = q_i / h. Less than this is round-off: a scene at rest creates some.
+    """
+    system, n_q = solution.system, solution.system.n_q
+    pad = np.zeros(system.n - n_q)
+    q, v = np.append(solution.q[0], pad), np.append(solution.v[0], pad)
+    acc = np.append(solution.a[0], solution.multipliers[0])
+    terms = system.evaluate(system.inputs(solution.times[0], np.array([0, 0, 1.0])), q, v, acc)
+    open_q = system.scene.solver.tolerance / system.weights[:n_q]
+    open_v = open_q / (solution.times[1] - solution.times[0])
+    mass, stiffness = (np.abs(system.matrix(each).diagonal()[:n_q]) for each in (terms.I_acc, terms.A_q))
+    return float(np.real(mass @ open_v**2 + stiffness @ open_q**2) / 2)

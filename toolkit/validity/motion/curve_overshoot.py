@@ -1,0 +1,62 @@
+"""Whether a cubic table swings beyond its values, as splines do beside steep rows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.compilation.quantities import curves_of
+from toolkit.description.profile import Curve, Sum, Table
+from toolkit.foundation.verdict import Caution
+from toolkit.system.solution import Solution
+
+BEYOND = 0.1
+"""Part of the range of a table's values by which its cubic may leave it: a sine by eight rows in a period leaves it by 4 %."""
+
+
+def overshooting_tables(solution: Solution) -> Iterator[Caution]:
+    """Remarks on cubic tables that leave the range of their values within a motion."""
+    times = solution.whole_run
+    for (group, name), curve in curves_of(solution.system.scene):
+        for path, table in _cubics(f"{group}.{name}.curve", curve):
+            time, value = _furthest(table, float(times[0]), float(times[-1]))
+            low, high = np.real(min(table.values, key=np.real)), np.real(max(table.values, key=np.real))
+            beyond = max(value - high, low - value)
+            if beyond > BEYOND * (high - low) > 0:
+                yield Caution(
+                    "curve-overshoot",
+                    f"{path} swings beyond its values, which are from {low:g} to {high:g}: it reaches {value:.4g} at t = {time:.4g}, "
+                    f"{beyond / (high - low):.3g} times their range outside, because it is a cubic through all of them. "
+                    f'{path}.interpolation = "linear" does not, and neither do more rows where it is steep, or smooth steps.',
+                    doubt=False,
+                )
+
+
+def _cubics(path: str, curve: Curve) -> Iterator[tuple[str, Table]]:
+    """Cubic tables of a curve, and their paths."""
+    if isinstance(curve, Sum):
+        for n, term in enumerate(curve.terms):
+            yield from _cubics(f"{path}.terms.{n}", term)
+    elif isinstance(curve, Table) and curve.interpolation == "cubic":
+        yield path, curve
+
+
+def _furthest(table: Table, start: float, end: float) -> tuple[float, float]:
+    """Time of a run, and value there, at which a table is furthest from the middle of its values."""
+    times = np.concatenate([[start, end], _turns(np.real(np.array(table.times)), table)])
+    times = times[(times >= start) & (times <= end)]
+    f, values = np.real(table.evaluate(times)[:, 0]), np.real(np.array(table.values))
+    worst = int(np.argmax(np.abs(f - (values.min() + values.max()) / 2)))
+    return float(times[worst]), float(f[worst])
+
+
+def _turns(corners: np.ndarray, table: Table) -> np.ndarray:
+    """Times between corners at which the slope, a parabola through its values at both and half way, is zero."""
+    low, width = corners[:-1], np.diff(corners)
+    left, middle, right = (np.real(table.evaluate(low + part * width)[:, 1]) for part in (0.0, 0.5, 1.0))
+    square, linear = 2 * (left - 2 * middle + right), 4 * middle - 3 * left - right
+    with np.errstate(divide="ignore", invalid="ignore"):  # a slope without zero has none
+        sum_ = -(linear + np.copysign(np.sqrt(linear**2 - 4 * square * left), linear)) / 2
+        parts = np.stack([sum_ / square, left / sum_])
+    return (low + parts * width)[(parts > 0) & (parts < 1)]

@@ -1,0 +1,34 @@
+"""How far the joints of a finished run are from closed."""
+
+import numpy as np
+
+from toolkit.foundation.kernel import kernel
+from toolkit.foundation.near_ties import BAND
+from toolkit.joints.kernels.all_joints import evaluate_any_joint, gap_of
+from toolkit.markers.poses import update_poses
+
+
+@kernel
+def largest_drift(plan, functions, curves, weights, q, rest, found, work):
+    """Largest weighted |phi| over all times and rows, (value, time index, unknown, value there) in `found` (4,); `rest` is zero,
+    (n,).
+
+    The place is the first one where it is the largest but for a part `BAND` of it, see `near_ties`.
+    """
+    plane, frames = plan.markers.plane, plan.markers.frames
+    for n in range(len(q)):
+        update_poses(plane, frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
+        for j in range(len(plan.joints.row)):
+            evaluate_any_joint(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
+            rows = plan.joints.n_rows[j]
+            for i in range(rows):
+                target = 0.0
+                if plan.joints.curve[j] >= 0 and i == rows - 1:
+                    target = curves[n, plan.joints.curve[j], 0]
+                value = gap_of(frames, plan.joints, j, i, work.joint.phi[i], target)
+                row = plan.joints.row[j] + i
+                violation = weights[row] * abs(value.real)
+                if not violation <= found[0] and not np.isnan(found[0]):
+                    found[0] = violation
+                if not violation <= (1 + BAND) * found[3] and not np.isnan(found[3]):
+                    found[1], found[2], found[3] = n, row, violation

@@ -1,0 +1,91 @@
+"""Energy balance of a finished run: what the loads put in, against what is there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import coo_array
+
+from toolkit.equations.equations import Inputs, Plan, allocate_terms, allocate_work
+from toolkit.foundation.kernel import kernel
+from toolkit.system.solution import Solution
+
+
+class EnergyBalance(NamedTuple):
+    """Kinetic and strain energy T, U at all times, and the work W of loads, drivers and dampers since the start, each (n_t,)."""
+
+    kinetic: np.ndarray
+    strain: np.ndarray
+    work: np.ndarray
+
+    @property
+    def defect(self) -> np.ndarray:
+        """T + U - W minus its value at the start: what the scheme created (or lost, negative), (n_t,)."""
+        total = self.kinetic + self.strain - self.work
+        return total - total[0]
+
+    @property
+    def relative_defect(self) -> float:
+        """Largest defect over the largest energy or work; 0 if nothing ever moves."""
+        largest = max(np.abs(part).max() for part in (self.kinetic + self.strain, self.work))
+        return float(np.abs(self.defect).max() / largest) if largest > 0 else 0.0
+
+
+@kernel
+def powers(evaluator, plan, functions, curves, curves_x, levels, inertia, q, v, lam, out, acc, terms, work):
+    """T and P = -v . (A - K q) + v . M' v / 2 - v . phi_q^T lam at all times: out (n_t, 2); K q is left to the caller.
+
+    A is the applied group of the residual; at the acceleration v the inertial group is M v, and its derivative by q along v is M' v.
+    """
+    n_q = plan.n_q
+    for n in range(len(q)):
+        inputs = Inputs(curves[n], curves_x[n], 1.0, levels, inertia, False)
+        for i in range(plan.n):
+            acc[i] = v[n, i] if i < n_q else 0 * v[n, 0]
+        evaluator(plan, functions, inputs, q[n], v[n], acc, True, False, terms, work)
+        for i in range(n_q):
+            out[n, 0] += v[n, i] * terms.inertial[i] / 2
+            for e in range(plan.indptr[i], plan.indptr[i + 1]):
+                if plan.indices[e] < n_q:
+                    out[n, 1] += v[n, i] * terms.I_q[e] * v[n, plan.indices[e]] / 2
+        for i in range(plan.n):
+            acc[i] = lam[n, i]
+        evaluator(plan, functions, inputs, q[n], v[n], acc, False, False, terms, work)
+        for i in range(n_q):
+            out[n, 1] -= v[n, i] * (terms.applied[i] + terms.inertial[i])
+
+
+def _driven(plan: Plan) -> np.ndarray:
+    """Which unknowns are multipliers of drivers, (n,)."""
+    found = np.zeros(plan.n, bool)
+    driven = plan.joints.curve >= 0
+    found[(plan.joints.row + plan.joints.n_rows - 1)[driven]] = True
+    return found
+
+
+def energy_balance(solution: Solution) -> EnergyBalance:
+    """Energies and work of a transient solution; the work is integrated by the trapezoidal rule, so its error is of second order.
+
+    Dampers count as loads that take energy out, gravity as a load, not as a potential.
+    """
+    system, plan, n_t = solution.system, solution.system.plan, len(solution.times)
+    inertia = not (solution.options or system.scene.solver).quasi_static
+    # without inertia velocities are those of the middle of a step, which would cost an order of the work
+    velocity = solution.v if inertia else np.gradient(solution.q, solution.times, axis=0, edge_order=2 if n_t > 2 else 1)
+    states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
+    q, v, lam = states
+    q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
+    lam[:, ~_driven(plan)] = 0  # other joints do no work: what they do while they drift is the scheme's doing
+    out: np.ndarray = np.zeros((n_t, 2), system.dtype)
+    curves, curves_x = system.curves(solution.times)
+    system.run(
+        powers, system.evaluator, plan, system.functions, curves, curves_x, np.zeros(3), inertia, q, v, lam,
+        out, np.zeros(system.n, system.dtype), allocate_terms(plan, system.dtype), allocate_work(plan, system.dtype),
+    )  # fmt: skip
+    constant = plan.constant
+    shape = (system.n_q, system.n_q)
+    force = solution.q @ coo_array((constant.stiffness, (constant.row, constant.column)), shape=shape).T.tocsr()
+    power = out[:, 1] + np.sum(velocity * force, axis=1)
+    gained = np.diff(solution.times) * (power[1:] + power[:-1]) / 2
+    return EnergyBalance(out[:, 0], np.sum(solution.q * force, axis=1) / 2, np.append(0, np.cumsum(gained)))

@@ -1,0 +1,176 @@
+"""Whether the times of a run saw the time curves of its loads and drivers: what lies between them no comparison with other steps sees."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.compilation.quantities import curves_of
+from toolkit.description.profile import Constant, Curve, Sine, Sum
+from toolkit.foundation.verdict import Caution
+from toolkit.system.solution import Solution
+
+LOST = 0.2
+"""Part of a curve's variation that may lie between the times of a run. A sine loses 0.21 with four samples in a period; runs with twice the
+step then see two, and the comparison with them tells. With fewer, or pulses between two times, all runs may see the same and agree."""
+IN_ONE = 0.05
+"""Part that a single step may lose in which a whole piece of the curve lies; a load that is switched on within a step loses half of it."""
+LEVEL = 0.05
+"""Part of a load's level that counts as its variation: a ripple of less than a hundredth of it changes little."""
+PICKED, FEWEST = 50_000, 4
+"""How many steps are looked at, shared out among the pieces of the curve, and how many of a piece at least."""
+SAMPLES, LEAST, MOST = 4096, 8, 512
+"""How many samples a curve gets at least, and from how few to how many a step: an error of a few percent at most."""
+SHARED = 0.05
+"""Part of what the worst piece of a curve loses from which on another is one that loses it."""
+BLOCK = 1 << 16
+"""Samples that are evaluated at a time."""
+GOLDEN = (5**0.5 - 1) / 2
+"""Multiples of it, without their whole parts, are spread evenly, and in step with no period."""
+
+
+@dataclass(frozen=True)
+class Loss:
+    """What a run did not see of a curve.
+
+    Attributes
+    ----------
+    part
+        Of the curve's variation.
+    in_one
+        Part that a single step loses in which a whole piece of the curve may hide, signed: of the impulse of a load.
+    time
+        Where most of it was lost.
+    shortest
+        Of the pieces that lose it, between two corners of the curve.
+    corners
+        Corners of these pieces within the run.
+    """
+
+    part: float
+    in_one: float
+    time: float
+    shortest: float
+    corners: np.ndarray
+
+
+def unseen_curves(solution: Solution) -> Iterator[Caution]:
+    """Doubts about curves that change between the times of a motion."""
+    for (group, name), curve in curves_of(solution.system.scene):
+        loss = loss_of(curve, solution.whole_run, has_zero=group == "loads")
+        if loss is not None and (loss.part > LOST or loss.in_one > IN_ONE):
+            how_much = f"{loss.part:.0%} of its variation (limit {LOST:.0%})"
+            if loss.part <= LOST:
+                how_much = f"{loss.in_one:.0%} of its variation within one step (limit {IN_ONE:.0%})"
+            yield Caution(
+                "load-curve",
+                f"{group}.{name}.curve changes between the times of the run: the straight lines between them miss it by {how_much}, most "
+                f"near t = {loss.time:.4g}. Runs with other steps may miss the same and agree. {_advice(curve, loss)}",
+            )
+
+
+def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | None:
+    """What the straight lines between a curve's values at the times of a run lose of it; None if it does not vary.
+
+    The area between curve and lines, as a part of the area between the curve and the level that it has at the start, at the end or in the
+    mean, whichever leaves least: what is constant may be in balance, so that only what varies moves anything. The area counts without
+    sign: a whole period in a step loses no impulse, but all that it does. A load that begins at zero does all that it does by its level,
+    also if it reaches it within the first step, and a small part of the level always counts; a driver is at rest where it begins.
+    """
+    if _is_constant(curve):
+        return None
+    pieces = _pieces(curve, float(times[0]), float(times[-1]))
+    piece, step, weight, shift = _picked(pieces, times)
+    count = min(max(-(-SAMPLES // len(step)), LEAST), MOST)
+    blocks = [slice(n, n + BLOCK // count) for n in range(0, len(step), BLOCK // count)]
+    samples = [_samples(curve, times, pieces[piece[block]], step[block], count, shift[block]) for block in blocks]
+    f, signed, missed, length = (np.concatenate(parts) for parts in zip(*samples, strict=True))
+    variation = _variation(f, weight * length, _values(curve, times[[0, -1]]), has_zero)
+    if not variation > 0:
+        return None
+    hiding = np.isin(step, step[(np.bincount(piece) == 1)[piece]])
+    of_piece = np.bincount(piece, weight * missed, len(pieces))
+    worst = int(step[np.argmax(missed)])
+    losing = pieces[of_piece >= SHARED * of_piece.max()]
+    return Loss(
+        part=float(weight @ missed / variation),
+        in_one=float(np.abs(np.bincount(np.cumsum(np.diff(step, prepend=0) > 0), signed * hiding)).max() / variation),
+        time=float(times[worst : worst + 2].mean()),
+        shortest=float(np.diff(losing).min()),
+        corners=np.setdiff1d(losing, times[[0, -1]]),
+    )
+
+
+def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: bool) -> float:
+    """Area between a curve and what it would be if it did nothing, from samples (n, count) within pieces of time of these lengths (n,)."""
+    areas = np.repeat(lengths / f.shape[1], f.shape[1])
+    mean = float(areas @ f.ravel()) / float(areas.sum())
+    rest = 0.0 if has_zero else float(ends[0])
+    *around, level = (float(areas @ np.abs(f.ravel() - each)) for each in (*ends, mean, rest))
+    return max(min(around), LEVEL * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
+
+
+def _is_constant(curve: Curve) -> bool:
+    return all(map(_is_constant, curve.terms)) if isinstance(curve, Sum) else isinstance(curve, Constant)
+
+
+def _values(curve: Curve, times: np.ndarray) -> np.ndarray:
+    """Values at times of any shape."""
+    return np.real(curve.evaluate(times.ravel())[:, 0]).reshape(times.shape)
+
+
+def _pieces(curve: Curve, start: float, end: float) -> np.ndarray:
+    """Beginning and end of the pieces of a run between which the curve has corners, (n, 2)."""
+    corners = np.unique(np.real(np.array([start, *curve.corners(), end])))
+    corners = corners[(corners >= start) & (corners <= end)]
+    return np.stack([corners[:-1], corners[1:]], axis=1)
+
+
+def _picked(pieces: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Pieces and steps that meet and are looked at, for how many each stands, and where between two others its samples are.
+
+    The first and the last step of a piece stand for themselves, because a corner may lie in them; of many others one is taken from each
+    of equal groups, at places that change from group to group, as those of the samples do.
+    """
+    first = np.searchsorted(times, pieces[:, 0], "right") - 1
+    there = np.searchsorted(times, pieces[:, 1], "left") - first
+    taken = np.minimum(there, max(PICKED // len(pieces), FEWEST))
+    piece = np.repeat(np.arange(len(pieces)), taken)
+    place = np.arange(len(piece)) - np.repeat(np.cumsum(taken) - taken, taken)
+    ratio = (np.maximum(there - 2, 1) / np.maximum(taken - 2, 1))[piece]
+    inner, shift = (place > 0) & (place < taken[piece] - 1), GOLDEN * place % 1
+    chosen = 1 + np.floor((place - 1 + shift) * ratio).astype(int)
+    step = first[piece] + np.where(inner, chosen, np.where(place > 0, there[piece] - 1, 0))
+    return piece, step, np.where(inner, ratio, 1.0), np.where(inner, shift, 0.5)
+
+
+def _samples(
+    curve: Curve, times: np.ndarray, pieces: np.ndarray, step: np.ndarray, count: int, shift: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Values (n, count) of the curve where steps and pieces meet, the areas (n,) between it and lines, signed and not, and lengths (n,)."""
+    begin, end = times[step], times[step + 1]
+    low, high = np.maximum(begin, pieces[:, 0]), np.minimum(end, pieces[:, 1])
+    t = low[:, None] + (high - low)[:, None] * (np.arange(count) + shift[:, None]) / count
+    f, ends = _values(curve, t), _values(curve, np.stack([begin, end], axis=1))
+    line = ends[:, :1] + (ends[:, 1:] - ends[:, :1]) * (t - begin[:, None]) / (end - begin)[:, None]
+    return f, (f - line).mean(axis=1) * (high - low), np.abs(f - line).mean(axis=1) * (high - low), high - low
+
+
+def _periods(curve: Curve) -> list[float]:
+    """Of all sines."""
+    if isinstance(curve, Sum):
+        return [period for term in curve.terms for period in _periods(term)]
+    return [1 / float(np.real(curve.frequency))] if isinstance(curve, Sine) else []
+
+
+def _advice(curve: Curve, loss: Loss) -> str:
+    """Steps that see it."""
+    period = min(_periods(curve), default=np.inf)
+    what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
+    told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
+    if what == "period" or not len(loss.corners):
+        return f"{told}."
+    named = ", ".join(f"{corner:.6g}" for corner in loss.corners[:6]) + ", ..." * (len(loss.corners) > 6)
+    return f"{told}, or solver.times with its corners ({named}) and times between them."

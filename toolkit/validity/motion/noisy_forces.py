@@ -1,0 +1,106 @@
+"""Joint forces that jump to and fro from step to step, while the motion still looks right."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.verdict import Caution
+from toolkit.system.solution import Solution
+
+NOISY = 0.03
+"""Noise of a joint's force, a part of its largest one, above which forces are not to be trusted."""
+SMALL = 1e-3
+"""Forces of a joint below this part of the largest in the scene count as that."""
+IN_A_ROW = 4
+"""So many states in a row have to alternate: a load that jumps does it twice."""
+
+
+class JointNoise(NamedTuple):
+    """Noise of a joint's force, (n_t - 5, rows), as a part of its largest; and its first multiplier among all unknowns."""
+
+    noise: np.ndarray
+    row: int
+
+
+def force_noise(solution: Solution) -> dict[str, Any]:
+    """Amplitude that joint forces have at the shortest wave that steps can hold, of two steps.
+
+        d_n = lam_n - (h_+ lam_(n-1) + h_- lam_(n+1)) / (h_- + h_+),   amplitude = min |d_n| / 2 of four neighbours with alternating signs
+
+    Index 3 makes it where bodies turn too far in a step (see `option_checks.DAMPED`), and round-off in tiny steps; a vibration
+    that steps do not resolve looks the same.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of `simulate`, with all its states.
+
+    Returns
+    -------
+    noise : dict
+        "size", a part of the largest force of the same joint, "where", the direction and the joint, and "time"; empty without joints.
+    """
+    joints = noise_of_joints(solution)
+    if not joints:
+        return {}
+    name = max(joints, key=lambda each: float(joints[each].noise.max()))
+    noise, row = joints[name]
+    step, column = np.unravel_index(int(np.argmax(noise)), noise.shape)
+    where, time = solution.system.numbering.names[row + int(column)], float(solution.times[step + 1])
+    return {"size": float(noise[step, column]), "where": where, "time": time}
+
+
+def noise_of_joints(solution: Solution) -> dict[str, JointNoise]:
+    """That of every joint; nothing of a run of fewer than six states."""
+    system, first, forces = solution.system, solution.system.n_q, {}
+    for name, row in system.numbering.row.items():
+        rows = slice(row, row + len(system.scene.joints[name].row_names))
+        forces[name] = solution.multipliers[:, rows.start - first : rows.stop - first] / system.weights[rows]
+    if not forces or len(solution.times) < IN_A_ROW + 2:
+        return {}
+    sizes = {name: float(np.abs(force).max()) for name, force in forces.items()}
+    own = {name: max(size, SMALL * max(sizes.values())) or np.inf for name, size in sizes.items()}
+    noise = {name: _amplitudes(force, np.diff(solution.times)) / own[name] for name, force in forces.items()}
+    return {name: JointNoise(noise[name], row) for name, row in system.numbering.row.items()}
+
+
+def noise_at(joint: JointNoise, step: int) -> float:
+    """Noise of a joint's force in the neighbourhood of one state."""
+    last = min(step, len(joint.noise) - 1)
+    return float(joint.noise[max(min(step - IN_A_ROW, last), 0) : last + 1].max())
+
+
+def _amplitudes(force: np.ndarray, lengths: np.ndarray) -> np.ndarray:
+    """Amplitude from each inner state and the next three, (n_t - 5, rows), of forces (n_t, rows) after steps (n_t - 1,)."""
+    before, after = lengths[:-1, None], lengths[1:, None]
+    off = force[1:-1] - (after * force[:-2] + before * force[2:]) / (before + after)
+    signs = np.where(np.arange(len(off)) % 2, -1.0, 1.0)[:, None]
+    four = np.stack([(signs * off)[k : len(off) - IN_A_ROW + 1 + k] for k in range(IN_A_ROW)])
+    return np.maximum(four.min(axis=0), (-four).min(axis=0)).clip(min=0) / 2
+
+
+def noisy_forces(options: RunOptions, noise: Mapping[str, Any], asked: Sequence[str] | None = None) -> Iterator[Caution]:
+    """Joint forces that alternate; the noise as `force_noise` gives it.
+
+    A doubt, unless nothing that was asked for is one of them: `asked` names the responses that are. Without it all states are asked for.
+    """
+    if not noise or noise["size"] <= NOISY:
+        return
+    whose = (
+        ""
+        if asked is None
+        else f", {', '.join(asked)} among them"
+        if asked
+        else "; no response that was asked for is one of them"
+    )
+    yield Caution(
+        "noisy-forces",
+        f"joint forces jump from step to step{whose}: {noise['where']} by {noise['size']:.1%} of that joint's largest force at t = "
+        f"{noise['time']:g} (limit {NOISY:.0%}). Try a smaller solver.step, a smaller solver.rho_inf (now {options.rho_inf:g}), or "
+        'solver.formulation = "ggl".',
+        doubt=asked is None or bool(asked),
+    )

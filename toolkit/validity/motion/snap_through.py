@@ -1,0 +1,124 @@
+"""Whether a motion that begins at rest passes a state in which it could not rest: a snap-through, and what it means for its numbers."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.foundation.verdict import Caution
+from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
+from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
+from toolkit.solvers.static.stability.saddle import factorised, free_count
+from toolkit.system.solution import Solution
+
+LOOKED_AT, AMONG = 50, 5000
+"""Most states whose stability is looked at, and among how many they are chosen."""
+JUMPS, BETWEEN = 10, (0.25, 0.5, 0.75)
+"""How many of the largest steps are looked into, and where."""
+CLOSE = 0.1
+"""Part of a step to which the loss of stability is found."""
+SLOW = 0.05
+"""Part of the scene's size (or rad) by which the first velocities would move anything in the whole run, below which it begins at rest."""
+NEAR = 0.1
+"""Part of the scene's size (or rad) by which the first equilibrium is away, below which the run begins near it."""
+NONE = 1e-12
+"""Part of the largest stiffness below which another is none: a free mechanism."""
+
+
+def snap_through(solution: Solution) -> Caution | None:
+    """The remark that a motion snaps through; None if it passes no unstable state, or does not begin near a stable equilibrium.
+
+    At some fifty states of the motion, as different from each other as can be, and between those furthest apart of neighbouring ones, the
+    static stiffness against all motions that the joints allow is examined, under the loads of their time and the joint forces that
+    balance them best.
+    """
+    system = solution.system
+    if not (system.compiled and solution.steps and free_count(system) and _begins_at_rest(solution)):
+        return None
+    low = 0.0
+    for high in _places(solution):
+        if _is_unstable(solution, high):
+            return _caution(solution, *_first_loss(solution, low, high))
+        low = high
+    return None
+
+
+def _places(solution: Solution) -> list[float]:
+    """Numbers of states, with fractions for what lies between, in the order of time."""
+    q = solution.q * solution.system.weights[: solution.system.n_q]
+    jumps = ((q[1:] - q[:-1]) ** 2).sum(axis=1)
+    largest = np.argsort(jumps, kind="stable")[-JUMPS:]
+    between = [n + part for n in largest if jumps[n] > 0 for part in BETWEEN]
+    return sorted({*map(float, _different(q)), *map(float, between)})
+
+
+def _different(q: np.ndarray) -> list[int]:
+    """Numbers of states (n_t, n_q), the first among them: each was chosen as the one furthest from those before it."""
+    stride = -(-len(q) // AMONG)
+    q = q[::stride]
+    distance, chosen = np.full(len(q), np.inf), [0]
+    while len(chosen) < min(LOOKED_AT, len(q)):
+        distance = np.minimum(distance, ((q - q[chosen[-1]]) ** 2).sum(axis=1))
+        chosen.append(int(np.argmax(distance)))
+    return [stride * n for n in chosen]
+
+
+def _begins_at_rest(solution: Solution) -> bool:
+    """Whether the run begins slowly, near an equilibrium that is stable by a stiffness of its own."""
+    system = solution.system
+    weights = system.weights[: system.n_q]
+    if (weights * np.abs(solution.v[0])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
+        return False
+    residual, matrix, _ = _static(solution, 0.0)
+    try:
+        saddle = factorised(system, matrix)
+    except SingularSystemError:
+        return False
+    largest = np.abs(matrix[: system.n_q, : system.n_q] / weights / weights[:, None]).max()
+    away = (weights * np.abs(saddle.solve(residual)[: system.n_q])).max()
+    return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
+
+
+def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
+    system, n_q = solution.system, solution.system.n_q
+    time, found = _state(solution, place)
+    inputs = system.inputs(time, LEVELS)
+    q, forces, rest = np.append(found, np.zeros(system.n - n_q)), np.zeros(system.n), np.zeros(system.n)
+    terms = system.evaluate(inputs, q, rest, forces)
+    scaled = system.matrix(terms.I_acc).toarray()[:n_q, n_q:] / system.weights[:n_q, None]
+    forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
+    terms = system.evaluate(inputs, q, rest, forces)
+    return terms.inertial + terms.applied, system.matrix(static_matrix(system, terms)).toarray(), forces
+
+
+def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
+    """Time and coordinates, half of each neighbour half way between them: their velocities may be of vibrations that no step resolves."""
+    n = min(int(place), len(solution.times) - 2)
+    part = place - n
+    time = (1 - part) * solution.times[n] + part * solution.times[n + 1]
+    return float(time), (1 - part) * solution.q[n] + part * solution.q[n + 1]
+
+
+def _is_unstable(solution: Solution, place: float) -> bool:
+    _, matrix, forces = _static(solution, place)
+    return has_negative_stiffness(solution.system, matrix, forces)
+
+
+def _first_loss(solution: Solution, low: float, high: float) -> tuple[float, float]:
+    """Places close together between which stability is lost, from a stable and a later unstable one."""
+    while high - low > CLOSE:
+        middle = (low + high) / 2
+        low, high = (low, middle) if _is_unstable(solution, middle) else (middle, high)
+    return low, high
+
+
+def _caution(solution: Solution, low: float, high: float) -> Caution:
+    coordinate = solution.system.most_moved(softest_motion(solution.system, _static(solution, low)[1])[1])
+    return Caution(
+        "snaps",
+        f"the motion snaps through: from t = {_state(solution, high)[0]:.4g} on it passes states in which it could not rest, because the "
+        f"stiffness against a motion of {coordinate} is negative there. What comes after depends on inertia and damping, and on steps that "
+        "resolve the jump: compare with a run of half the step. Equilibria beyond it are those of ffrf statics --past-limit.",
+        doubt=False,
+    )

@@ -1,0 +1,49 @@
+"""Whether a spring passes length zero: its force points along it, and jumps to the other side there."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.loads.springs import PointSpring
+from toolkit.system.marker_states import marker_states
+from toolkit.system.solution import Solution
+
+LOOKED_AT = 500
+"""So many instants are compared with the next; between two that point against each other every step is."""
+
+
+def springs_through_zero(solution: Solution) -> Iterator[Caution]:
+    """A doubt for every spring with a relaxed length whose ends change sides within one step.
+
+    Its force jumps by 2 k l_0 there. Values follow the jump to first order in the step; derivatives hold it at its time, and miss how the
+    design moves it.
+    """
+    scene, last = solution.system.scene, len(solution.times) - 1
+    springs = {name: load for name, load in scene.loads.items() if isinstance(load, PointSpring) and load.stiffness}
+    springs = {name: load for name, load in springs.items() if np.real(load.parameters(scene)[2]) > 0}
+    if not springs:
+        return
+    some = np.unique(np.linspace(0, last, min(LOOKED_AT, last + 1)).round().astype(int))
+    for (name, spring), turns in zip(springs.items(), _turns(solution, list(springs.values()), some), strict=True):
+        closer = (np.arange(some[at], some[at + 1] + 1) for at in turns)
+        found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)
+        if found is not None:
+            yield Caution(
+                "spring-through-zero",
+                f"loads.{name} passes length zero at t = {solution.times[found]:.6g}: its force, which points along it, jumps to the other "
+                "side there. Values follow that to first order in the step, derivatives miss how the design moves the jump. Hold one end "
+                "aside of the way of the other, take a relaxed length of zero, or a force of your own without a jump.",
+            )
+
+
+def _turns(solution: Solution, springs: list[PointSpring], steps: np.ndarray) -> list[np.ndarray]:
+    """For each spring the places in `steps` after which the vector from end to end points against what it was before."""
+    system = solution.system
+    ends = np.array([[system.numbering.marker(grip) for grip in each.grips] for each in springs])
+    poses = np.real([marker_states(system, solution.q[step]).y[:, : system.scene.dimension] for step in steps])
+    vectors = poses[:, ends[:, 0]] - poses[:, ends[:, 1]]
+    against = np.einsum("tsi,tsi->ts", vectors[:-1], vectors[1:]) < 0
+    return [np.flatnonzero(each) for each in against.T]

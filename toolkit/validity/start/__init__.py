@@ -1,0 +1,1 @@
+"""What the search for a consistent start did to what was written."""

@@ -1,0 +1,124 @@
+"""What the search for a consistent start did to what was written: positions that moved, bodies that start deforming."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.kinematics.spatial import angular_velocity
+from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
+from toolkit.solvers.static.equilibrium import inputs_at
+from toolkit.system.frame_motion import QUATERNION
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.spin import fastest_spin
+from toolkit.validity.start.start_state import start_state
+
+MOVED = 1e-9
+"""Move of a body, a part of the scene's size or in rad, below which its position is as good as written with nine digits."""
+DEFORMS = 1e-3
+"""Velocity of deformation, a part of the fastest of the start, from which it is told."""
+MOST_NAMED = 3
+"""Bodies that one caution names, those that moved furthest."""
+
+
+def cautions_of_start(solution: Solution) -> Iterator[Caution]:
+    """Cautions of the start of a run over time; of an equilibrium, how its joints were closed, and that it is one at rest."""
+    options = solution.options or solution.system.scene.solver
+    if len(solution.whole_run) < 2:
+        yield from _closed_by_statics(solution, options)
+        yield from _at_rest(solution)
+        return
+    if solution.own_start:
+        return
+    yield from _assembled(solution)
+    if options.quasi_static:
+        yield from _without_velocities(solution)
+    else:
+        yield from _deforming(solution)
+
+
+def moved_bodies(solution: Solution) -> dict[str, tuple[float, float]]:
+    """By how much the start of a run differs from the written positions: body -> (distance of its origin, angle in rad)."""
+    given, found, scene = np.real(solution.system.start()[0]), np.real(solution.q[0]), solution.system.scene
+    return {name: _move(body, given[at], found[at]) for name, body in scene.bodies.items() for at in [solution.coordinates(name)]}
+
+
+def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
+    size, turns = body.frame_size, body.turns
+    shift, at = (found - given)[: size - turns], slice(size - turns, size)
+    if turns == QUATERNION:
+        angle = 2 * np.arcsin(min(1.0, float(np.linalg.norm(angular_velocity(given[at], found[at]))) / 2))
+    else:
+        angle = np.abs(found - given)[at].sum()
+    return float(np.linalg.norm(shift)), float(angle)
+
+
+def _assembled(solution: Solution) -> Iterator[Caution]:
+    size, label = solution.system.scene.size, unit(solution.system.scene.units, "length")
+    moves = {name: move for name, move in moved_bodies(solution).items() if max(move[0] / size, move[1]) > MOVED}
+    if moves:
+        furthest = sorted(moves, key=lambda name: -max(moves[name][0] / size, moves[name][1]))[:MOST_NAMED]
+        told = "; ".join(f"{name!r} by {moves[name][0]:.3g} {label} and {moves[name][1]:.3g} rad" for name in furthest)
+        others = f"; and {len(moves) - len(furthest)} more" if len(moves) > len(furthest) else ""
+        yield Caution(
+            "assembled",
+            f"solver.assemble moved bodies before the start, so that the joints close: {told}{others}. The run is that of the moved scene.",
+            doubt=False,
+        )
+
+
+def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caution]:
+    system = solution.system
+    q = system.start()[0]
+    zero = np.zeros_like(q)
+    gaps = np.real(system.evaluate(inputs_at(system, options, 0.0), q, zero, zero).applied)[system.n_q :]
+    sizes = np.abs(gaps) * system.weights[system.n_q :]
+    if sizes.max(initial=0) > POSITION_TOLERANCE:
+        row = int(np.argmax(sizes))
+        yield Caution(
+            "assembled",
+            f"statics closed joints that are open in the written positions: {system.numbering.names[system.n_q + row]} by "
+            f"{abs(gaps[row]):.3g}, {sizes[row]:.1e} of the scene's size (or rad).",
+            doubt=False,
+        )
+
+
+def _at_rest(solution: Solution) -> Iterator[Caution]:
+    found = fastest_spin(solution)
+    if found is not None:
+        body, spin, when = found
+        yield Caution(
+            "at-rest",
+            f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
+            "it; simulate the scene to see them.",
+            doubt=False,
+        )
+
+
+def _without_velocities(solution: Solution) -> Iterator[Caution]:
+    bodies = solution.system.scene.bodies.items()
+    moving = [name for name, body in bodies if body.written_velocities() and np.any(body.initial_state(solution.system.scene)[1])]
+    if moving:
+        yield Caution(
+            "velocity-without-inertia",
+            f"the velocity of {moving[0]!r} at the start has no effect: solver.quasi_static leaves out inertia.",
+            doubt=False,
+        )
+
+
+def _deforming(solution: Solution) -> Iterator[Caution]:
+    label = unit(solution.system.scene.units, "length")
+    fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
+    for each in start_state(solution):
+        if each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
+            yield Caution(
+                "starts-deforming",
+                f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "
+                "written velocities leave no motion in which it keeps its shape: it begins to vibrate. Write velocities that fit, or let "
+                "drivers begin smoothly.",
+                doubt=False,
+            )

@@ -1,0 +1,126 @@
+"""The state that a run starts in, body by body: velocities as they are written and as they are used."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.units import unit
+from toolkit.system.frame_motion import frame_motion
+from toolkit.system.solution import Solution
+
+Numbers = tuple[float, ...]
+RESTS = 1e-9
+"""Part of the fastest velocity of the start below which another is shown as none."""
+
+
+@dataclass(frozen=True)
+class BodyStart:
+    """How one body starts; what its frame does not have is None.
+
+    Attributes
+    ----------
+    body
+        Its name.
+    velocity
+        Of the frame's origin, in length/time.
+    angular_velocity
+        In rad/time; in space three numbers in the axes of space.
+    written_velocity, written_angular_velocity
+        What the scene says, None where it leaves it to the joints.
+    deforming
+        RMS velocity of the body's points by the fastest of its elastic coordinates, in length/time.
+    """
+
+    body: str
+    velocity: Numbers | None = None
+    angular_velocity: Numbers | None = None
+    written_velocity: Numbers | None = None
+    written_angular_velocity: Numbers | None = None
+    deforming: float | None = None
+
+
+def start_state(solution: Solution) -> list[BodyStart]:
+    """The start of every body of a run over time; empty for an equilibrium and a run without inertia, which have no velocities."""
+    scene, options = solution.system.scene, solution.options or solution.system.scene.solver
+    if len(solution.whole_run) < 2 or options.quasi_static:
+        return []
+    return [_of(solution, name) for name in scene.bodies]
+
+
+def _of(solution: Solution, name: str) -> BodyStart:
+    system = solution.system
+    body, first = system.scene.bodies[name], system.numbering.first[name]
+    at = slice(first, first + len(body.coordinate_names(system.scene)))
+    q, v = np.real(solution.q[0, at]), np.real(solution.v[0, at])
+    given, wish = (np.real(state[at]) for state in system.start()[:2])
+    keys = {key.split(".")[0] for key in body.written_velocities().values()} if not solution.own_start else set()
+    if "velocity" in keys and system.scene.dimension == 2:
+        keys.add("angular_velocity")  # which is the third number of the velocity there
+    used = {key: _numbers(value) for key, value in frame_motion(body, q, v).items()}
+    written = {f"written_{key}": _numbers(value) for key, value in frame_motion(body, given, wish).items() if key in keys}
+    return BodyStart(name, **used, **written, deforming=_deforming(solution, name, v))  # type: ignore[arg-type]
+
+
+def _deforming(solution: Solution, name: str, v: np.ndarray) -> float | None:
+    scene = solution.system.scene
+    body = scene.bodies[name]
+    elastic = v[body.frame_size :]
+    lengths = np.real(body.coordinate_lengths(scene))[body.frame_size :]
+    return float(np.abs(lengths * elastic).max()) if len(elastic) else None
+
+
+def _numbers(values: Iterable[Any]) -> Numbers:
+    return tuple(float(value) for value in values)
+
+
+def start_record(solution: Solution) -> dict[str, Any]:
+    """The start of every body for JSON: name -> quantity -> used and written numbers with their unit."""
+    length = unit(solution.system.scene.units, "length")
+    units = {"velocity": f"{length}/s", "angular_velocity": "rad/s"}
+    record: dict[str, Any] = {}
+    for each in start_state(solution):
+        frame = {
+            key: {"used": list(getattr(each, key)), "written": _listed(getattr(each, f"written_{key}")), "unit": label}
+            for key, label in units.items()
+            if getattr(each, key) is not None
+        }
+        elastic = (
+            {} if each.deforming is None else {"deforming": {"used": each.deforming, "written": None, "unit": f"{length}/s"}}
+        )
+        record[each.body] = {**frame, **elastic}
+    return record
+
+
+def _listed(numbers: Numbers | None) -> list[float] | None:
+    return None if numbers is None else list(numbers)
+
+
+def start_lines(solution: Solution, most: int = 8) -> list[str]:
+    """The start of the bodies that move, one line each, for people; of many bodies the first ones."""
+    system = solution.system
+    length, size = unit(system.scene.units, "length"), system.scene.size
+    fastest = float((system.weights[: system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0)) if len(solution.v) else 0.0
+    lines = []
+    for each in start_state(solution):
+        parts = [
+            f"{word} {_shown(used, RESTS * scale)} {label}" + ("" if written is None else f" (written {_shown(written)})")
+            for word, used, written, scale, label in (
+                ("velocity", each.velocity, each.written_velocity, fastest * size, f"{length}/s"),
+                ("angular velocity", each.angular_velocity, each.written_angular_velocity, fastest, "rad/s"),
+            )
+            if used is not None and (max(map(abs, used)) > RESTS * scale or written is not None)
+        ]
+        if each.deforming is not None and each.deforming > RESTS * fastest * size:
+            parts.append(f"deforming with {each.deforming:.6g} {length}/s")
+        if parts:
+            lines.append(f"{each.body} starts with {', '.join(parts)}.")
+    return lines if len(lines) <= most else [*lines[:most], f"{len(lines) - most} more bodies start in motion."]
+
+
+def _shown(numbers: Numbers, rests: float = 0.0) -> str:
+    shown = ", ".join(f"{number if abs(number) > rests else 0.0:.6g}" for number in numbers)
+    return shown if len(numbers) == 1 else f"[{shown}]"
