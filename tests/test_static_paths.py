@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import lapack
 from scipy.optimize import brentq
 
 from tests.benchmarks.static_paths import judged
@@ -24,6 +25,8 @@ from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
+from toolkit.solvers.static.stability.saddle import Saddle
+from toolkit.solvers.static.stability.softness import Softness, softest
 from toolkit.system.system import System, compile_scene
 
 PAST = RunOptions(continuation="arc-length")
@@ -272,3 +275,11 @@ def test_random_scenes_end_where_a_path_of_small_steps_ends(kind, seed):
     """A few of those of `python -m tests.benchmarks.static_paths`."""
     _, wrong, _ = judged(random_scene(kind, 1000 + seed), length=0.02, load_steps=(1, 10))
     assert not wrong
+
+
+@pytest.mark.parametrize("told", [0, 1, 2])
+def test_soft_motions_are_found_from_a_point_near_by_that_tells_fewer_of_them(told):
+    """Diagonal stiffness, no joints: the softest two of 1, 2, 5, 9 from a point at which round-off had swallowed some."""
+    saddle = Saddle(np.ones(4), *lapack.dsytrf(np.diag([9.0, 1.0, 5.0, 2.0]), lower=1)[:2], True, 0)
+    known = Softness(np.array([1.1, 2.1])[:told], np.eye(4)[:, [1, 3]][:, :told])
+    np.testing.assert_allclose(np.sort(softest(saddle, 4, 4, known).values), [1, 2], rtol=1e-3)  # six iterations: (2 / 5)^12

@@ -33,14 +33,16 @@ class Softness(NamedTuple):
 
 
 def softest(saddle: Saddle, n_free: int, n_q: int, known: Softness | None = None) -> Softness:
-    """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by; none if the matrix is not symmetric."""
+    """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by if it has as many; none if the matrix is
+    not symmetric."""
     n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
     nothing = Softness(np.zeros(0), np.zeros((n, 0)))
     if not count:
         return nothing
     scale, forces = saddle.scale[:n_q, None], np.zeros((n - n_q, count))
-    block = np.random.default_rng(0).normal(size=(n_q, count)) if known is None else known.motions[:n_q] / scale
-    for _ in range(ITERATIONS if known is None else AGAIN):
+    near = None if known is None or len(known.values) != count else known.motions[:n_q] / scale
+    block = np.random.default_rng(0).normal(size=(n_q, count)) if near is None else near
+    for _ in range(ITERATIONS if near is None else AGAIN):
         block = qr(block, mode="economic")[0]
         solved = saddle.solve(np.vstack([block / scale, forces]))
         flexibility, turn = eigh(block.T @ (solved[:n_q] / scale))
