@@ -26,7 +26,7 @@ from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted, number_factor, response_factor
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 
 def other(units: str) -> str:

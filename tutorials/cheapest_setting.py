@@ -16,7 +16,8 @@ from pathlib import Path
 
 from toolkit.report.work_precision import work_precision
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.studies.tradeoff.recommendation import skin_fragments, solver_fragment
 from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
 

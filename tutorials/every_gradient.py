@@ -17,7 +17,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
 from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 skin, scene = folder / "skin.toml", folder / "scene.toml"

@@ -17,7 +17,7 @@ from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.file import save
 from toolkit.report.sheet import COLORS, Drawing, Figure
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare, solve
+from toolkit.sensitivity.preparation import prepare, solve
 
 np.set_printoptions(formatter={"float": "{:.0e}".format})
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))

@@ -19,7 +19,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 TURN = 2 * np.pi / 3  # the crank turns by 120 degrees, softly, within a second
 rod = {"area": 4e-4, "density": 2700.0}  # aluminium, 20 mm x 20 mm

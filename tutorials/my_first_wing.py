@@ -13,7 +13,7 @@ from pathlib import Path
 
 from toolkit.responses.stress.stress import stress_field
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 MODELS = Path(__file__).parents[1] / "models"
 scene = read_scene(MODELS / "morphing_wing" / "scene.toml")

@@ -18,7 +18,7 @@ from preprocessing.new_wing.new_wing import new_wing
 from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 folder = Path(tempfile.mkdtemp())
 camber, place, thick = 0.02, 0.4, 0.15

@@ -16,7 +16,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 
 @kernel

@@ -27,7 +27,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.reduced_model.file import save
 from toolkit.responses.stress.stress import MaxStress, stress_field
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 folder = Path(tempfile.mkdtemp())
 steel = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)

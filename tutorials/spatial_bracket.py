@@ -19,8 +19,9 @@ from toolkit.render.pictures import render_solution
 from toolkit.render.probe import RenderError
 from toolkit.responses.stress.stress import stress_field
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import Result, direct
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.result import Result
 
 MODEL = Path(__file__).parents[1] / "models" / "spatial_bracket"
 folder = Path(shutil.copytree(MODEL, tempfile.mkdtemp(), dirs_exist_ok=True))

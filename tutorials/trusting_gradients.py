@@ -12,8 +12,8 @@ The mechanism is the slider-crank of `models/`, whose gradients were published w
 from pathlib import Path
 
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
 from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.numerical import numerical
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -8,7 +8,7 @@ from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.reduced_model.file import PARTS
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.compilation.checks import check_numbers
-from toolkit.compilation.dependence import affected_by
+from toolkit.compilation.dependence import GROUPS, affected_by
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
@@ -38,6 +38,9 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     InputError
         As `compile_scene`.
     """
+    paths = [path for path in paths if path.split(".")[0] in GROUPS]
+    if not paths:  # numbers of the solver and of responses stand in the scene alone
+        return replace(system, scene=scene)
     names = list(system.design.names)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
