@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 
 import toolkit as ffrf
+from toolkit.description.profile import CURVES
+from toolkit.responses.response import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.sensitivity.direct import direct
 
@@ -39,6 +41,11 @@ def test_all_names_are_there_and_type_checkers_see_the_same_ones():
     assert re.match(r"\d+\.\d+", ffrf.__version__)
 
 
+def test_no_name_hides_a_room_nor_is_hidden_by_one():
+    """A room becomes an attribute of the package as soon as anybody imports it."""
+    assert not {path.name for path in Path(ffrf.__file__).parent.iterdir()} & set(ffrf.__all__)
+
+
 def test_importing_it_loads_nothing():
     code = "import sys, toolkit; print('numpy' in sys.modules, 'toolkit.foundation' in sys.modules)"
     assert (
@@ -55,7 +62,7 @@ def test_a_name_that_is_not_there_lists_those_that_are():
 def test_every_kind_that_a_scene_file_can_name_can_be_imported(dimension, place):
     module = getattr(ffrf, place)
     offered = {getattr(module, name) for name in module.__all__}
-    for kinds in kinds_of(dimension).values():
+    for kinds in [*kinds_of(dimension).values(), Response.kinds, CURVES]:
         built_in = {kind for name, kind in kinds.items() if name != "ground" and kind.__module__.startswith("toolkit.")}
         assert built_in <= offered
 
@@ -101,6 +108,14 @@ def test_other_numbers_give_what_a_scene_with_them_gives(wing, numbers):
     run = wing.simulate(numbers, gradients="direct")
     assert (run.values, run.gradients) == (fresh.values, fresh.gradients)
     assert wing.variables == {"t_w": 1.5, "M_t": 4200.0}  # the model itself stays what it is
+
+
+def test_other_numbers_compile_nothing_anew():
+    """The scene is compiled once without its variables and once with them, however many numbers follow."""
+    model = ffrf.compile(ffrf.read_scene(WING), variables=["t_w", "M_t"])
+    runs = [model.simulate({"t_w": 1.5 + 0.01 * k}, gradients=how) for k in range(3) for how in (False, "direct")]
+    plans = [run.solution.system.lu_plan for run in runs]
+    assert len({id(plan) for plan in plans}) == 2
 
 
 def test_numbers_of_the_solver_can_be_changed_too(wing):

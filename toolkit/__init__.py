@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions
-    from toolkit.door import curves, plane, responses, space
+    from toolkit.door import extend, plane, space
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
     from toolkit.door.outcome import Outcome
@@ -39,11 +39,10 @@ _PLACES = {
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
-    "curves": "toolkit.door.curves:",
+    "extend": "toolkit.door.extend:",
     "load": "toolkit.door.run:load",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
-    "responses": "toolkit.door.responses:",
     "space": "toolkit.door.space:",
 }
 """Name -> module and what it is called there; without a name the module itself."""
@@ -59,11 +58,10 @@ __all__ = [
     "Verdict",
     "certify",
     "compile",
-    "curves",
+    "extend",
     "load",
     "plane",
     "read_scene",
-    "responses",
     "space",
 ]
 

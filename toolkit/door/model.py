@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from functools import partial
-from typing import Any
-
-import numpy as np
 
 from toolkit.analyses.modes import Modes, solve_modes
-from toolkit.analyses.statics import solve_statics
-from toolkit.analyses.transient import simulate
 from toolkit.analyses.undeformed import undeformed as at_rest
-from toolkit.description.run_options import RunOptions
+from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
-from toolkit.door.run import Run, check_run
-from toolkit.foundation.errors import InputError
+from toolkit.door.run import Run
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.clock import Progress, once, repeated
+from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import evaluated, values_alone
-from toolkit.sensitivity.method_names import METHODS
-from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
-from toolkit.system.system import System
 
 
 def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
@@ -258,7 +247,7 @@ class Model:
         """
         kind = kind_of(analysis)
         check_method(gradients)
-        return outcomes(self, self._compiled, list(designs), kind, gradients, judged, processes, progress)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, progress)
 
     def run(
         self,
@@ -292,16 +281,7 @@ class Model:
         InputError
             There is no such analysis; and all that `simulate` and `statics` raise.
         """
-        check_kind(analysis)
-        check_method(gradients)
-        compiled, clock = self.at(numbers or {})._compiled, repeated if timed else once
-        if start is not None:
-            return _from_start(compiled, analysis, gradients, check_run(start), progress)
-        if not gradients:
-            return Run.of(values_alone(compiled, analysis, progress, clock))
-        if not compiled.names:
-            raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")
-        return Run.of(by_method("auto" if gradients is True else gradients, compiled, analysis, progress, keep_states, clock))
+        return analysed(self.at(numbers or {})._compiled, analysis, gradients, start, progress, timed, keep_states)
 
     def __repr__(self) -> str:
         variables = ", ".join(f"{name} = {value:g}" for name, value in self.variables.items())
@@ -319,37 +299,3 @@ def kind_of(analysis: str) -> Kind:
     found = {"simulate": "transient", "statics": "static"}.get(analysis, analysis)
     check_kind(found)
     return "static" if found == "static" else "transient"
-
-
-def check_method(gradients: bool | str) -> None:
-    """Refuse a method for gradients that does not exist.
-
-    Raises
-    ------
-    InputError
-        It is neither a truth value nor a name of a method.
-    """
-    if not isinstance(gradients, bool) and gradients not in METHODS:
-        raise InputError(f"there is no method {gradients!r} for gradients. Write True, False, or one of: {', '.join(METHODS)}.")
-
-
-def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Run, progress: Progress | None) -> Run:
-    """A run that begins in the last state of another one."""
-    if gradients not in (False, True, "direct"):
-        raise InputError(
-            f"gradients of a run with a start are found by direct differentiation, not {gradients!r}. Write gradients=True."
-        )
-    system, known = (compiled.full if gradients else compiled.primal), start.solution
-    if known.system.numbering.names != system.numbering.names:
-        raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
-    if kind == "static":
-        return Run.of(evaluated(compiled.scene, solve_statics(system, progress=progress, start=known), bool(gradients)))
-    q, v = known.q[-1], known.v[-1]
-    solution = simulate(system, q=q, v=v, progress=progress)
-    repeat = partial(_again_from, system, q, v, bool(gradients))
-    return Run.of(evaluated(compiled.scene, solution, bool(gradients), repeat))
-
-
-def _again_from(system: System, q: np.ndarray, v: np.ndarray, gradients: bool, options: RunOptions) -> tuple[Any, Any]:
-    found = evaluated(system.scene, simulate(system, options, q, v), gradients)
-    return found.values, found.gradients

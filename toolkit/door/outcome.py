@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from toolkit.door.analysed import analysed
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.sensitivity.clock import Progress
+from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
 from toolkit.studies.processes import side_by_side
-
-if TYPE_CHECKING:
-    from toolkit.door.model import Model
-    from toolkit.sensitivity.compiled import Compiled
 
 PIECES = 4
 """Pieces of work of every process: few, because each compiles the scene, and more than one, because designs differ in their price."""
@@ -62,7 +60,6 @@ class Task(NamedTuple):
 
 
 def outcomes(
-    model: Model,
     compiled: Compiled,
     designs: Sequence[Mapping[str, float]],
     kind: Kind,
@@ -74,7 +71,7 @@ def outcomes(
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
     if processes <= 1:
         return [
-            _told(progress, k, len(designs), _outcome(model, design, kind, gradients, judged))
+            _told(progress, k, len(designs), _outcome(compiled, design, kind, gradients, judged))
             for k, design in enumerate(designs, 1)
         ]
     size = -(-len(designs) // (PIECES * processes)) or 1
@@ -90,15 +87,13 @@ def outcomes(
 
 def analyse(task: Task) -> list[Outcome]:
     """What a process does."""
-    from toolkit.door.model import compile_model
-
-    model = compile_model(task.scene, task.names)
-    return [_outcome(model, design, task.kind, task.gradients, task.judged) for design in task.designs]
+    compiled = Compiled(task.scene, task.names)
+    return [_outcome(compiled, design, task.kind, task.gradients, task.judged) for design in task.designs]
 
 
-def _outcome(model: Model, numbers: Mapping[str, float], kind: Kind, gradients: bool | str, judged: bool) -> Outcome:
+def _outcome(compiled: Compiled, numbers: Mapping[str, float], kind: Kind, gradients: bool | str, judged: bool) -> Outcome:
     try:
-        run = model.run(kind, numbers, gradients=gradients)
+        run = analysed(compiled.at(numbers), kind, gradients)
         return Outcome(dict(numbers), run.values, run.gradients, run.verdict if judged else None)
     except ToolkitError as error:
         return Outcome(dict(numbers), error=str(error))

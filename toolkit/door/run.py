@@ -7,7 +7,6 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
-from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import moving
 from toolkit.sensitivity.result import Result
@@ -15,6 +14,7 @@ from toolkit.sensitivity.result import Result
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from matplotlib.figure import Figure
 
 
@@ -60,6 +60,32 @@ class Run(Result):
             One line for every response, one for every gradient, and the verdict with its reasons.
         """
         return "\n\n".join([*(table.text() for table in self._tables()), str(self.verdict)])
+
+    def stress(self, body: str) -> tuple[np.ndarray, np.ndarray]:
+        """Stress of a flexible body at all its stress points and all times, with its derivatives.
+
+        Parameters
+        ----------
+        body
+            Name of the body.
+
+        Returns
+        -------
+        stress
+            (n_times, n_points), in the scene's unit of stress; of solids in space that of von Mises.
+        dstress
+            (n_times, n_points, n_variables), total derivatives by the model's variables; none if the run did not compute them.
+
+        Raises
+        ------
+        InputError
+            There is no flexible body of that name.
+        ModelFileError
+            Its reduced model holds no stress.
+        """
+        from toolkit.responses.stress.stress import stress_field
+
+        return stress_field(self.solution, body)
 
     def plot(self) -> Figure:
         """Curves of a motion over time, or an equilibrium as a picture.
@@ -174,16 +200,3 @@ def load(path: str | Path, models: str | Path | None = None) -> Run:
     solution = restore_solution(found, models)
     price = found.run["wall_primal"], found.run["wall_sensitivity"]
     return Run(found.responses, found.response_units, found.gradients, found.method, solution, *price)
-
-
-def check_run(start: object) -> Run:
-    """Refuse what is no run where one belongs.
-
-    Raises
-    ------
-    InputError
-        It is something else.
-    """
-    if not isinstance(start, Run):
-        raise InputError(f"start must be a run that an analysis has returned, not {type(start).__name__}.")
-    return start

@@ -24,10 +24,16 @@ class Compiled:
         The scene.
     names
         Design variables, by short name or path.
+    base
+        The same scene at other numbers, which it is made from.
+    paths
+        Where these numbers differ.
     """
 
     scene: Scene
     names: tuple[str, ...] = ()
+    base: Compiled | None = None
+    paths: tuple[str, ...] = ()
 
     @classmethod
     def of(cls, system: System) -> Compiled:
@@ -44,15 +50,19 @@ class Compiled:
     @cached_property
     def primal(self) -> System:
         """The scene without design variables."""
-        return prepare(self.scene)
+        return prepare(self.scene) if self.base is None else renewed(self.base.primal, self.scene, list(self.paths))
 
     @cached_property
     def full(self) -> System:
         """The scene with all of them."""
-        return prepare(self.scene, list(self.names)) if self.names else self.primal
+        if not self.names:
+            return self.primal
+        if self.base is None:
+            return prepare(self.scene, list(self.names))
+        return renewed(self.base.full, self.scene, list(self.paths))
 
     def at(self, numbers: Mapping[str, float]) -> Compiled:
-        """The same scene at other numbers; what is compiled already is renewed.
+        """The same scene at other numbers: what is compiled here is renewed there.
 
         Parameters
         ----------
@@ -65,10 +75,4 @@ class Compiled:
             There is no such number, or its value cannot be meant.
         """
         scene, paths = with_numbers(self.scene, numbers)
-        found = Compiled(scene, self.names)
-        for name in ("primal", "full"):
-            if name in self.__dict__:
-                found.__dict__[name] = renewed(getattr(self, name), scene, paths)
-        if not self.names and "primal" in found.__dict__:
-            found.__dict__["full"] = found.primal
-        return found
+        return Compiled(scene, self.names, self, tuple(paths))
