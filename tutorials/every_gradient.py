@@ -11,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 from preprocessing.recipes.skin.build import build
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save
-from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
+from toolkit.render.sheet import SIGNED, symmetric
+from toolkit.report.drawing import Drawing
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import direct, values_of
 

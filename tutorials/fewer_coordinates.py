@@ -12,10 +12,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.file import save
-from toolkit.report.sheet import COLORS, Drawing, Figure
+from toolkit.render.sheet import COLORS
+from toolkit.report.drawing import Drawing
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import prepare, solve
 

@@ -15,8 +15,8 @@ import numpy as np
 
 from preprocessing.recipes.solids.build_body import build_body
 from toolkit.reduced_model.file import save
+from toolkit.render.packages import RenderError
 from toolkit.render.pictures import render_solution
-from toolkit.render.probe import RenderError
 from toolkit.responses.stress.stress import stress_field
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.analysis import Result, direct

@@ -10,10 +10,9 @@ from matplotlib import colormaps
 from toolkit.foundation.units import unit
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import POINTS, drawn_model, skin_shape
-from toolkit.report.animation import frame_steps
+from toolkit.render.plane.window import window
+from toolkit.render.sheet import SIGNED, symmetric
 from toolkit.report.material import Material
-from toolkit.report.shape_panel import window
-from toolkit.report.sheet import SIGNED, symmetric
 
 EVERY = (POINTS - 1) // 4
 """Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""
@@ -24,8 +23,8 @@ def viewer_data(material: Material) -> dict[str, Any]:
 
     Each frame: time; per skin its points x, y and the stress of its outer fibre; rods and links as x, y, x, y.
     """
-    moments = [material.moment(step) for step in frame_steps(material)]
-    corners = window([moments[0], moments[len(moments) // 2], moments[-1]], material.skins)
+    moments = [material.moment(step) for step in material.shown]
+    corners = window(material.look.points)
     limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax
     digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
     palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.render.plane.look import round_up
+from toolkit.render.round_numbers import round_up
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.camera import ISOMETRIC

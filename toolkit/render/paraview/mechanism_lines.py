@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
 import pyvista
-
-from toolkit.render.parts import line
 
 
 def mechanism(moment: Any) -> Any:
@@ -15,5 +14,9 @@ def mechanism(moment: Any) -> Any:
         *(ends for body in moment.scene.bodies for ends in moment.segments(body)),
         *(moment.ends(each) for each in moment.links()),
     ]
-    drawn = line if moment.scene.dimension == 2 else pyvista.lines_from_points
-    return pyvista.PolyData().append_polydata(*map(drawn, lines)) if lines else None
+    return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
+
+
+def lifted(points: np.ndarray) -> np.ndarray:
+    """Points (n, 2) of the plane in space, (n, 3); points of space stay."""
+    return np.column_stack([points, np.zeros((len(points), 3 - points.shape[1]))]).astype(float)
