@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib import rc_context, rcdefaults, rcParams
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from toolkit.foundation.files.replaced_file import write_whole
-from toolkit.render.settings import drawing_settings
 
 NARROW, WIDE = 5.6, 10.0
 """Inches: a figure that is read on a telephone (of 400 pixels, where a letter of 10 points is still 9 pixels high), and a picture."""
@@ -32,11 +32,20 @@ _UNDATED: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "p
 
 
 @contextmanager
+def _settings() -> Iterator[None]:
+    """matplotlib's settings and ours, never those of a file `matplotlibrc` in the current folder, which can start LaTeX."""
+    with rc_context():
+        rcdefaults()
+        rcParams.update(_SETTINGS)
+        yield
+
+
+@contextmanager
 def sheet(
     height: float, rows: int = 1, columns: int = 1, width: float = NARROW, **options: Any
 ) -> Iterator[tuple[Figure, np.ndarray]]:
     """A figure of a height and width in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
-    with drawing_settings(_SETTINGS):
+    with _settings():
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasAgg(figure)
         yield figure, figure.subplots(rows, columns, squeeze=False, **options)
@@ -53,7 +62,7 @@ def settle(figure: Figure, fit: Callable[[], None] = lambda: None) -> None:
 def write_figure(figure: Figure, path: Path, dots: float) -> None:
     """Write a figure in one stroke, as PNG, SVG or PDF by the name's end; pixels have that many dots per inch."""
     kind, file = path.suffix[1:], BytesIO()
-    with drawing_settings(_SETTINGS):
+    with _settings():
         figure.savefig(file, format=kind, dpi=dots, metadata=_UNDATED[kind])
     write_whole(path, file.getvalue())
 

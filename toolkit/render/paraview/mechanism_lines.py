@@ -10,10 +10,7 @@ import pyvista
 
 def mechanism(moment: Any) -> Any:
     """Rigid bodies and links of a configuration in the plane or in space as lines, or None."""
-    lines = [
-        *(ends for body in moment.scene.bodies for ends in moment.segments(body)),
-        *(moment.ends(each) for each in moment.links()),
-    ]
+    lines = [*moment.rods(), *map(moment.ends, moment.links())]
     return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
 
 

@@ -71,8 +71,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
 
 
 def _drawn_points(moment: Configuration) -> list[np.ndarray]:
-    lines = [segment for body in moment.scene.bodies for segment in moment.segments(body)]
-    return [*lines, *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
+    return [*moment.rods(), *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
 
 
 def _thickness(scene: Scene, body: str) -> float:

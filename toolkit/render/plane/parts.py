@@ -77,7 +77,7 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
 
 def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0) -> None:
     """Rigid bodies as thick lines with edges, springs and distance joints as thin ones."""
-    rods = [ends for body in moment.scene.bodies for ends in moment.segments(body) for _ in ("edge", "inside")]
+    rods = [ends for ends in moment.rods() for _ in ("edge", "inside")]
     links = [moment.ends(each) for each in moment.links()]
     axes.add_collection(LineCollection(links, colors=color, linewidths=1.5, zorder=_ROD))
     look: Any = {"colors": (edge, color), "linewidths": (width + 1.0, width)}
