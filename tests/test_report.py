@@ -25,7 +25,6 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
-from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
 from toolkit.report.viewer import viewer_data
 from toolkit.report.write import write_report
@@ -193,7 +192,7 @@ def test_the_animation_and_the_view_show_every_step(wing):
 
 def test_a_long_motion_is_shown_in_few_frames():
     solution = solve(prepare(pendulum(0.005)), "transient")
-    steps = frame_steps(Material(solution, collect(solution)))
+    steps = Material(solution, collect(solution)).shown
     assert (steps[0], steps[-1]) == (0, 200)
     assert len(steps) <= 60
 

@@ -310,7 +310,7 @@ def test_names_of_files_cannot_leave_their_folder():
 
 def test_paraview_reads_the_deformed_skin_with_stress_and_its_derivatives(wing, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    from toolkit.render.paraview import export_paraview
+    from toolkit.render.paraview.export import export_paraview
 
     results = load_results(wing[1])
     reader = pyvista.get_reader(export_paraview(restore_solution(results), tmp_path / "series"))
@@ -354,7 +354,6 @@ def test_commands_keep_results_that_inspect_render_and_export_take(tmp_path, mon
 
     drawn = []
     monkeypatch.setattr("toolkit.sensitivity.preparation.solve", forbidden)
-    monkeypatch.setattr("toolkit.render.probe.drawing_environment", dict)
     monkeypatch.setattr("toolkit.render.pictures.render_solution", lambda solution, *_: drawn.append(solution) or [])
     assert run("render", path, "--output", tmp_path / "pictures").exit_code == 0
     assert same(drawn[0].q, load_results(path).q)

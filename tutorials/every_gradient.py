@@ -11,10 +11,12 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
 import toolkit as ffrf
 from preprocessing import build, save
-from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
+from toolkit.render.sheet import SIGNED, symmetric
+from toolkit.report.drawing import Drawing
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 skin, scene = folder / "skin.toml", folder / "scene.toml"

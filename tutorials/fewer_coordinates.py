@@ -12,10 +12,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
 import toolkit as ffrf
 from preprocessing import build, save
-from toolkit.report.sheet import COLORS, Drawing, Figure
+from toolkit.render.sheet import COLORS
+from toolkit.report.drawing import Drawing
 
 np.set_printoptions(formatter={"float": "{:.0e}".format})
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))

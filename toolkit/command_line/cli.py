@@ -217,6 +217,7 @@ def render(
         list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
+    kind: Annotated[str, typer.Option("--format", help="Of the pictures: png, or of planar scenes svg or pdf.")] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Draw the motion as a moving picture (GIF) too.")] = False,
     perspective: Annotated[bool, typer.Option("--perspective", help="In space: what is nearer is larger.")] = False,
     triads: Annotated[bool, typer.Option("--triads", help="In space: draw the axes of the bodies' frames.")] = False,
@@ -225,15 +226,13 @@ def render(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
-    from toolkit.render.pictures import render_solution
-    from toolkit.render.probe import drawing_environment
+    """Simulate the scene, or read its results, and draw it at several instants."""
+    from toolkit.render.pictures import refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
-    view = View(perspective, triads)
-    solve = motion_of(file, changes, models, quiet, view.check)
+    view = View(perspective, triads, kind)
+    solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view))
     folder = prepare_folder(output)
-    drawing_environment()  # refuses a machine that cannot draw before the long work begins
     solution = solve()
     print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 

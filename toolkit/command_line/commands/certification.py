@@ -146,7 +146,7 @@ def refuse_no_picture(path: Path) -> None:
     InputError
         Its name ends otherwise, or its folder does not exist.
     """
-    from toolkit.render.probe import require
+    from toolkit.render.packages import require
 
     require("matplotlib")
     if path.suffix not in (".png", ".svg"):

@@ -32,7 +32,7 @@ def report(
     quiet: Quiet = False,
 ) -> None:
     """Write a page with figures, tables and numbers about a scene or its results."""
-    from toolkit.render.probe import require
+    from toolkit.render.packages import require
 
     require("matplotlib")
     from toolkit.report.write import write_report

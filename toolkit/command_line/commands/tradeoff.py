@@ -110,7 +110,7 @@ def _keep(found: Tradeoff, record: dict[str, Any], folder: Path, quiet: bool) ->
 
 
 def _draw(found: Tradeoff, folder: Path, quiet: bool) -> list[Path]:
-    from toolkit.render.probe import RenderError, require
+    from toolkit.render.packages import RenderError, require
 
     if len(found.failed) == len(found.settings):
         return []
