@@ -132,6 +132,11 @@ def test_every_table_that_a_table_points_to_has_its_section():
         assert f"{{ #{section} }}" in FORMATS
 
 
+def test_the_page_on_file_formats_says_what_numbers_measure_as_the_program_reads_it():
+    assert "| `velocity` | [number, number, number]: length/time, length/time, angle/time |" in FORMATS
+    assert "| `inertia` | number &gt; 0: mass length^2 | required |" in FORMATS
+
+
 def test_the_meaning_of_a_key_is_what_the_docstring_says():
     assert meanings(RunOptions)["rho_inf"].startswith("Spectral radius")
 

@@ -74,6 +74,13 @@ def test_every_body_response_and_point_of_a_rich_scene_meets_the_schema():
     assert complaints(table, "scene") == []
 
 
+def test_the_schema_says_what_numbers_measure_as_the_program_reads_it():
+    kinds = schema("scene")["$defs"]
+    assert kinds["body-rigid"]["properties"]["inertia"]["description"] == "mass length^2"
+    assert kinds["joint-angle-driver"]["properties"]["curve"]["description"] == "angle"
+    assert "description" not in kinds["joint-slider"]["properties"]["axis"]
+
+
 def test_kinds_of_users_and_tests_stay_out_of_the_shipped_schema():
     type("Stray", (Gravity,), {"kind": "test-stray", "__module__": __name__})
     type("StrayBody", (Body,), {"kind": "test-stray-body", "__module__": __name__})

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.spatial.joint_kernel import angle_of
@@ -64,7 +65,7 @@ class Rotation(MarkerResponse):
     kind = "rotation"
     quantity = "angle"
 
-    axis: Triple | None = None
+    axis: Annotated[Triple | None, Quantity("none")] = None
 
     def check(self, scene: Any) -> None:
         """An axis belongs to space.

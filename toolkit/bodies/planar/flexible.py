@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, model_validator
@@ -12,6 +12,7 @@ from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers,
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
+from toolkit.description.quantity import Quantity
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.model import Invariants, generalized_lengths
 
@@ -36,8 +37,8 @@ class Flexible(ModelBody, StartVelocity):
     model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
     frame: Literal["moving", "grounded"] = "moving"
-    position: Pair = (0.0, 0.0)
-    angle: Number = 0.0
+    position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
+    angle: Annotated[Number, Quantity("angle")] = 0.0
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers, MarkerNumbers, Placed
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Positive
+from toolkit.description.quantity import Quantity
 
 
 class RigidBody(StartVelocity):
@@ -63,8 +64,8 @@ class Rigid(RigidBody):
 
     kind = "rigid"
 
-    mass: Positive
-    inertia: Positive
+    mass: Annotated[Positive, Quantity("mass")]
+    inertia: Annotated[Positive, Quantity("mass length^2")]
     center: str
 
     def named_points(self) -> tuple[str, ...]:
@@ -92,8 +93,8 @@ class Rod(RigidBody):
     kind = "rod"
 
     between: tuple[str, str]
-    area: Positive
-    density: Positive
+    area: Annotated[Positive, Quantity("area")]
+    density: Annotated[Positive, Quantity("density")]
 
     def named_points(self) -> tuple[str, ...]:
         """Both ends."""

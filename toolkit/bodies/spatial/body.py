@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
 
 from toolkit.bodies.body import Body, ConstantNumbers, Placed
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.kinematics.spatial import axes_along, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
@@ -58,9 +59,9 @@ class SpatialBody(Body):
     closed: ClassVar[bool] = True
 
     frame: Literal["moving", "translating", "turning", "grounded"] = "moving"
-    axis: Triple | None = None
-    velocity: Triple | None = None
-    angular_velocity: Triple | None = None
+    axis: Annotated[Triple | None, Quantity("none")] = None
+    velocity: Annotated[Triple | None, Quantity("length/time")] = None
+    angular_velocity: Annotated[Triple | None, Quantity("angle/time")] = None
 
     @model_validator(mode="after")
     def _fits_its_frame(self) -> SpatialBody:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import ConfigDict
 
@@ -9,6 +11,7 @@ from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
 
@@ -30,8 +33,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
     kind = "flexible"
     model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
-    position: Triple = (0.0, 0.0, 0.0)
-    orientation: Triple = (0.0, 0.0, 0.0)
+    position: Annotated[Triple, Quantity("length")] = (0.0, 0.0, 0.0)
+    orientation: Annotated[Triple, Quantity("angle")] = (0.0, 0.0, 0.0)
 
     @property
     def placement(self) -> np.ndarray:

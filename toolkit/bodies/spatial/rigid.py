@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
@@ -11,6 +11,7 @@ from pydantic import field_validator
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, no_constants, pose_of
 from toolkit.description.description import Number, Positive
+from toolkit.description.quantity import Quantity
 
 INERTIA = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of moments of inertia."""
@@ -99,8 +100,10 @@ class SpatialRigid(SpatialRigidBody):
 
     kind = "rigid"
 
-    mass: Positive
-    inertia: tuple[Number, Number, Number] | tuple[Number, Number, Number, Number, Number, Number]
+    mass: Annotated[Positive, Quantity("mass")]
+    inertia: Annotated[
+        tuple[Number, Number, Number] | tuple[Number, Number, Number, Number, Number, Number], Quantity("mass length^2")
+    ]
     center: str
 
     @field_validator("inertia")
@@ -139,8 +142,8 @@ class SpatialRod(SpatialRigidBody):
     kind = "rod"
 
     between: tuple[str, str]
-    area: Positive
-    density: Positive
+    area: Annotated[Positive, Quantity("area")]
+    density: Annotated[Positive, Quantity("density")]
 
     def named_points(self) -> tuple[str, ...]:
         """Both ends, and the frame's origin."""

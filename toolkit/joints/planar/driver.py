@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.description.description import Description
 from toolkit.description.profile import Curve, is_smooth
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.joints.planar.slider import AlongAxis, offset_along
@@ -31,7 +32,7 @@ def smooth(curve: Curve) -> Curve:
 
 
 class Driven(Description):
-    """Base of drivers: a joint coordinate follows a curve.
+    """Base of drivers: a joint coordinate follows a curve; each kind says what the curve's values measure.
 
     Attributes
     ----------
@@ -61,6 +62,8 @@ class AngleDriver(Driven, PointJoint):
     formula = relative_angle
     curved = False
 
+    curve: Annotated[Curve, Quantity("angle")]
+
     @property
     def row_names(self) -> list[str]:
         """The rotation."""
@@ -82,6 +85,8 @@ class PositionDriver(Driven, AlongAxis):
 
     kind = "position-driver"
     formula = offset_along
+
+    curve: Annotated[Curve, Quantity("length")]
 
     @property
     def row_names(self) -> list[str]:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.description.description import Pair
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.kinematics.planar import unit_vector
@@ -60,7 +61,7 @@ class AlongAxis(PointJoint):
         Direction of the axis in the undeformed configuration, of any length.
     """
 
-    axis: Pair = (1.0, 0.0)
+    axis: Annotated[Pair, Quantity("none")] = (1.0, 0.0)
 
     @field_validator("axis")
     @classmethod

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from toolkit.description.description import Pair, Registered
+from toolkit.description.quantity import Quantity
 
 
 class Gravity(Registered):
@@ -19,4 +20,4 @@ class Gravity(Registered):
     kind = "gravity"
     dimension: ClassVar[int] = 2
 
-    acceleration: Pair
+    acceleration: Annotated[Pair, Quantity("length/time^2")]

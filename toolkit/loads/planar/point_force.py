@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from toolkit.description.description import Pair
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedForce
 from toolkit.loads.kernels.load_kernel import CURVE
@@ -41,7 +42,7 @@ class PointForce(AppliedForce, Load):
     kind = "point-force"
     formula = point_force
 
-    force: Pair
+    force: Annotated[Pair, Quantity("force")]
     frame: Literal["space", "body"] = "space"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:

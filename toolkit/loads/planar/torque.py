@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from toolkit.description.description import Number
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedTorque
 from toolkit.loads.kernels.load_kernel import CURVE
@@ -34,7 +35,7 @@ class Torque(AppliedTorque, Load):
     kind = "torque"
     formula = torque
 
-    torque: Number
+    torque: Annotated[Number, Quantity("torque")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The torque."""

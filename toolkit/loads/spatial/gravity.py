@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated, ClassVar
 
 from toolkit.description.description import Registered, Triple
+from toolkit.description.quantity import Quantity
 
 
 class SpatialGravity(Registered):
@@ -20,4 +21,4 @@ class SpatialGravity(Registered):
     dimension: ClassVar[int] = 3
     closed: ClassVar[bool] = True
 
-    acceleration: Triple
+    acceleration: Annotated[Triple, Quantity("length/time^2")]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple
+from typing import Annotated, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from toolkit.bodies.body import Placed
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.description.description import Number, Registered
 from toolkit.description.profile import Constant, Curve
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
 
@@ -42,8 +43,8 @@ class Pressure(Registered):
 
     body: str
     surface: str
-    pressure: Number
-    curve: Curve = Constant()
+    pressure: Annotated[Number, Quantity("stress")]
+    curve: Annotated[Curve, Quantity("none")] = Constant()
 
     def numbers_on(self, scene: Placed, body: SpatialFlexible) -> PressureNumbers:
         """What the equations need of it.
