@@ -21,7 +21,7 @@ from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.planar.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
@@ -136,7 +136,7 @@ def test_a_number_of_unknown_dimension_is_refused_by_name(tmp_path):
         converted(scene.model_copy(update={"joints": joints}), "mm-t-s", tmp_path)
 
 
-class Silent(Load):
+class Silent(PlanarLoad):
     """A load with a time curve of which nobody has said what its values are."""
 
     formula = point_force

@@ -11,7 +11,7 @@ from toolkit.bodies.planar.rigid import Rigid
 from toolkit.conformance.check import check_joint
 from toolkit.description.point import Point
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.motion import Rotation
@@ -27,7 +27,7 @@ def gear_law(z, w, phi, phi_z, phi_zz, phi_zww):
     phi_zz[0, 5, 6] = phi_zz[0, 6, 5] = 1
 
 
-class Gears(Joint):
+class Gears(PlanarJoint):
     """Body a turns -n times as far as body b; each body is gripped at its own point."""
 
     kind = "gears"
@@ -40,8 +40,8 @@ class Gears(Joint):
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
     @property
-    def row_names(self):
-        return ["rotation"]
+    def rows(self):
+        return [("rotation", "angle")]
 
     def parameters(self, scene):
         return [self.ratio]

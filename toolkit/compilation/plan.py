@@ -82,7 +82,7 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         entries += [block(rows, both)]
         entries += (
             [block(both, both)]
-            if joint.curved or scene.dimension == 3
+            if joint.curved
             else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
         )
     for name, load in named_loads(scene).items():

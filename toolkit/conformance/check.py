@@ -8,10 +8,10 @@ import numpy as np
 
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.row_checks import check_rows
-from toolkit.loads.planar.load import Load
+from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
 
 

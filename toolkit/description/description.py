@@ -63,12 +63,13 @@ class Description(BaseModel):
 class Registered(Description):
     """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file.
 
-    `kinds` of a base lists all that were defined below it; those of a base with `closed` do not show in the bases above it, so that
-    components in space may have the names of those in the plane.
+    `kinds` of a base lists all that were defined below it and belong to the same space as the base itself, so that components in space
+    may have the names of those in the plane.
     """
 
     kind: ClassVar[str] = ""
-    closed: ClassVar[bool] = False
+    dimension: ClassVar[int] = 0
+    """Of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
     kinds: ClassVar[dict[str, type]] = {}
 
     @classmethod
@@ -76,10 +77,8 @@ class Registered(Description):
         if not cls.kind:
             cls.kinds = {}
         for base in cls.__mro__:
-            if cls.kind and "kinds" in vars(base):
+            if cls.kind and "kinds" in vars(base) and issubclass(base, Registered) and base.dimension == cls.dimension:
                 vars(base)["kinds"][cls.kind] = cls
-            if vars(base).get("closed"):
-                break
 
 
 def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:

@@ -35,6 +35,10 @@ class Invariants:
     damping: np.ndarray  # (n_f, n_f)
     stress_operator: np.ndarray  # (n_stress, n_f)
 
+    def mass_across(self, _axis: np.ndarray) -> np.ndarray:
+        """Elastic mass that moves across an axis, (n_f, n_f): all of it, as every axis of rotation in the plane is normal to it."""
+        return self.inertia[1:, 1:]
+
 
 @dataclass(frozen=True)
 class InterfacePoint:

@@ -28,6 +28,11 @@ class SpatialInvariants:
     damping: np.ndarray  # (n_f, n_f)
     stress_operator: np.ndarray  # (n_stress, 6 or 1, n_f)
 
+    def mass_across(self, axis: np.ndarray) -> np.ndarray:
+        """Elastic mass that moves across an axis with unit vector n, sum_a Q[a, a] - sum_ab n_a n_b Q[a, b], (n_f, n_f)."""
+        Q = all_second_moments(self.second_moment)
+        return (np.einsum("aaij->ij", Q) - np.einsum("a,b,abij->ij", axis, axis, Q))[1:, 1:]
+
 
 @dataclass(frozen=True)
 class Surface:

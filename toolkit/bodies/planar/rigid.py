@@ -7,7 +7,8 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers, MarkerNumbers, Placed
+from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Positive
 from toolkit.description.quantity import Quantity

@@ -7,12 +7,12 @@ from typing import Annotated
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.bodies.body import Body
+from toolkit.bodies.planar.body import PlanarBody
 from toolkit.description.description import Number
 from toolkit.description.quantity import Quantity
 
 
-class StartVelocity(Body):
+class StartVelocity(PlanarBody):
     """Base of planar bodies whose frame moves. What is written holds at the start; what is not, the joints and least motion decide.
 
     Attributes

@@ -9,10 +9,10 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.bodies.body import Body, ConstantNumbers, Placed
+from toolkit.bodies.body import QUATERNION, Body, Placed
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
-from toolkit.kinematics.spatial import axes_along, quaternion_rate
+from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
 """Names of a quaternion's coordinates."""
@@ -56,7 +56,6 @@ class SpatialBody(Body):
     """
 
     dimension: ClassVar[int] = 3
-    closed: ClassVar[bool] = True
 
     frame: Literal["moving", "translating", "turning", "grounded"] = "moving"
     axis: Annotated[Triple | None, Quantity("none")] = None
@@ -93,16 +92,6 @@ class SpatialBody(Body):
         return {"moving": 4, "turning": 1}.get(self.frame, 0)
 
     @property
-    def has_frame(self) -> bool:
-        """Whether coordinates of a frame come before the elastic ones."""
-        return self.frame_size > 0
-
-    @property
-    def frame_size(self) -> int:
-        """How many coordinates come before the elastic ones."""
-        return self.moves + self.turns
-
-    @property
     def unit_axis(self) -> np.ndarray:
         """Direction of the axis of a turning frame, (3,)."""
         return axes_along(self.axis)[:, 2] if self.axis is not None else np.zeros(3)
@@ -135,15 +124,21 @@ class SpatialBody(Body):
         velocity = (self.velocity or (0.0, 0.0, 0.0))[: self.moves]
         return np.array([*origin[: self.moves], *orientation]), np.array([*velocity, *rate])
 
+    def frame_motion(self, q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
+        """Of what the frame has; the angular velocity from the quaternion's rate, or along the axis."""
+        found, turns = {}, v[self.moves : self.frame_size]
+        if self.moves:
+            found["velocity"] = v[: self.moves]
+        if self.turns == QUATERNION:
+            orientation = q[self.moves : self.frame_size]
+            found["angular_velocity"] = matrix_of(orientation) @ angular_velocity(orientation, turns)
+        elif self.turns:
+            found["angular_velocity"] = turns[0] * self.unit_axis
+        return found
+
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
         """The named point of the scene as a marker on this body; `axes` (3, 3) in the undeformed configuration."""
-
-
-def no_constants(size: int) -> ConstantNumbers:
-    """Of a body all of whose terms move with its frame."""
-    empty = np.zeros(0, int)
-    return ConstantNumbers(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(size))
 
 
 def pose_of(position: np.ndarray, axes: np.ndarray, origin: np.ndarray | None = None) -> np.ndarray:

@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.bodies.body import ConstantNumbers, Placed
-from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, no_constants, pose_of
+from toolkit.bodies.body import ConstantNumbers, Placed, no_constants
+from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Number, Positive
 from toolkit.description.quantity import Quantity
 

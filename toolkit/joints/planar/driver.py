@@ -11,6 +11,7 @@ from toolkit.description.description import Description
 from toolkit.description.profile import Curve, is_smooth
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.joints.planar.slider import AlongAxis, offset_along
 from toolkit.kinematics.planar import unit_vector
@@ -65,9 +66,9 @@ class AngleDriver(Driven, PointJoint):
     curve: Annotated[Curve, Quantity("angle")]
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """The rotation."""
-        return ["rotation"]
+        return [("rotation", "angle")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None."""
@@ -89,9 +90,9 @@ class PositionDriver(Driven, AlongAxis):
     curve: Annotated[Curve, Quantity("length")]
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """The axis."""
-        return ["axis"]
+        return [("axis", "length")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The axis."""

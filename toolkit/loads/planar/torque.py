@@ -9,7 +9,7 @@ from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedTorque
 from toolkit.loads.kernels.load_kernel import CURVE
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.component import Skeleton
 
 
@@ -21,7 +21,7 @@ def torque(z, w, force, force_z, force_w):
     force_z[2, CURVE], force_z[5, CURVE] = z[6], -z[6]
 
 
-class Torque(AppliedTorque, Load):
+class Torque(AppliedTorque, PlanarLoad):
     """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
 
     With two points the reaction acts at the second.
