@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import runpy
+import sys
 import tempfile
 import warnings
 from pathlib import Path
@@ -218,6 +219,17 @@ def test_formulas_that_a_function_makes_are_told_apart(own):
         space = runpy.run_path(str(own))
         assert (space["half"](2.0), space["twice"](2.0)) == (1.0, 4.0)
         assert sum(space["twice"].stats.cache_hits.values()) == hits
+
+
+def test_a_formula_that_moves_to_another_file_is_compiled_anew_with_all_that_call_it(own, monkeypatch):
+    monkeypatch.syspath_prepend(own.parent)
+    inner = "from toolkit.foundation.kernel import kernel\n\n\n@kernel\ndef again(x):\n    return x\n"
+    for module in ("first_place", "second_place"):
+        (own.parent / f"{module}.py").write_text(inner)
+        own.write_text(SOURCE.replace("2 * x", "x + again(x)").replace("\n\n\n", f"\nfrom {module} import again\n\n\n", 1))
+        assert (loaded(own), loaded(own)) == (0, 1)
+        (own.parent / f"{module}.py").unlink()
+        monkeypatch.delitem(sys.modules, module)
 
 
 def test_fields_that_change_places_change_the_code(own):

@@ -29,7 +29,7 @@ class UnknownNameError(Exception):
 def formula_stamp(kernel: CPUDispatcher) -> str:
     """Hash of a kernel's own instructions and constants, and of those of every kernel that it calls: its code may hold copies of theirs.
 
-    Comments, docstrings and places in a file do not count.
+    Modules count, because the code finds what it calls by their names. Comments, docstrings and places in a file do not.
 
     Raises
     ------
@@ -42,7 +42,7 @@ def formula_stamp(kernel: CPUDispatcher) -> str:
             if used not in numbers:
                 numbers[used] = len(found)
                 found.append(used)
-        texts.append(f"{_own(each)} calls {[numbers[used] for used in called]}")
+        texts.append(f"{each.py_func.__module__} {_own(each)} calls {[numbers[used] for used in called]}")
     return sha256("\n".join(texts).encode()).hexdigest()
 
 
@@ -92,7 +92,7 @@ def _meaning(name: Any, used: Any) -> str:
     if isinstance(used, np.ndarray) and not used.dtype.hasobject:
         return f"{used.dtype} {used.shape} {used.strides} {used.tobytes().hex()}"
     if isinstance(used, type) and issubclass(used, tuple) and (fields := getattr(used, "_fields", ())):
-        return f"{used.__name__} {fields} {vars(used).get('_field_defaults')}"
+        return f"{used.__module__}.{used.__name__} {fields} {vars(used).get('_field_defaults')}"
     if isinstance(used, ModuleType) and used.__name__ in LIBRARIES:
         return used.__name__
     if isinstance(used, BuiltinFunctionType | np.ufunc) or (isinstance(used, type) and used.__module__ == "builtins"):
