@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from typing import Any, NamedTuple, Protocol
+from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -44,6 +44,9 @@ class ConstantNumbers(NamedTuple):
 
 class Body(Registered):
     """Base of all bodies. Coordinates are those of the origin of its frame, then those of its orientation, then the elastic ones."""
+
+    proportional: ClassVar[tuple[str, ...]] = ()
+    """Fields that mass and moments of inertia are proportional to, of a body that does not deform."""
 
     @property
     @abstractmethod

@@ -21,6 +21,7 @@ from toolkit.compilation.patterns.touched import touched
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE
 
 
 def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:
@@ -30,12 +31,12 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
     columns = [numbering.first[body] + values.markers[m].columns for m, (body, *_) in enumerate(numbering.markers)]
     pattern = _pattern(scene, numbering, values, constant_rows, columns)
     curve_index, curve_variable = curve_pairs(derivatives)
-    of_dimension = _planar_parts if scene.dimension == 2 else _spatial_parts
+    *of_space, pressures = _PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype)
     parts: list[Any] = [
         constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
-        *of_dimension(scene, numbering, values, derivatives, columns, pattern, dtype),
+        *of_space,
         load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
-        pressure_part(scene, numbering, values, derivatives, pattern, dtype) if scene.dimension == 3 else None,
+        pressures,
     ]
     driven = [curve_index, curve_variable]
     numbers = [numbering.n_q, numbering.n, len(derivatives), pattern.indptr, pattern.indices]
@@ -44,24 +45,30 @@ def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivativ
 
 
 def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
-    """Bodies with a moving frame, markers and joints in the plane."""
+    """Bodies with a moving frame, markers and joints in the plane, where nothing presses on surfaces."""
     first = list(numbering.first.values())
     frames = [first[b] for b in values.floating]
     return (
         floating_part(frames, values, derivatives, pattern, dtype),
         marker_arrays(scene, numbering, values, derivatives, columns, dtype),
         joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        None,
     )
 
 
 def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
-    """The same in space."""
+    """The same in space, and pressures."""
     frames = frames_part(scene, numbering, values, pattern)
     return (
         spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
         spatial_marker_arrays(scene, numbering, frames, values, derivatives, columns, dtype),
         spatial_joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        pressure_part(scene, numbering, values, derivatives, pattern, dtype),
     )
+
+
+_PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
+"""What the plan has of bodies, markers, joints and pressures."""
 
 
 def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:

@@ -70,7 +70,7 @@ class Registered(Description):
     kind: ClassVar[str] = ""
     dimension: ClassVar[int] = 0
     """Of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
-    kinds: ClassVar[dict[str, type]] = {}
+    kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -70,6 +70,9 @@ class TurnSpring(Description):
     rest_angle
         Relative rotation without torque, in rad.
     """
+
+    folds: ClassVar[bool] = False
+    """Whether its angle is known up to half a turn only, beyond which its torque would change sign."""
 
     bodies: tuple[str, str]
     point: Place

@@ -134,7 +134,9 @@ class TimeIntegral(Response):
         kind = value.get("type") if isinstance(value, dict) else None
         if not isinstance(kind, str) or kind not in Instant.kinds:
             raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
-        return cls._over_all_times(Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"}))
+        found = Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"})
+        assert isinstance(found, Instant)
+        return cls._over_all_times(found)
 
     @staticmethod
     def _over_all_times(quantity: Instant) -> Instant:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from toolkit.description.description import Registered
 from toolkit.description.registration import import_room
 from toolkit.scene.space import SPACES
 
@@ -15,6 +16,6 @@ for _room in ("bodies", "joints", "loads"):
         import_room(f"toolkit.{_room}.{_space}")
 
 
-def kinds_of(dimension: int) -> dict[str, Mapping[str, type]]:
+def kinds_of(dimension: int) -> dict[str, Mapping[str, type[Registered]]]:
     """Group of the scene -> `type` -> class, of the plane (2) or of space (3); kinds of users' own included."""
     return dict(SPACES[dimension].kinds)

@@ -223,7 +223,7 @@ class Scene(Description):
     def path_of(self, path: str) -> str:
         """The path as `available_paths` has it: in space x, y and z name the numbers of every vector."""
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
-        return numbered(path, groups) if self.dimension == 3 else path
+        return numbered(path, groups) if self.space.named_vectors else path
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""

@@ -10,6 +10,7 @@ from toolkit.bodies.planar.body import PlanarBody
 from toolkit.bodies.planar.ground import Ground
 from toolkit.bodies.spatial.body import SpatialBody
 from toolkit.bodies.spatial.ground import SpatialGround
+from toolkit.description.description import Registered
 from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.kernels.planar.joint_kernel import ROWS
 from toolkit.joints.kernels.spatial.joint_kernel import ROWS as SPATIAL_ROWS
@@ -33,8 +34,18 @@ class Space:
         Names of its axes, which name the entries of points and, in space, of every vector.
     kinds
         Group of a scene -> `type` -> class, for all kinds that belong to it; they grow as files define more.
+    named_vectors
+        Whether the names of the axes name the entries of every vector, and not of points alone.
     ground
         The body that is always there.
+    frame_size
+        Coordinates of a frame that moves and turns.
+    constant_rigid_mass
+        Whether a rigid body's mass matrix is constant however it turns, its frame being at its centre of mass.
+    rotations_add
+        Whether a rotation is one angle, of any number of turns; else it is about an axis that has to be said, and known to half a turn.
+    wrench
+        Components of the force and torque of a joint.
     joint_rows
         Most rows that a joint can have.
     joint_parameters, load_parameters
@@ -43,16 +54,45 @@ class Space:
 
     dimension: int
     axes: str
-    kinds: Mapping[str, Mapping[str, type]]
+    named_vectors: bool
+    kinds: Mapping[str, Mapping[str, type[Registered]]]
     ground: Body
+    frame_size: int
+    constant_rigid_mass: bool
+    rotations_add: bool
+    wrench: tuple[str, ...]
     joint_rows: int
     joint_parameters: int | None
     load_parameters: int
 
 
-_PLANAR = {"bodies": PlanarBody.kinds, "joints": PlanarJoint.kinds, "loads": AnyPlanarLoad.kinds}
-_SPATIAL = {"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": AnySpatialLoad.kinds}
-PLANE = Space(2, "xy", _PLANAR, Ground(), ROWS, JOINT_ARGUMENTS - 6, LOAD_ARGUMENTS - 7)
-SPACE = Space(3, "xyz", _SPATIAL, SpatialGround(), SPATIAL_ROWS, None, SPATIAL_ARGUMENTS - 25)
+PLANE = Space(
+    dimension=2,
+    axes="xy",
+    named_vectors=False,
+    kinds={"bodies": PlanarBody.kinds, "joints": PlanarJoint.kinds, "loads": AnyPlanarLoad.kinds},
+    ground=Ground(),
+    frame_size=3,
+    constant_rigid_mass=True,
+    rotations_add=True,
+    wrench=("x", "y", "torque"),
+    joint_rows=ROWS,
+    joint_parameters=JOINT_ARGUMENTS - 6,
+    load_parameters=LOAD_ARGUMENTS - 7,
+)
+SPACE = Space(
+    dimension=3,
+    axes="xyz",
+    named_vectors=True,
+    kinds={"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": AnySpatialLoad.kinds},
+    ground=SpatialGround(),
+    frame_size=7,
+    constant_rigid_mass=False,
+    rotations_add=False,
+    wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
+    joint_rows=SPATIAL_ROWS,
+    joint_parameters=None,
+    load_parameters=SPATIAL_ARGUMENTS - 25,
+)
 SPACES = {space.dimension: space for space in (PLANE, SPACE)}
 """By dimension."""

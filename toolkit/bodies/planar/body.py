@@ -27,6 +27,11 @@ class FloatingNumbers(NamedTuple):
     inertia: np.ndarray
     gyroscopic: np.ndarray
 
+    @property
+    def entries(self) -> int:
+        """Entries of G and H and of the three rows and columns of the frame."""
+        return len(self.row) + 3 * (2 * len(self.moment) + 1)
+
 
 class PlanarBody(Body):
     """Base of bodies in the plane. Coordinates are r_x, r_y, theta if the body has a frame, then the elastic ones."""

@@ -36,6 +36,11 @@ class SpatialFloatingNumbers(NamedTuple):
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     axis: np.ndarray  # (3,) that a turning frame turns about
 
+    @property
+    def entries(self) -> int:
+        """Entries of all Q[a, b] and N, and the mass."""
+        return self.second.size + self.moment.size + 1
+
 
 class SpatialBody(Body):
     """Base of spatial bodies. Coordinates are x, y, z of the frame and its orientation, as far as it has them, then the elastic ones.
