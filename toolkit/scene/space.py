@@ -44,6 +44,10 @@ class Space:
         Whether a rigid body's mass matrix is constant however it turns, its frame being at its centre of mass.
     rotations_add
         Whether a rotation is one angle, of any number of turns; else it is about an axis that has to be said, and known to half a turn.
+    turning_elements
+        Whether the preprocessing has finite elements that turn, which a flexible body can be compared with.
+    reported
+        Whether the figures of a report can show it.
     wrench
         Components of the force and torque of a joint.
     joint_rows
@@ -60,6 +64,8 @@ class Space:
     frame_size: int
     constant_rigid_mass: bool
     rotations_add: bool
+    turning_elements: bool
+    reported: bool
     wrench: tuple[str, ...]
     joint_rows: int
     joint_parameters: int | None
@@ -75,6 +81,8 @@ PLANE = Space(
     frame_size=3,
     constant_rigid_mass=True,
     rotations_add=True,
+    turning_elements=True,
+    reported=True,
     wrench=("x", "y", "torque"),
     joint_rows=ROWS,
     joint_parameters=JOINT_ARGUMENTS - 6,
@@ -89,6 +97,8 @@ SPACE = Space(
     frame_size=7,
     constant_rigid_mass=False,
     rotations_add=False,
+    turning_elements=False,
+    reported=False,
     wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
     joint_rows=SPATIAL_ROWS,
     joint_parameters=None,

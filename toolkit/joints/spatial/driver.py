@@ -6,8 +6,8 @@ from typing import Annotated
 
 from toolkit.description.profile import Curve
 from toolkit.description.quantity import Quantity
+from toolkit.joints.driven import Driven
 from toolkit.joints.kernels.spatial.forms import TURNED, Row, on_axis
-from toolkit.joints.planar.driver import Driven
 from toolkit.joints.spatial.joint import AxisJoint
 from toolkit.markers.component import Skeleton
 
