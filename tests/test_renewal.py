@@ -13,7 +13,7 @@ from tests.cases import write_models
 from tests.every_number import SCENES as PLANAR
 from tests.spatial_cases import write_models as write_spatial_models
 from tests.spatial_every_number import SCENES as SPATIAL
-from toolkit.bodies.body import MarkerNumbers
+from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.quantities import Quantities
 from toolkit.foundation.errors import InputError

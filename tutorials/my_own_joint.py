@@ -19,7 +19,7 @@ def gear_law(z, w, phi, phi_z, phi_zz, phi_zww):
     phi_zz[0, 5, 6] = phi_zz[0, 6, 5] = 1
 
 
-class Gears(extend.Joint):
+class Gears(extend.PlanarJoint):
     """Body a turns -n times as far as body b; each body is gripped at its own point."""
 
     kind = "gears"
@@ -32,8 +32,8 @@ class Gears(extend.Joint):
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
     @property
-    def row_names(self):
-        return ["rotation"]
+    def rows(self):
+        return [("rotation", "angle")]
 
     def parameters(self, scene):
         return [self.ratio]

@@ -88,12 +88,29 @@ class ModelBody(Body):
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
         if written.interface == FRAME and FRAME not in (model.interfaces or {}):
-            d = self.dimension
-            return np.zeros((d, 1 + model.n_f)), np.zeros(1 + model.n_f if d == 2 else (3, 1 + model.n_f))
+            return self.undeforming_point(1 + model.n_f)
         refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
         moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
         return interface.at(written.arc_length) if moved else interface.here
+
+    @abstractmethod
+    def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
+        """Z_P and T_P of the origin of the body's frame, which no elastic coordinate moves; the last axis has a width."""
+
+    @property
+    @abstractmethod
+    def start_spin(self) -> np.ndarray:
+        """Written angular velocity at the start in the axes of the reduced model, (3,); zero where nothing is written."""
+
+    @property
+    @abstractmethod
+    def only_axis(self) -> np.ndarray | None:
+        """The one axis that its frame can turn about, (3,) in the axes of the reduced model; None if there is more than one."""
+
+    @abstractmethod
+    def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Angular velocity of its frame in the axes of the reduced model, (n_t, 3), from its coordinates and velocities (n_t, size)."""
 
     @abstractmethod
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:

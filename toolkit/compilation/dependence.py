@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 from toolkit.description.description import Description
 from toolkit.description.point import BodyPoint
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.gravity import UniformGravity
 from toolkit.scene.scene import Scene
 
 Item = tuple[str, str]
@@ -65,7 +64,7 @@ def users_by_name(scene: Scene) -> dict[str, list[Item]]:
 def affected_items(scene: Scene, path: str, users: dict[str, list[Item]]) -> set[Item] | None:
     """Items that the number at a path may change; None if it may change all."""
     group, name = path.split(".")[:2]
-    if isinstance(getattr(scene, group)[name], (Gravity, SpatialGravity)):
+    if isinstance(getattr(scene, group)[name], UniformGravity):
         return None
     found: set[Item] = set()
     waiting: list[Item] = [(group, name)]

@@ -7,17 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.bodies.body import QUATERNION
 from toolkit.compilation.dependence import Item, users_by_name
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import ROWS
-from toolkit.joints.kernels.spatial.joint_kernel import ROWS as SPATIAL_ROWS
-from toolkit.loads.planar.load import Load
+from toolkit.joints.joint import ROW_QUANTITIES
+from toolkit.loads.load import Load
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
-
-QUATERNION = 4
-"""Coordinates of an orientation that has a length to keep."""
 
 
 @dataclass(frozen=True)
@@ -88,19 +85,26 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     Raises
     ------
     InputError
-        A joint has more rows than a joint can have.
+        A joint has more rows than a joint can have, or a row measures neither a length nor an angle.
     """
     names: list[str] = []
     first, row, length = {}, {}, {}
-    most = ROWS if scene.dimension == 2 else SPATIAL_ROWS
     for name, body in scene.all_bodies().items():
         first[name] = len(names)
         names += [f"{coordinate} of body {name!r}" for coordinate in body.coordinate_names(scene)]
     n_q = len(names)
     for name, joint in scene.joints.items():
         row[name] = len(names)
-        if len(joint.row_names) > most:
-            raise InputError(f"joint {name!r} has {len(joint.row_names)} rows, a joint has at most {most}. Split it into two.")
+        if len(joint.rows) > scene.space.joint_rows:
+            raise InputError(
+                f"joint {name!r} has {len(joint.rows)} rows, a joint has at most {scene.space.joint_rows}. Split it into two."
+            )
+        for direction, quantity in joint.rows:
+            if quantity not in ROW_QUANTITIES:
+                raise InputError(
+                    f"row {direction!r} of joint {name!r} measures {quantity!r}; a row is one of: {', '.join(ROW_QUANTITIES)}. Say which "
+                    f"beside its name, in the class {type(joint).__name__}."
+                )
         names += [f"{direction} of joint {name!r}" for direction in joint.row_names]
     for name, body in scene.bodies.items():
         if body.turns == QUATERNION:
@@ -120,7 +124,7 @@ def weights(scene: Scene) -> np.ndarray:
     """
     placed: Any = Remembered(scene)
     lengths = np.concatenate([body.coordinate_lengths(placed) for body in scene.all_bodies().values()])
-    rows = [np.nan if name.startswith("rotation") else 1.0 for joint in scene.joints.values() for name in joint.row_names]
+    rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]
     rows += [np.nan for body in scene.bodies.values() if body.turns == QUATERNION]
     lengths = np.concatenate([np.real(lengths), rows])
     return np.where(np.isnan(lengths), 1.0, lengths / placed.size)

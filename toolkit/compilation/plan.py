@@ -22,6 +22,7 @@ from toolkit.compilation.patterns.touched import touched
 from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.equations.equations import Plan
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE
 
 NEEDS = {
     "constant": {"constant"},
@@ -68,10 +69,9 @@ def build_plan(
     pattern = (
         Pattern.of(kept.plan.indptr, kept.plan.indices) if kept else _pattern(scene, numbering, values, constant_rows, columns)
     )
-    parts_of_dimension = _planar_parts if scene.dimension == 2 else _spatial_parts
     makers: dict[str, Callable[[], Any]] = {
         "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
-        **parts_of_dimension(scene, numbering, values, derivatives, columns, pattern, dtype),
+        **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
         "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
     }
     parts = {
@@ -126,6 +126,10 @@ def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtyp
     }
 
 
+_PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
+"""What the plan has of bodies, markers, joints and pressures."""
+
+
 def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:
     """Union of what all parts of the scene fill."""
     entries = list(constant_rows)
@@ -144,7 +148,7 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         entries += [block(rows, both)]
         entries += (
             [block(both, both)]
-            if joint.curved or scene.dimension == 3
+            if joint.curved
             else [block(columns[m][2:3], columns[m]) for m in markers if _turns(scene, numbering, m)]
         )
     for name, load in named_loads(scene).items():

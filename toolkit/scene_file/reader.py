@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from toolkit.description.description import Description
+from toolkit.description.description import Description, Registered
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import CURVES
 from toolkit.description.run_options import RunOptions
@@ -65,8 +65,8 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     parsed: dict[str, Any] = {name: {} for name in groups}
     for name, text in groups["points"].items():
         parsed["points"][name] = _point(text, dimension, f"points.{name}", problems)
-    kinds: dict[str, Mapping[str, type]] = {**kinds_of(dimension), "responses": Response.kinds}
-    others: dict[str, Mapping[str, type]] = kinds_of(5 - dimension)
+    kinds: dict[str, Mapping[str, type[Registered]]] = {**kinds_of(dimension), "responses": Response.kinds}
+    others = kinds_of(5 - dimension)
     for group, known in kinds.items():
         for name, item in groups[group].items():
             parsed[group][name] = _item(item, known, others.get(group, {}), f"{group}.{name}", problems)
@@ -123,7 +123,9 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
     return _validated(BodyPoint, value, where, problems)
 
 
-def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], where: str, problems: list[str]) -> Any:
+def _item(
+    value: Any, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
+) -> Any:
     """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
@@ -133,7 +135,7 @@ def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], whe
     if kind is None:
         hint = ""
         if isinstance(wanted, str) and wanted in others:
-            other = others[wanted].dimension  # type: ignore[attr-defined]
+            other = others[wanted].dimension
             hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
         problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.{hint}")
         return None

@@ -62,7 +62,9 @@ def refuse_space(dimension: int, file: Path) -> None:
     InputError
         The scene is not planar; says which commands show one in space.
     """
-    if dimension != 2:
+    from toolkit.scene.space import SPACES
+
+    if dimension not in SPACES or not SPACES[dimension].reported:
         raise InputError(
             f"{file.name!r} is a scene in space, and the figures of a report are planar. ffrf render {file.name} --animate draws it with "
             "its curves, ffrf simulate --output FILE.h5 and ffrf export FILE.h5 --paraview DIR make a time series of it."
