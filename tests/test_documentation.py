@@ -17,7 +17,6 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from toolkit.sensitivity.preparation import prepare, solve
 
 from docs.generators.comments import meanings, trailing_comment
 from docs.generators.formats import PLACE, TABLES, fill, kinds
@@ -28,6 +27,7 @@ from docs.generators.rooms import page, rooms
 from toolkit.description.run_options import RunOptions
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.preparation import prepare, solve
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"

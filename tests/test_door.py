@@ -226,3 +226,25 @@ def test_what_is_typed_wrong_is_refused_with_what_would_be_right(wing, what):
     call, message = WRONG[what]
     with pytest.raises(ffrf.ToolkitError, match=f"(?s){message}"):
         call(wing)
+
+
+# --- pictures --------------------------------------------------------------------------------------------------------------------
+
+
+def test_a_motion_plots_its_curves_and_an_equilibrium_its_picture(wing):
+    curves, picture = wing.simulate().plot(), wing.statics().plot()
+    assert [axes.get_ylabel() for axes in curves.axes] == ["stress in MPa", "distance to target in mm", "rotation in rad"]
+    (drawn,) = [line for line in curves.axes[2].lines if line.get_label().startswith("body2")]
+    assert drawn.get_ydata()[-1] == pytest.approx(wing.simulate().values["drive_angle"], rel=1e-12)
+    assert picture.axes[0].get_aspect() == 1
+
+
+def test_a_run_is_drawn_into_files(wing, tmp_path):
+    files = wing.statics().render(tmp_path, width=400)
+    assert [file.name for file in files] == ["step-0.png"]
+
+
+def test_an_equilibrium_in_space_says_where_its_pictures_are():
+    model = ffrf.compile(ffrf.read_scene(MODELS / "spatial_bracket" / "scene.toml"))
+    with pytest.raises(ffrf.ToolkitError, match=r"run\.render"):
+        model.statics().plot()
