@@ -27,7 +27,7 @@ from toolkit.render.curves import merged
 from toolkit.render.label_places import Name, label_places
 from toolkit.render.moment import names_by_place
 from toolkit.render.packages import RenderError
-from toolkit.render.paraview.skin_mesh import skin_mesh
+from toolkit.render.paraview.export import skin_mesh
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import shape_errors, stress_range
