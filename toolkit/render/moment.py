@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.joints.planar.joint import PointJoint
-from toolkit.joints.spatial.joint import SpatialPointJoint
+from toolkit.joints.places import AtPoint
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
-AT_ONE_PLACE = (PointJoint, SpatialPointJoint, SpatialTorque)
+AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 
 
@@ -47,6 +46,14 @@ class Moment(ABC):
     @abstractmethod
     def position(self, body: str, point: str) -> np.ndarray:
         """Where the body carries the named point of the scene, (d,)."""
+
+    @abstractmethod
+    def segments(self, body: str) -> list[np.ndarray]:
+        """Lines that stand for a body, each (n, d)."""
+
+    def rods(self) -> list[np.ndarray]:
+        """Lines that stand for all bodies."""
+        return [line for body in self.scene.bodies for line in self.segments(body)]
 
     def ends(self, component: Component) -> np.ndarray:
         """Points at which a joint or load grips its two bodies, (2, d)."""
