@@ -14,9 +14,9 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.joints.joint import Joint
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.driver import AngleDriver, PositionDriver
-from toolkit.joints.planar.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider

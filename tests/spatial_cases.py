@@ -13,7 +13,7 @@ from tests.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver

@@ -26,15 +26,18 @@ from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_state_derivatives, inputs, plain_terms, random_state
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConformanceError
+from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import Joint, RowQuantity
 from toolkit.joints.planar.driver import PositionDriver
-from toolkit.joints.planar.joint import Joint, PointJoint
+from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.load import Load
 from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.loads.planar.torque import Torque
+from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 
@@ -110,9 +113,9 @@ class ParabolaGuide(PointJoint):
     steepness: float
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """One direction."""
-        return ["height"]
+        return [("height", "length")]
 
     def parameters(self, _scene) -> list[Any]:
         """p."""
@@ -210,7 +213,7 @@ def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unk
         check_scene(scene)
 
 
-@pytest.mark.parametrize("base", [Joint, PointJoint, Load])
+@pytest.mark.parametrize("base", [PlanarJoint, PointJoint, PlanarLoad])
 def test_a_component_without_formula_cannot_be_created(base):
     with pytest.raises(TypeError, match=r"Forgetful has no `formula`.*must not pass for zero"):
         type("Forgetful", (base,), {"kind": "test-forgetful", "__module__": __name__})
@@ -218,8 +221,48 @@ def test_a_component_without_formula_cannot_be_created(base):
 
 def test_a_refused_component_cannot_be_named_in_a_scene_file():
     with pytest.raises(TypeError, match="no `formula`"):
-        type("Refused", (Joint,), {"kind": "test-refused", "__module__": __name__})
-    assert "test-refused" not in Joint.kinds
+        type("Refused", (PlanarJoint,), {"kind": "test-refused", "__module__": __name__})
+    assert "test-refused" not in kinds_of(2)["joints"]
+
+
+def test_a_joint_that_does_not_say_what_its_rows_measure_cannot_be_created():
+    body = {"kind": "test-unmeasured", "formula": parabola, "__module__": __name__}
+    with pytest.raises(TypeError, match=r'Unmeasured has no `rows`: name each row .* whether it is a "length" or an "angle"'):
+        type("Unmeasured", (PlanarJoint,), body)
+    assert "test-unmeasured" not in kinds_of(2)["joints"]
+
+
+@pytest.mark.parametrize("base", [Joint, Load])
+def test_a_component_of_no_space_cannot_be_created(base):
+    body = {"kind": "test-nowhere", "formula": parabola, "__module__": __name__}
+    with pytest.raises(
+        TypeError, match="Nowhere belongs neither to the plane nor to space: derive it from PlanarJoint, SpatialJoint"
+    ):
+        type("Nowhere", (base,), body)
+
+
+def with_row(name: str, row: str, quantity: str) -> type:
+    """The parabola with another name and quantity of its row."""
+    return type(name, (ParabolaGuide,), {"kind": "", "rows": property(lambda _: [(row, quantity)]), "__module__": __name__})
+
+
+def test_a_row_that_measures_nothing_known_is_refused_by_name(directory):
+    kind = with_row("Odd", "height", "lenght")
+    scene = Case("odd", kind, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(
+        InputError, match=r"row 'height' of joint 'component' measures 'lenght'; .* one of: length, angle.* class Odd"
+    ):
+        compile_scene(scene)
+
+
+def test_a_row_is_an_angle_because_its_joint_says_so_whatever_its_name(directory):
+    """Angles count in rad, lengths in parts of the scene's size."""
+    found = {}
+    for quantity in ("length", "angle"):
+        kind = with_row("Named", "rotation of nothing", quantity)
+        scene = Case("named", kind, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+        found[quantity] = compile_scene(scene).weights[-1]
+    assert found == {"length": pytest.approx(1 / scene.size, rel=1e-15), "angle": 1.0}
 
 
 def test_two_components_of_one_kind_share_one_family(directory):

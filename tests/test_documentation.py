@@ -27,7 +27,7 @@ from docs.generators.rooms import page, rooms
 from toolkit.description.run_options import RunOptions
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare, solve
+from toolkit.sensitivity.preparation import prepare, solve
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -136,6 +136,11 @@ def test_the_page_on_file_formats_asks_for_every_table_and_for_no_other():
 def test_every_table_that_a_table_points_to_has_its_section():
     for section in re.findall(r"\]\(#([\w-]+)\)", FORMATS):
         assert f"{{ #{section} }}" in FORMATS
+
+
+def test_the_page_on_file_formats_says_what_numbers_measure_as_the_program_reads_it():
+    assert "| `velocity` | [number, number, number]: length/time, length/time, angle/time |" in FORMATS
+    assert "| `inertia` | number &gt; 0: mass length^2 | required |" in FORMATS
 
 
 def test_the_meaning_of_a_key_is_what_the_docstring_says():

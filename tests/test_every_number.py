@@ -9,14 +9,11 @@ import pytest
 
 from tests.cases import write_models
 from tests.every_number import SCENES, rods
-from toolkit.bodies.body import Body
 from toolkit.bodies.planar.ground import Ground
 from toolkit.description.description import Description
 from toolkit.description.profile import CURVES
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.joint import Joint
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.load import Load
+from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 
@@ -109,8 +106,7 @@ def kinds_in(record: object) -> set[str]:
 def test_the_scenes_contain_every_kind_that_there_is(folder):
     """A new kind belongs into one of the scenes, and is then differentiated by every number it has."""
     scenes = [make(folder) for make in SCENES.values()]
-    groups = {"bodies": Body.kinds, "joints": Joint.kinds, "loads": {**Load.kinds, Gravity.kind: Gravity}}
-    for group, kinds in groups.items():
+    for group, kinds in kinds_of(2).items():
         shipped = {kind for kind, described in kinds.items() if described.__module__.startswith("toolkit.")} - {Ground.kind}
         assert shipped == {item.kind for scene in scenes for item in getattr(scene, group).values()}, group
     components = [item for scene in scenes for group in (scene.joints, scene.loads) for item in group.values()]
@@ -126,9 +122,9 @@ def optional_numbers(scene: Scene) -> set[tuple[str, str]]:
 def test_the_scenes_set_every_optional_number_of_every_kind(folder):
     """A length that is left out follows the points; where it is given it is a number of its own, and it is given somewhere."""
     given = set().union(*(optional_numbers(make(folder)) for make in SCENES.values()))
-    kinds = {**Body.kinds, **Joint.kinds, **Load.kinds}
     left_out = {
         (kind, name)
+        for kinds in kinds_of(2).values()
         for kind, described in kinds.items()
         if described.__module__.startswith("toolkit.")
         for name, field in described.model_fields.items()

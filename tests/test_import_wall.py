@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 from graphlib import CycleError
@@ -38,7 +39,7 @@ def test_importing_the_runtime_loads_no_preprocessing_and_no_pictures():
 def test_the_runtime_never_imports_preprocessing_nor_pictures():
     for name, path in TOOLKIT.items():
         forbidden = FORBIDDEN if belongs(name, DRAWING) else (*FORBIDDEN, *PICTURES)
-        assert [found for found in imports(path) if belongs(found, forbidden)] == [], name
+        assert [found for found in imports(path, typing=False) if belongs(found, forbidden)] == [], name
 
 
 def test_preprocessing_imports_only_the_shared_rooms_of_the_runtime():
@@ -59,6 +60,27 @@ def test_arrows_between_the_rooms_and_files_of_every_folder_run_one_way():
         except CycleError as error:
             pytest.fail(f"{room}: " + " imports ".join(reversed(error.args[1])))
         assert sorted(order) == sorted(arrows(room))
+
+
+COMPONENTS = ("toolkit.bodies", "toolkit.joints", "toolkit.loads")
+
+
+def spaces(name: str) -> set[str]:
+    """Of the plane and space, those that a module's name names as a room of components."""
+    return {"planar", "spatial"} & set(name.split(".")) if belongs(name, COMPONENTS) else set()
+
+
+def test_components_of_the_plane_and_of_space_do_not_know_each_other_and_what_they_share_knows_neither():
+    for name, path in TOOLKIT.items():
+        if belongs(name, COMPONENTS):
+            others = {"planar", "spatial"} - spaces(name) if "kernels" not in name.split(".") or spaces(name) else set()
+            assert [found for found in imports(path) if spaces(found) & others] == [], name
+
+
+def test_nobody_asks_which_dimension_a_scene_has_but_the_one_record_and_what_reads_and_draws_files():
+    asked = re.compile(r"dimension\s*[!=]=\s*[0-9]")
+    others = {name: path for name, path in TOOLKIT.items() if not belongs(name, ("toolkit.render", "toolkit.reduced_model"))}
+    assert [name for name, path in others.items() if asked.search(path.read_text(encoding="utf-8"))] == []
 
 
 def test_every_module_stands_in_a_room_that_says_what_it_is_for():

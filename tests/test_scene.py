@@ -5,17 +5,27 @@ import pytest
 
 from tests.scenes import MODELS, WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
+from toolkit.bodies.body import Body
+from toolkit.bodies.planar.body import PlanarBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.spatial.body import SpatialBody
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
+from toolkit.joints.joint import Joint
+from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.loads.load import AnyLoad, Load
+from toolkit.loads.planar.load import AnyPlanarLoad
 from toolkit.loads.planar.torque import Torque
+from toolkit.loads.spatial.load import AnySpatialLoad
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import compile_scene
 
@@ -54,6 +64,21 @@ def wing_in_python() -> Scene:
         responses=written.responses,
         solver=RunOptions(end_time=1.2, step=0.05, scheme="paper", rho_inf=0.5),
     )
+
+
+@pytest.mark.parametrize("base", [Body, Joint, AnyLoad, Load])
+def test_neutral_bases_belong_to_no_space_and_know_no_kinds(base):
+    assert base.dimension == 0
+    assert base.kinds == {}
+
+
+@pytest.mark.parametrize(
+    ("space", "others"), [(PLANE, (SpatialBody, SpatialJoint, AnySpatialLoad)), (SPACE, (PlanarBody, PlanarJoint, AnyPlanarLoad))]
+)
+def test_no_kind_of_one_space_descends_from_the_other(space, others):
+    kinds = [kind for group in space.kinds.values() for kind in group.values()]
+    assert len(kinds) >= 15
+    assert [kind for kind in kinds if issubclass(kind, others) or kind.dimension != space.dimension] == []
 
 
 def test_a_scene_in_toml_is_the_same_object_as_in_python():

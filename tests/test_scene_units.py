@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from typing import Annotated, Any, get_args
 
 import numpy as np
 import pytest
@@ -14,19 +14,24 @@ from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.cases import write_models
 from tests.every_number import SCENES
 from tests.scenes import HANGING_DESIGN, WING, hanging_skin
-from toolkit.description.description import Number
-from toolkit.foundation.dimensions import LABELLED, factor
+from toolkit.description.description import Description, Number
+from toolkit.description.profile import Curve, Sine
+from toolkit.description.quantity import Quantity
+from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.load import PlanarLoad
+from toolkit.loads.planar.point_force import point_force
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.responses.stress.stress import KSStress
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted, number_factor, response_factor
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 
 def other(units: str) -> str:
@@ -129,6 +134,87 @@ def test_a_number_of_unknown_dimension_is_refused_by_name(tmp_path):
     joints = {**scene.joints, "hinge": Weighing(bodies=("rod", "ground"), point="O")}
     with pytest.raises(InputError, match="'limit' of a Weighing"):
         converted(scene.model_copy(update={"joints": joints}), "mm-t-s", tmp_path)
+
+
+class Silent(PlanarLoad):
+    """A load with a time curve of which nobody has said what its values are."""
+
+    formula = point_force
+    body: str
+    curve: Curve = Sine(amplitude=2.0, frequency=3.0)
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """The body at its end."""
+        return (self.body, "O"), ("ground", "O")
+
+    def parameters(self, _scene) -> list[Any]:
+        """None."""
+        return []
+
+
+class Dashing(Silent):
+    """The same, and what the values are stands beside the curve."""
+
+    curve: Annotated[Curve, Quantity("length/time")] = Sine(amplitude=2.0, frequency=3.0)
+
+
+def test_values_of_a_curve_are_what_is_said_beside_it_and_refused_by_name_if_nothing_is(tmp_path):
+    scene = SCENES["swing"](tmp_path)
+    dashing = scene.model_copy(update={"loads": {"wind": Dashing(body="rod")}})
+    found = converted(dashing, "mm-t-s", tmp_path)
+    assert [found.number(f"loads.wind.curve.{key}") for key in ("amplitude", "frequency")] == [2000.0, 3.0]
+    silent = scene.model_copy(update={"loads": {"wind": Silent(body="rod")}})
+    with pytest.raises(
+        InputError, match=r"values of the time curve of a Silent are.* beside the field: `curve: Annotated\[Curve"
+    ):
+        converted(silent, "mm-t-s", tmp_path)
+
+
+def fields_below(kind: type) -> Iterator[type]:
+    """A class of descriptions and all below it that the toolkit brings."""
+    for each in kind.__subclasses__():
+        if each.__module__.startswith("toolkit."):
+            yield from (each, *fields_below(each))
+
+
+def holds_numbers(annotation: Any) -> bool:
+    """Whether a field's type has a floating-point number in it."""
+    return annotation is float or any(holds_numbers(part) for part in get_args(annotation))
+
+
+def test_what_a_number_measures_stands_beside_every_field_of_the_toolkit():
+    """A new field without it would be refused only when somebody converts a scene that has it."""
+    asked = [
+        (kind, name)
+        for kind in fields_below(Description)
+        for name, info in kind.model_fields.items()
+        if holds_numbers(info.annotation)
+    ]
+    assert len(asked) > 150
+    silent = [
+        f"{kind.__name__}.{name}"
+        for kind, name in asked
+        if not any(isinstance(each, Quantity) for each in kind.model_fields[name].metadata)
+        and (kind, name) != (KSStress, "aggregation")
+    ]
+    assert silent == []
+
+
+@pytest.mark.parametrize("words", ["lenght", "mass*length", "length/(time)"])
+def test_words_that_measure_nothing_are_refused(words):
+    with pytest.raises(InputError, match="names no quantity; its words are none, angle, length"):
+        Quantity(words)
+
+
+def test_words_multiply_to_dimensions():
+    """By hand."""
+    assert Quantity("force time/length").measure() == (Dimension(1, 0, -1), 0)
+    assert Quantity("torque/angle").measure() == (Dimension(1, 2, -2), -1)
+    assert [Quantity("length/time", "angle/time").measure(k) for k in (0, 1)] == [
+        (Dimension(0, 1, -1), 0),
+        (Dimension(0, 0, -1), 1),
+    ]
 
 
 def test_unknown_units_are_refused(tmp_path):

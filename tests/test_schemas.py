@@ -14,10 +14,11 @@ from jsonschema import Draft7Validator
 from preprocessing.recipes.skin.skin_file import read_skin_file
 from tests.cases import KINDS, Case
 from tests.scenes import hanging_skin
-from toolkit.bodies.body import Body
+from toolkit.bodies.planar.body import PlanarBody
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.loads.planar.gravity import Gravity
+from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import read_scene, scene_from_table
 
 ROOT = Path(__file__).parents[1]
@@ -74,9 +75,18 @@ def test_every_body_response_and_point_of_a_rich_scene_meets_the_schema():
     assert complaints(table, "scene") == []
 
 
+def test_the_schema_says_what_numbers_measure_as_the_program_reads_it():
+    kinds = schema("scene")["$defs"]
+    assert kinds["body-rigid"]["properties"]["inertia"]["description"] == "mass length^2"
+    assert kinds["joint-angle-driver"]["properties"]["curve"]["description"] == "angle"
+    assert "description" not in kinds["joint-slider"]["properties"]["axis"]
+
+
 def test_kinds_of_users_and_tests_stay_out_of_the_shipped_schema():
     type("Stray", (Gravity,), {"kind": "test-stray", "__module__": __name__})
-    type("StrayBody", (Body,), {"kind": "test-stray-body", "__module__": __name__})
+    type("StrayBody", (PlanarBody,), {"kind": "test-stray-body", "__module__": __name__})
+    assert "test-stray" in kinds_of(2)["loads"]
+    assert "test-stray-body" in kinds_of(2)["bodies"]
     texts = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["texts"]
     assert "test-stray" not in texts["scene"]
 

@@ -26,7 +26,7 @@ from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.kernels.spatial.forms import Form, Row, on_axis
 from toolkit.joints.spatial.joint import AxisJoint, SpatialPointJoint
-from toolkit.loads.planar.load import Load
+from toolkit.loads.load import Load
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.markers.component import Skeleton
@@ -66,7 +66,7 @@ class Screw(AxisJoint):
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
         """Offset along the axis - pitch * x of the point in space."""
         plain = on_axis(3, "axis")
-        return (Row("axis", Form(0.0, ((0, -self.pitch), (12, self.pitch)), plain.form.pairs)),)
+        return (Row("axis", "length", Form(0.0, ((0, -self.pitch), (12, self.pitch)), plain.form.pairs)),)
 
 
 def test_a_users_own_joint_in_space_plugs_in(directory):
@@ -96,14 +96,18 @@ def screw(constraint: Any, directory) -> tuple[Any, Scene]:
 
 
 def test_rows_that_name_what_no_pose_has_are_refused_by_name(directory):
-    joint, scene = screw(lambda _self, _scene: (Row("wild", Form(pairs=((0, 9, 1.0),))),), directory)
+    joint, scene = screw(lambda _self, _scene: (Row("wild", "length", Form(pairs=((0, 9, 1.0),))),), directory)
     with pytest.raises(InputError, match=r"row 'wild' of a 'test-wrong-screw' joint names vector 9; .* 0 to 7"):
         check_joint(joint, scene)
 
 
 def test_rows_that_change_with_the_scene_are_refused_by_name(directory):
     def constraint(_self, scene):
-        return (Row("axis", Form(linear=((0, 1.0),))),) if scene is None else (Row("axis", Form(linear=((1, 1.0),))),)
+        return (
+            (Row("axis", "length", Form(linear=((0, 1.0),))),)
+            if scene is None
+            else (Row("axis", "length", Form(linear=((1, 1.0),))),)
+        )
 
     with pytest.raises(InputError, match="'test-wrong-screw' joint has other rows with a scene than without"):
         check_joint(*screw(constraint, directory))

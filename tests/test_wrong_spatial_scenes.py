@@ -13,10 +13,10 @@ from jsonschema import Draft7Validator
 from tests.spatial_cases import KINDS, SpatialCase
 from tests.spatial_every_number import SCENES
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.results.scene_table import table_of
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 
 DOOR = """units = "m-kg-s"
 dimension = 3

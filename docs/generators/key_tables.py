@@ -6,8 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from pydantic import BaseModel
+from pydantic.fields import FieldInfo
 
 from docs.generators.comments import meanings
+from toolkit.description.quantity import Quantity
 
 BOUNDS = {"exclusiveMinimum": "&gt;", "minimum": "&ge;", "exclusiveMaximum": "&lt;", "maximum": "&le;"}
 SIMPLE = {"number": "number", "integer": "whole number", "string": "text", "boolean": "`true` or `false`"}
@@ -28,14 +30,21 @@ def key_table(model: type[BaseModel], without: Iterable[str] = ()) -> str:
     if "$ref" in schema:
         schema = schema["$defs"][schema["$ref"].rpartition("/")[2]]
     meaning = {field.alias or name: meanings(model).get(name, "") for name, field in model.model_fields.items()}
+    measures = {field.alias or name: measured(field) for name, field in model.model_fields.items()}
     rows = []
     for key, value in schema.get("properties", {}).items():
         if key not in {"type", *without}:
             default = "required" if key in schema.get("required", ()) else default_of(value)
-            rows.append(f"| `{key}` | {in_words(value)} | {default} | {cell(meaning.get(key, ''))} |")
+            rows.append(f"| `{key}` | {in_words(value)}{measures.get(key, '')} | {default} | {cell(meaning.get(key, ''))} |")
     if schema.get("additionalProperties") not in (None, False):
         rows.append("| any parameter of the reduced model | number | nominal value | Replaces the nominal value. |")
     return "\n".join(["| key | value | default | meaning |", "|---|---|---|---|", *rows]) if rows else "No keys of its own."
+
+
+def measured(field: FieldInfo) -> str:
+    """What the numbers of a field measure, as it stands beside the field; nothing for pure numbers."""
+    words = next((each.each for each in field.metadata if isinstance(each, Quantity)), ())
+    return f": {', '.join(words)}" if any(word != "none" for word in words) else ""
 
 
 def cell(text: str) -> str:

@@ -19,9 +19,9 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRigidBody
 from toolkit.description.description import Positive
 from toolkit.description.point import Point
+from toolkit.joints.joint import Joint
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.driver import AngleDriver
-from toolkit.joints.planar.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider

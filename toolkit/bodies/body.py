@@ -11,12 +11,15 @@ import numpy as np
 from toolkit.description.description import Registered
 from toolkit.reduced_model.model import ReducedModel
 
+QUATERNION = 4
+"""Coordinates of an orientation that has a length to keep."""
+
 
 class Placed(Protocol):
     """What a body may ask of its scene: where the points are, and its reduced model."""
 
     def position(self, point: str) -> np.ndarray:
-        """Undeformed global position of a point, shape (2,)."""
+        """Undeformed global position of a point, shape (d,)."""
 
     def interface(self, point: str) -> Any:
         """The point as the user wrote it."""
@@ -26,14 +29,6 @@ class Placed(Protocol):
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
-
-
-class MarkerNumbers(NamedTuple):
-    """A point on a body: position z0 + Z c in the body, angle theta + t0 + T c since the undeformed configuration."""
-
-    point: np.ndarray  # (3,) z0, t0
-    columns: np.ndarray  # (n_columns,) numbers within the body's coordinates; 0, 1, 2 first if the body has a frame
-    shape: np.ndarray  # (n_columns, 3) Z and T
 
 
 class ConstantNumbers(NamedTuple):
@@ -47,36 +42,31 @@ class ConstantNumbers(NamedTuple):
     force: np.ndarray  # (size,)
 
 
-class FloatingNumbers(NamedTuple):
-    """Invariants of a flexible body with a moving frame; G and H on their common pattern."""
-
-    mass: Any
-    moment: np.ndarray  # (1 + n_f, 2) N^T
-    row: np.ndarray
-    column: np.ndarray
-    inertia: np.ndarray
-    gyroscopic: np.ndarray
-
-
 class Body(Registered):
-    """Base of all bodies. Coordinates are r_x, r_y, theta if the body has a frame, then the elastic ones."""
+    """Base of all bodies. Coordinates are those of the origin of its frame, then those of its orientation, then the elastic ones."""
 
-    dimension: ClassVar[int] = 2
+    proportional: ClassVar[tuple[str, ...]] = ()
+    """Fields that mass and moments of inertia are proportional to, of a body that does not deform."""
+
+    @property
+    @abstractmethod
+    def moves(self) -> int:
+        """How many coordinates the origin of its frame has."""
+
+    @property
+    @abstractmethod
+    def turns(self) -> int:
+        """How many coordinates its orientation has."""
 
     @property
     def frame_size(self) -> int:
         """How many coordinates come before the elastic ones."""
-        return 3 if self.has_frame else 0
-
-    @property
-    def turns(self) -> int:
-        """How many coordinates its orientation has."""
-        return 1 if self.has_frame else 0
+        return self.moves + self.turns
 
     @property
     def has_frame(self) -> bool:
-        """Whether the body's coordinates start with r_x, r_y, theta."""
-        return True
+        """Whether coordinates of a frame come before the elastic ones."""
+        return self.frame_size > 0
 
     def named_points(self) -> tuple[str, ...]:
         """Points of the scene that the body is built on."""
@@ -96,6 +86,14 @@ class Body(Registered):
         The velocities of all others, whatever `initial_state` gives them, are where the search for velocities that fit begins.
         """
         return {}
+
+    @abstractmethod
+    def frame_motion(self, q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
+        """The motion of its frame in the numbers that a scene writes: key of the body's table -> numbers, as far as its frame moves.
+
+        From the body's coordinates q and velocities v: "velocity" (d,) of the frame's origin, "angular_velocity" in rad/time, (1,) in the
+        plane, in space (3,) in the axes of space.
+        """
 
     @abstractmethod
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
@@ -120,3 +118,9 @@ class Body(Registered):
     def model_values(self) -> Mapping[str, Any]:
         """Values of the parameters of the body's reduced model that the scene sets."""
         return {}
+
+
+def no_constants(size: int) -> ConstantNumbers:
+    """Of a body all of whose terms move with its frame."""
+    empty = np.zeros(0, int)
+    return ConstantNumbers(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(size))

@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import Body, Placed
 from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 
 DEPENDENCE = ("affine", "derivatives")
@@ -58,7 +58,7 @@ class ModelBody(Body):
         follows = {place_parameter(name): s for name, s in places.items()}
         moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
         model = scene.model(self.model, *(DEPENDENCE if moved else ()), *parts)
-        design = DesignPoint(model, self.model_values(), first_order)
+        design = design_at(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):
                 raise InputError(
@@ -66,7 +66,7 @@ class ModelBody(Body):
                     "shapes follow it: their derivative at a fixed arc length is unknown. Leave arc_length out of the scene, or give the "
                     "point by its arc length in the skin file."
                 )
-        return DesignPoint(model, {**self.model_values(), **follows}, first_order) if follows else design
+        return design_at(model, {**self.model_values(), **follows}, first_order) if follows else design
 
     def invariants(self, scene: Placed) -> Any:
         """Invariants at the scene's parameter values."""
@@ -88,12 +88,29 @@ class ModelBody(Body):
                 f'Write {point} = {{ body = "{name}", interface = ... }} with one of: {_names(model)}.'
             )
         if written.interface == FRAME and FRAME not in (model.interfaces or {}):
-            d = self.dimension
-            return np.zeros((d, 1 + model.n_f)), np.zeros(1 + model.n_f if d == 2 else (3, 1 + model.n_f))
+            return self.undeforming_point(1 + model.n_f)
         refuse_unknown(model, written.interface, name)
         interface = design.interface(written.interface)
         moved = written.arc_length is not None and place_parameter(written.interface) not in model.nominal
         return interface.at(written.arc_length) if moved else interface.here
+
+    @abstractmethod
+    def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
+        """Z_P and T_P of the origin of the body's frame, which no elastic coordinate moves; the last axis has a width."""
+
+    @property
+    @abstractmethod
+    def start_spin(self) -> np.ndarray:
+        """Written angular velocity at the start in the axes of the reduced model, (3,); zero where nothing is written."""
+
+    @property
+    @abstractmethod
+    def only_axis(self) -> np.ndarray | None:
+        """The one axis that its frame can turn about, (3,) in the axes of the reduced model; None if there is more than one."""
+
+    @abstractmethod
+    def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Angular velocity of its frame in the axes of the reduced model, (n_t, 3), from its coordinates and velocities (n_t, size)."""
 
     @abstractmethod
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:

@@ -17,11 +17,14 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.springs import TurnSpring
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import Kind, prepare, solve
 from toolkit.system.system import formulas_of
 from toolkit.validity.judge import judge
 from toolkit.validity.motion.energy_balance import energy_balance
@@ -46,33 +49,37 @@ def pendulum_like(scene: Scene) -> Scene:
     options = RunOptions(end_time=1e-3, step=1e-3, formulation=scene.solver.formulation, load_steps=1)
     bodies = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
     force = {"force": JointForce(joint="hinge", component="x")} if any(isinstance(each, JointForce) for each in bodies) else {}
-    ends: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
     common: dict[str, Any] = {
         "units": "m-kg-s",
         "responses": {"way": Displacement(body="rod", point="P", component="x"), **force},
     }
-    if scene.dimension == 2:
-        return Scene(
-            **common,
-            points={"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
-            bodies={"rod": Rod(**ends)},
-            joints={"hinge": Revolute(bodies=("rod", "ground"), point="O")},
-            loads={"weight": Gravity(acceleration=(0.0, -9.81))},
-            solver=options,
-        )
-    return Scene(
-        **common,
-        dimension=3,
-        points={"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},
-        bodies={"rod": SpatialRod(**ends)},
-        joints={"hinge": SpatialRevolute(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0))},
-        loads={"weight": SpatialGravity(acceleration=(0.0, 0.0, -9.81)), **_coil(scene)},
-        solver=options,
-    )
+    return Scene(**common, **_PENDULUMS[scene.space](scene), solver=options)
 
 
-def _coil(scene: Scene) -> dict[str, SpatialRotationalSpringDamper]:
-    """A rotational spring, whose turns are counted by compiled code, if the scene has one."""
-    if not any(isinstance(load, SpatialRotationalSpringDamper) for load in scene.loads.values()):
-        return {}
-    return {"coil": SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)}
+ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
+"""Of the rod."""
+
+
+def _planar(_scene: Scene) -> dict[str, Any]:
+    return {
+        "points": {"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
+        "bodies": {"rod": Rod(**ENDS)},
+        "joints": {"hinge": Revolute(bodies=("rod", "ground"), point="O")},
+        "loads": {"weight": Gravity(acceleration=(0.0, -9.81))},
+    }
+
+
+def _spatial(scene: Scene) -> dict[str, Any]:
+    """With a rotational spring, whose turns are counted by compiled code, if the scene has one."""
+    spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
+    coiled = any(isinstance(load, TurnSpring) for load in scene.loads.values())
+    return {
+        "dimension": 3,
+        "points": {"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},
+        "bodies": {"rod": SpatialRod(**ENDS)},
+        "joints": {"hinge": SpatialRevolute(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0))},
+        "loads": {"weight": SpatialGravity(acceleration=(0.0, 0.0, -9.81)), **({"coil": spring} if coiled else {})},
+    }
+
+
+_PENDULUMS = {PLANE: _planar, SPACE: _spatial}

@@ -13,15 +13,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import Item, affected_items, users_by_name
+from toolkit.compilation.dependence import Affected, Item, affected_by
 from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.remembered import Remembered
 from toolkit.description.profile import Curve
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
-from toolkit.joints.kernels.spatial.forms import Form, Row
-from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
-from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.planar.load import Load
+from toolkit.loads.load import Load
 from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
@@ -29,8 +26,6 @@ from toolkit.scene.scene import Scene
 T = TypeVar("T")
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
-LOAD_PARAMETERS = {2: LOAD_ARGUMENTS - 7, 3: SPATIAL_ARGUMENTS - 25}
-"""Parameters of a load by the dimension of space."""
 
 
 @dataclass(frozen=True)
@@ -44,36 +39,41 @@ class Quantities:
     constant: dict[int, ConstantNumbers]
     floating: dict[int, Any]  # FloatingNumbers or SpatialFloatingNumbers of the bodies that have them
     markers: dict[int, Any]  # MarkerNumbers or SpatialMarkerNumbers
-    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros; in space the numbers of the rows, see `row_numbers`
+    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros; in space the numbers of the rows, see `forms`
     loads: dict[int, np.ndarray]  # (5,) parameters, in space (7,)
     pressures: dict[int, PressureNumbers]
     gravity: np.ndarray  # (d,)
     curves: dict[int, Curve]
 
 
-def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] | None = None) -> Quantities:
-    """All numbers of a scene, or those of some items and of the markers that need them."""
+def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
+    """All numbers of a scene, or those of some items and markers."""
 
     def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
-        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected}
+        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected.items}
 
+    placed: Any = Remembered(scene)
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
-    floating = {b: body.floating(scene) for b, body in bodies.items()}
+    gravity = scene.gravity
+    floating = {b: body.floating(placed) for b, body in bodies.items()}
     return Quantities(
-        {b: body.initial_state(scene) for b, body in bodies.items()},
-        {b: body.constant(scene, scene.gravity) for b, body in bodies.items()},
+        {b: body.initial_state(placed) for b, body in bodies.items()},
+        {b: body.constant(placed, gravity) for b, body in bodies.items()},
         {b: block for b, block in floating.items() if block is not None},
         {
-            m: _marker(scene, everybody, grip)
+            m: _marker(placed, everybody, grip)
             for m, grip in enumerate(numbering.markers)
-            if affected is None or affected & set(zip(("bodies", "points"), grip, strict=False)) or _owner(grip) in affected
+            if affected is None or m in affected.markers
         },
-        {j: _joint_numbers(scene, joint) for j, joint in joints.items()},
-        {k: _parameters(scene, load, LOAD_PARAMETERS[scene.dimension]) for k, load in loads.items()},
-        {p: pressure.numbers_on(scene, everybody[pressure.body]) for p, pressure in chosen("loads", pressures_of(scene)).items()},
-        np.asarray(scene.gravity),
-        {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected},
+        {j: _parameters(placed, joint, scene.space.joint_parameters) for j, joint in joints.items()},
+        {k: _parameters(placed, load, scene.space.load_parameters) for k, load in loads.items()},
+        {
+            p: pressure.numbers_on(placed, everybody[pressure.body])
+            for p, pressure in chosen("loads", pressures_of(scene)).items()
+        },
+        np.asarray(gravity),
+        {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected.items},
     )
 
 
@@ -90,23 +90,6 @@ def _owner(grip: tuple[str, ...]) -> Item:
     """The component whose axes a marker has."""
     group, _, name = grip[2].partition(".") if len(grip) == 3 else ("", "", "")
     return group, name
-
-
-def _joint_numbers(scene: Scene, joint: Any) -> np.ndarray:
-    if joint.dimension == 3:
-        return row_numbers(joint.constraint(scene))
-    return _parameters(scene, joint, JOINT_ARGUMENTS - 6)
-
-
-def forms_of(rows: tuple[Row, ...]) -> list[Form]:
-    """The forms of a joint in space, in order."""
-    return [form for row in rows for form in (row.form, row.sine) if form is not None]
-
-
-def row_numbers(rows: tuple[Row, ...]) -> np.ndarray:
-    """Constant, linear values and pair values of every form, in order."""
-    numbers = [[form.constant, *(n for *_, n in form.linear), *(n for *_, n in form.pairs)] for form in forms_of(rows)]
-    return np.array([number for each in numbers for number in each])
 
 
 def loads_of(scene: Scene) -> list[Load]:
@@ -132,19 +115,24 @@ def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
     return [(item, curve) for item, curve in found if curve is not None]
 
 
-def _parameters(scene: Scene, component: Component, width: int) -> np.ndarray:
+def _parameters(scene: Scene, component: Component, width: int | None) -> np.ndarray:
+    """A component's parameters, padded with zeros to a width if there is one."""
     row = component.parameters(scene)
+    if width is None:
+        return np.array(row)
     if len(row) > width:
         raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {component!r}.")
     return np.array([*row, *[0.0] * (width - len(row))])
 
 
-def derivatives(scene: Scene, numbering: Numbering, paths: list[str]) -> list[Quantities]:
-    """Derivative of all numbers by each number at a path; curves stay complex, they are differentiated where they are evaluated."""
-    users, found = users_by_name(scene), []
+def derivatives(scene: Scene, numbering: Numbering, paths: list[str], among: Affected | None = None) -> list[Quantities]:
+    """Derivative of all numbers, or of those `among` some, by each number at a path; curves stay complex, they are differentiated where
+    they are evaluated."""
+    found = []
     for path in paths:
+        affected = affected_by(scene, numbering.markers, [path], numbering.users)
         moved = scene.with_number(path, scene.number(path) + 1j * STEP)
-        stepped = evaluate_quantities(moved, numbering, affected_items(scene, path, users))
+        stepped = evaluate_quantities(moved, numbering, affected if among is None else affected & among)
         parts = {f.name: getattr(stepped, f.name) for f in fields(Quantities)}
         found.append(Quantities(**{name: part if name == "curves" else _imag(part) for name, part in parts.items()}))
     return found

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from toolkit.conformance.formula import check_joint_formula, check_load_formula
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
-from toolkit.joints.planar.joint import Joint
-from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.row_checks import check_rows
-from toolkit.loads.planar.load import Load
+from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE, Space
 
 
 def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
@@ -34,11 +35,15 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
         The joint names a body or a point that the scene does not have; or a row of it in space cannot be meant.
     """
     alone = _alone(scene, joints={"joint": joint})
-    if isinstance(joint, SpatialJoint):
-        check_rows(joint, alone)
-    else:
-        check_joint_formula(joint, alone, np.random.default_rng(seed))
+    _LAW[alone.space](joint, alone, np.random.default_rng(seed))
     check_scene(alone, seed)
+
+
+_LAW: dict[Space, Callable[..., None]] = {
+    PLANE: check_joint_formula,
+    SPACE: lambda joint, scene, _rng: check_rows(joint, scene),
+}
+"""What a joint alone is checked by."""
 
 
 def check_load(load: Load, scene: Scene, seed: int = 0) -> None:

@@ -10,12 +10,12 @@ from toolkit.conformance.comparison import STEP, compare
 from toolkit.conformance.residual import design_paths
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
+from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.kernels.planar.joint_kernel import ROWS
-from toolkit.joints.planar.joint import Joint
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
-from toolkit.loads.planar.load import Load
+from toolkit.loads.load import Load
 from toolkit.scene.scene import Scene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")

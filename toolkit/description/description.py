@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
 
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import LARGEST, SMALLEST
 
@@ -32,7 +33,7 @@ class Description(BaseModel):
     """Base of all descriptions: frozen, no unknown keys, no numbers that are not finite.
 
     `with_number` replaces one number without validating again, so that it may be complex: the complex step through
-    the construction formulas relies on it.
+    the construction formulas relies on it. What a field's numbers measure stands beside it: `Annotated[Positive, Quantity("mass")]`.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -41,6 +42,12 @@ class Description(BaseModel):
         """Paths and values of all numbers below this record."""
         for name, value in self:
             yield from numbers_below(name, value)
+
+    def quantity_of(self, field: str) -> Quantity | None:
+        """What the numbers of a field measure, as it stands beside the field; None if nobody has said it."""
+        described = (kind.model_fields.get(field) for kind in type(self).__mro__ if issubclass(kind, Description))
+        facts = (each for info in described if info is not None for each in info.metadata)
+        return next((each for each in facts if isinstance(each, Quantity)), None)
 
     def with_number(self, path: str, value: Any) -> Self:
         """A copy in which the number at the path has another value, real or complex.
@@ -56,23 +63,22 @@ class Description(BaseModel):
 class Registered(Description):
     """Base of open sets of descriptions: every subclass with a `kind` can be named in a scene file.
 
-    `kinds` of a base lists all that were defined below it; those of a base with `closed` do not show in the bases above it, so that
-    components in space may have the names of those in the plane.
+    `kinds` of a base lists all that were defined below it and belong to the same space as the base itself, so that components in space
+    may have the names of those in the plane.
     """
 
     kind: ClassVar[str] = ""
-    closed: ClassVar[bool] = False
-    kinds: ClassVar[dict[str, type]] = {}
+    dimension: ClassVar[int] = 0
+    """Of the space that it belongs to; 0 of what belongs to none, as every neutral base."""
+    kinds: ClassVar[dict[str, type[Registered]]] = {}
 
     @classmethod
     def __pydantic_init_subclass__(cls, **_: Any) -> None:
         if not cls.kind:
             cls.kinds = {}
         for base in cls.__mro__:
-            if cls.kind and "kinds" in vars(base):
+            if cls.kind and "kinds" in vars(base) and issubclass(base, Registered) and base.dimension == cls.dimension:
                 vars(base)["kinds"][cls.kind] = cls
-            if vars(base).get("closed"):
-                break
 
 
 def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:

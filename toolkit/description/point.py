@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from toolkit.description.description import Description, Number
+from toolkit.description.quantity import Quantity
 
 
 class Point(Description):
@@ -20,9 +23,9 @@ class Point(Description):
         Likewise, of a spatial scene alone.
     """
 
-    x: Number
-    y: Number
-    z: Number | None = None
+    x: Annotated[Number, Quantity("length")]
+    y: Annotated[Number, Quantity("length")]
+    z: Annotated[Number | None, Quantity("length")] = None
 
     def position(self) -> np.ndarray:
         """Its coordinates, shape (2,) or (3,)."""
@@ -44,4 +47,4 @@ class BodyPoint(Description):
 
     body: str
     interface: str
-    arc_length: Number | None = None
+    arc_length: Annotated[Number | None, Quantity("length")] = None

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.description.description import Description, Number, Positive
+from toolkit.description.quantity import OF_OWNER, Quantity
 
 
 class Constant(Description):
@@ -23,7 +24,7 @@ class Constant(Description):
     """
 
     type: Literal["constant"] = "constant"
-    value: Number = 1.0
+    value: Annotated[Number, OF_OWNER] = 1.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
@@ -48,9 +49,9 @@ class SmoothStep(Description):
     """
 
     type: Literal["smooth-step"] = "smooth-step"
-    height: Number = 1.0
-    start: Number = 0.0
-    duration: Positive = 1.0
+    height: Annotated[Number, OF_OWNER] = 1.0
+    start: Annotated[Number, Quantity("time")] = 0.0
+    duration: Annotated[Positive, Quantity("time")] = 1.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
@@ -79,9 +80,9 @@ class Sine(Description):
     """
 
     type: Literal["sine"] = "sine"
-    amplitude: Number = 1.0
-    frequency: Positive
-    phase: Number = 0.0
+    amplitude: Annotated[Number, OF_OWNER] = 1.0
+    frequency: Annotated[Positive, Quantity("1/time")]
+    phase: Annotated[Number, Quantity("angle")] = 0.0
 
     def evaluate(self, time: np.ndarray) -> np.ndarray:
         """f, f', f'' at the times, shape (n_t, 3)."""
@@ -112,8 +113,8 @@ class Table(Description):
     """
 
     type: Literal["table"] = "table"
-    times: tuple[Number, ...] = Field(min_length=2)
-    values: tuple[Number, ...]
+    times: Annotated[tuple[Number, ...], Quantity("time")] = Field(min_length=2)
+    values: Annotated[tuple[Number, ...], OF_OWNER]
     interpolation: Literal["cubic", "linear"] = "cubic"
 
     @model_validator(mode="after")

@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 
 from toolkit.description.description import Description, NotNegative, Positive
 from toolkit.description.option_checks import contradictions
+from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
 
@@ -23,8 +24,8 @@ class Baumgarte(Description):
         In 1/time; by default sqrt(2)/step.
     """
 
-    damping: NotNegative | None = None
-    stiffness: NotNegative | None = None
+    damping: Annotated[NotNegative | None, Quantity("1/time")] = None
+    stiffness: Annotated[NotNegative | None, Quantity("1/time")] = None
 
 
 class RunOptions(Description):
@@ -88,23 +89,23 @@ class RunOptions(Description):
         Most steps along the path of equilibria in statics.
     """
 
-    end_time: Positive = 1.0
-    step: Positive = 0.01
+    end_time: Annotated[Positive, Quantity("time")] = 1.0
+    step: Annotated[Positive, Quantity("time")] = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
     formulation: Literal["index-1", "index-3", "ggl"] = "index-1"
-    rho_inf: Annotated[float, Field(strict=True, ge=0, le=1)] = 0.5
+    rho_inf: Annotated[float, Field(strict=True, ge=0, le=1), Quantity("none")] = 0.5
     baumgarte: Baumgarte = Baumgarte()
-    tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2)] = 1e-10
+    tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2), Quantity("none")] = 1e-10
     newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
     quasi_static: bool = False
-    local_error: Positive | None = None
-    times: tuple[NotNegative, ...] | None = Field(default=None, min_length=2)
+    local_error: Annotated[Positive | None, Quantity("none")] = None
+    times: Annotated[tuple[NotNegative, ...] | None, Quantity("time")] = Field(default=None, min_length=2)
     load_steps: Count = 10
-    drift_tolerance: Positive = 1e-3
+    drift_tolerance: Annotated[Positive, Quantity("none")] = 1e-3
     assemble: bool = False
     redundant: Literal["refuse", "least-squares"] = "refuse"
-    memory: Positive = 8.0
+    memory: Annotated[Positive, Quantity("none")] = 8.0
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000
 

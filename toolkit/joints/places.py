@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from toolkit.description.description import Description, Positive
+from toolkit.description.quantity import Quantity
 from toolkit.markers.component import Place, Skeleton, on_both
 
 
@@ -43,7 +44,7 @@ class BetweenPoints(Description):
 
     bodies: tuple[str, str]
     points: tuple[str, str]
-    length: Positive | None = None
+    length: Annotated[Positive | None, Quantity("length")] = None
 
     @model_validator(mode="after")
     def _two_points(self) -> Self:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import field_validator, model_validator
 
 from toolkit.description.description import Description
 from toolkit.description.profile import Constant, Curve
+from toolkit.description.quantity import Quantity
 from toolkit.markers.component import Place, on_both
 
 
@@ -26,7 +27,7 @@ class AppliedForce(Description):
 
     body: str
     point: str
-    curve: Curve = Constant()
+    curve: Annotated[Curve, Quantity("none")] = Constant()
 
     @field_validator("body")
     @classmethod
@@ -63,7 +64,7 @@ class AppliedTorque(Description):
 
     body: str
     point: Place
-    curve: Curve = Constant()
+    curve: Annotated[Curve, Quantity("none")] = Constant()
     reaction: str = "ground"
 
     @model_validator(mode="after")

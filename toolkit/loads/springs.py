@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
 
 from toolkit.description.description import Description, NotNegative, Number
+from toolkit.description.quantity import Quantity
 from toolkit.markers.component import Place, Skeleton, on_both
 
 
@@ -30,9 +31,9 @@ class PointSpring(Description):
 
     bodies: tuple[str, str]
     points: tuple[str, str]
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    length: NotNegative | None = None
+    stiffness: Annotated[NotNegative, Quantity("force/length")] = 0.0
+    damping: Annotated[NotNegative, Quantity("force time/length")] = 0.0
+    length: Annotated[NotNegative | None, Quantity("length")] = None
 
     @model_validator(mode="after")
     def _two_points(self) -> Self:
@@ -70,11 +71,14 @@ class TurnSpring(Description):
         Relative rotation without torque, in rad.
     """
 
+    folds: ClassVar[bool] = False
+    """Whether its angle is known up to half a turn only, beyond which its torque would change sign."""
+
     bodies: tuple[str, str]
     point: Place
-    stiffness: NotNegative = 0.0
-    damping: NotNegative = 0.0
-    rest_angle: Number = 0.0
+    stiffness: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
+    damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
+    rest_angle: Annotated[Number, Quantity("angle")] = 0.0
 
     @model_validator(mode="after")
     def _two_bodies(self) -> Self:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.description.description import Description, Triple
+from toolkit.description.quantity import Quantity
 from toolkit.kinematics.spatial import axes_along
 
 
@@ -18,7 +21,7 @@ class AboutAxis(Description):
         Direction of the axis in the undeformed configuration, of any length.
     """
 
-    axis: Triple
+    axis: Annotated[Triple, Quantity("none")]
 
     @field_validator("axis")
     @classmethod

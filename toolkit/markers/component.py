@@ -24,7 +24,7 @@ class Skeleton(Protocol):
     """What a component may ask of its scene: where the points are in the undeformed configuration."""
 
     def position(self, point: str) -> np.ndarray:
-        """Undeformed global position of a point, shape (2,)."""
+        """Undeformed global position of a point, shape (d,)."""
 
 
 class Component(Registered):
@@ -37,7 +37,6 @@ class Component(Registered):
     formula: ClassVar[CPUDispatcher]
     stated_by: ClassVar[str] = "formula"
     """What a kind of component states its law by."""
-    dimension: ClassVar[int] = 2
 
     @classmethod
     def law(cls) -> CPUDispatcher:
@@ -74,5 +73,10 @@ class Component(Registered):
             raise TypeError(
                 f"{cls.__name__} has no `{cls.stated_by}`: state the law and all its derivatives as one compiled function, "
                 "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
+            )
+        if cls.kind and not cls.dimension:
+            raise TypeError(
+                f"{cls.__name__} belongs neither to the plane nor to space: derive it from PlanarJoint, SpatialJoint, PlanarLoad or "
+                "SpatialLoad, as the neighbouring files do."
             )
         super().__pydantic_init_subclass__(**kwargs)

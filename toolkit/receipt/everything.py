@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.description.point import BodyPoint
-from toolkit.joints.planar.rigid_joint import RigidJoint
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.reduced_model.file import PARTS
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
 
 
@@ -26,8 +24,8 @@ def with_frames(scene: Scene) -> Scene:
     grounded = {f"frame of {name}": name for name in grounded_bodies(scene)}
     moving = {name: scene.bodies[name].model_copy(update={"frame": "moving"}) for name in grounded.values()}
     points = {point: BodyPoint(body=name, interface=FRAME) for point, name in grounded.items()}
-    rigid = RigidJoint if scene.dimension == 2 else SpatialRigidJoint
-    joints = {point: rigid(bodies=(name, "ground"), point=point) for point, name in grounded.items()}
+    rigid = scene.space.kinds["joints"]["rigid"]
+    joints = {point: rigid.model_validate({"bodies": (name, "ground"), "point": point}) for point, name in grounded.items()}
     return scene.model_copy(
         update={
             "points": {**scene.points, **points},

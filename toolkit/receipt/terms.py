@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.spatial.body import SpatialFloatingNumbers
 from toolkit.receipt.line import Line
 from toolkit.system.system import System
 
@@ -34,10 +31,10 @@ def rigid_bodies(system: System) -> list[str]:
 def _rigid(system: System, numbers: list[int]) -> list[Line]:
     """Of all rigid bodies; in the plane their mass is constant, in space only that of those that do not turn."""
     lines = [Line("mass of rigid bodies", sum(_filled(system.values.constant[number].mass) for number in numbers))]
-    if system.scene.dimension == 2:
+    if system.scene.space.constant_rigid_mass:
         return [*lines, Line("quadratic velocity of rigid bodies", 0, 2 * len(numbers), "frame at the centre of mass")]
     turning = [system.values.floating[number] for number in numbers if number in system.values.floating]
-    return [*lines, Line("mass and quadratic velocity of rigid bodies, turning", sum(map(invariant_entries, turning)))]
+    return [*lines, Line("mass and quadratic velocity of rigid bodies, turning", sum(part.entries for part in turning))]
 
 
 def _flexible(system: System, number: int, name: str) -> list[Line]:
@@ -65,14 +62,7 @@ def frame_of(body: Body) -> str:
 def frame_entries(system: System, body: Body) -> int:
     """Entries of the invariants of a body with a moving frame."""
     part = body.floating(system.scene)
-    return 0 if part is None else invariant_entries(part)
-
-
-def invariant_entries(part: Any) -> int:
-    """Entries of G and H and of the three rows and columns of the frame; in space of all Q[a, b] and N, and the mass."""
-    if isinstance(part, SpatialFloatingNumbers):
-        return part.second.size + part.moment.size + 1
-    return len(part.row) + 3 * (2 * len(part.moment) + 1)
+    return 0 if part is None else part.entries
 
 
 def _filled(values: np.ndarray) -> int:

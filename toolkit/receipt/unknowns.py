@@ -9,10 +9,9 @@ from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.receipt.everything import grounded_bodies
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import frame_of, rigid_bodies
+from toolkit.scene.space import SPACES
 from toolkit.system.system import System
 
-WHOLE_FRAME = {2: 3, 3: 7}
-"""Dimension -> coordinates of a frame that moves and turns; rows that hold it where it is, a quaternion's length among them."""
 IDLE = {
     "grounded": "it neither moves nor turns",
     "translating": "it does not turn",
@@ -27,14 +26,14 @@ def coordinates(system: System) -> list[Line]:
     bodies = {name: body for name, body in scene.bodies.items() if name not in rigid}
     lines = [Line(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
     own = [scene.bodies[name] for name in rigid]
-    kept, most = sum(body.frame_size for body in own), sum(WHOLE_FRAME[scene.dimension] for _ in own)
+    kept, most = sum(body.frame_size for body in own), scene.space.frame_size * len(own)
     why = "frames that do not move, or do not turn about every axis" if kept < most else ""
     return [*lines, Line(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else lines
 
 
 def _missing(body: Body) -> tuple[int, str]:
     """Coordinates that a flexible body's frame does not have, and why."""
-    missing = WHOLE_FRAME[body.dimension] - body.frame_size
+    missing = SPACES[body.dimension].frame_size - body.frame_size
     return (missing, f"{frame_of(body)} frame: {IDLE[frame_of(body)]}") if missing else (0, "")
 
 
@@ -44,7 +43,7 @@ def rows(system: System) -> list[Line]:
     kinds = {
         kind: [len(joint.row_names) for joint in joints if joint.kind == kind] for kind in dict.fromkeys(j.kind for j in joints)
     }
-    whole = WHOLE_FRAME[system.scene.dimension]
+    whole = system.scene.space.frame_size  # rows that hold a frame, a quaternion's length among them
     held = [
         Line(f"frame of {name}", 0, whole, "grounded frame: nothing has to hold it") for name in grounded_bodies(system.scene)
     ]

@@ -22,17 +22,13 @@ def entry_scales(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
 
     The stress operator is no product of squares: its entries are measured by the largest ones of their columns and rows.
     """
-    if isinstance(inv, SpatialInvariants):
-        inertia = inv.second_moment[:3].sum(axis=0)
-        of_inertia = {"second_moment": np.broadcast_to(_of_squares(inertia), inv.second_moment.shape)}
-    else:
-        inertia = inv.inertia
-        of_inertia = {"inertia": _of_squares(inertia), "gyroscopic": _of_squares(inertia)}
+    inertia = inv.inertia_about_origin
+    squares = _of_squares(inertia)
     first = np.sqrt(np.abs(inv.mass * np.diag(inertia)))
     return {
         "mass": np.abs(inv.mass),
         "first_moment": np.broadcast_to(first, inv.first_moment.shape),
-        **of_inertia,
+        **{name: np.broadcast_to(squares, getattr(inv, name).shape) for name in inv.moments},
         "stiffness": _of_squares(inv.stiffness),
         "damping": _of_squares(inv.damping),
         "stress_operator": _of_rows(inv.stress_operator),

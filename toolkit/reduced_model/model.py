@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import ClassVar
 
 import numpy as np
 
@@ -34,6 +35,18 @@ class Invariants:
     stiffness: np.ndarray  # (n_f, n_f)
     damping: np.ndarray  # (n_f, n_f)
     stress_operator: np.ndarray  # (n_stress, n_f)
+
+    moments: ClassVar[tuple[str, ...]] = ("inertia", "gyroscopic")
+    """Names of the arrays that are integrals of products of shapes."""
+
+    @property
+    def inertia_about_origin(self) -> np.ndarray:
+        """G (1 + n_f, 1 + n_f): what the squares of rotation and deformation have in the kinetic energy."""
+        return self.inertia
+
+    def mass_across(self, _axis: np.ndarray) -> np.ndarray:
+        """Elastic mass that moves across an axis, (n_f, n_f): all of it, as every axis of rotation in the plane is normal to it."""
+        return self.inertia[1:, 1:]
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -27,6 +28,19 @@ class SpatialInvariants:
     stiffness: np.ndarray  # (n_f, n_f)
     damping: np.ndarray  # (n_f, n_f)
     stress_operator: np.ndarray  # (n_stress, 6 or 1, n_f)
+
+    moments: ClassVar[tuple[str, ...]] = ("second_moment",)
+    """Names of the arrays that are integrals of products of shapes."""
+
+    @property
+    def inertia_about_origin(self) -> np.ndarray:
+        """sum_a Q[a, a] (1 + n_f, 1 + n_f): what the squares of deformation have in the kinetic energy."""
+        return self.second_moment[:3].sum(axis=0)
+
+    def mass_across(self, axis: np.ndarray) -> np.ndarray:
+        """Elastic mass that moves across an axis with unit vector n, sum_a Q[a, a] - sum_ab n_a n_b Q[a, b], (n_f, n_f)."""
+        Q = all_second_moments(self.second_moment)
+        return (np.einsum("aaij->ij", Q) - np.einsum("a,b,abij->ij", axis, axis, Q))[1:, 1:]
 
 
 @dataclass(frozen=True)

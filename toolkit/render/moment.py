@@ -8,14 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.joints.planar.joint import PointJoint
-from toolkit.joints.spatial.joint import SpatialPointJoint
+from toolkit.joints.places import AtPoint
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
-AT_ONE_PLACE = (PointJoint, SpatialPointJoint, SpatialTorque)
+AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 
 

@@ -12,9 +12,11 @@ from toolkit.render.plane.look import Look, choose_look
 from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
+from toolkit.sensitivity.clock import repeated
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
 
 Progress = Callable[[str, int, int], None]
@@ -80,7 +82,7 @@ def judge(material: Material, progress: Progress) -> Material:
         return material
 
     def run(method: str) -> Result:
-        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
+        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), clock=repeated)
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
     affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]

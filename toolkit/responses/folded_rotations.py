@@ -16,11 +16,8 @@ LOOKED_AT = 500
 
 def folded_rotations(solution: Solution) -> Iterator[Caution]:
     """A remark for every rotation of a scene in space that jumps from one half turn to the other on the way."""
-    scene = solution.system.scene
-    if scene.dimension == 2:
-        return
-    for name, response in scene.responses.items():
-        if isinstance(response, Rotation):
+    for name, response in solution.system.scene.responses.items():
+        if isinstance(response, Rotation) and response.axis is not None:
             steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).round().astype(int))
             angles = np.array([float(np.real(response.at(solution, int(step)).value)) for step in steps])
             if np.any(np.abs(np.diff(angles)) > np.pi):

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.description.description import NotNegative
+from toolkit.description.quantity import Quantity
 from toolkit.description.time_grid import time_grid
+from toolkit.foundation.dimensions import LABELLED, Dimension
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.responses.response import Partials, Response
@@ -26,7 +28,7 @@ class Instant(Response):
         When; one of the time steps, by default the end.
     """
 
-    time: NotNegative | None = None
+    time: Annotated[NotNegative | None, Quantity("time")] = None
 
     @property
     def needs_motion(self) -> bool:
@@ -132,7 +134,9 @@ class TimeIntegral(Response):
         kind = value.get("type") if isinstance(value, dict) else None
         if not isinstance(kind, str) or kind not in Instant.kinds:
             raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
-        return cls._over_all_times(Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"}))
+        found = Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"})
+        assert isinstance(found, Instant)
+        return cls._over_all_times(found)
 
     @staticmethod
     def _over_all_times(quantity: Instant) -> Instant:
@@ -147,6 +151,11 @@ class TimeIntegral(Response):
     def markers(self) -> tuple[tuple[str, str], ...]:
         """Those of the quantity."""
         return self.of.markers()
+
+    @property
+    def physical_dimension(self) -> Dimension:
+        """That of the quantity times time."""
+        return self.of.physical_dimension.times(LABELLED["time"])
 
     def unit(self, system_of_units: str) -> str:
         """Unit of the quantity times time."""

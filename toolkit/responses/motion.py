@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.spatial.joint_kernel import angle_of
@@ -64,7 +65,7 @@ class Rotation(MarkerResponse):
     kind = "rotation"
     quantity = "angle"
 
-    axis: Triple | None = None
+    axis: Annotated[Triple | None, Quantity("none")] = None
 
     def check(self, scene: Any) -> None:
         """An axis belongs to space.
@@ -75,7 +76,7 @@ class Rotation(MarkerResponse):
             It is missing there, or given in the plane.
         """
         super().check(scene)
-        if (scene.dimension == 3) != (self.axis is not None) or (self.axis is not None and not any(self.axis)):
+        if scene.space.rotations_add != (self.axis is None) or (self.axis is not None and not any(self.axis)):
             raise InputError(
                 "a rotation in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
             )
@@ -115,7 +116,7 @@ class Displacement(MarkerResponse):
             A component that the scene does not have.
         """
         super().check(scene)
-        if self.component == "z" and scene.dimension == 2:
+        if self.component not in (*scene.space.axes, "magnitude"):
             raise InputError('a scene of dimension 2 has no displacement along z; take "x", "y" or "magnitude".')
 
     def at(self, solution: Solution, step: int) -> Partials:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 
 from toolkit.description.description import Registered
+from toolkit.foundation.dimensions import LABELLED, Dimension
 from toolkit.foundation.units import unit
 from toolkit.system.solution import Solution
 
@@ -50,6 +51,11 @@ class Response(Registered):
     def unit_quantity(self) -> str:
         """The quantity, where it depends on the response's options."""
         return self.quantity
+
+    @property
+    def physical_dimension(self) -> Dimension:
+        """Dimension of its value."""
+        return LABELLED[self.unit_quantity]
 
     def unit(self, system_of_units: str) -> str:
         """Label of the unit."""

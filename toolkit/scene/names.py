@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.description.validation_messages import SHORT
 from toolkit.foundation.errors import InputError
@@ -39,7 +39,7 @@ def check_names(
     for name, load in loads.items():
         if isinstance(load, Pressure):
             known(load.body, bodies, f"loads.{name}", "body")
-            if not isinstance(bodies[load.body], SpatialFlexible):
+            if not isinstance(bodies[load.body], ModelBody):
                 raise InputError(f"loads.{name} presses on body {load.body!r}, which is not flexible and has no named surfaces.")
     for name, owner in bodies.items():
         for point in owner.named_points():

@@ -11,8 +11,6 @@ from pydantic import Field, model_validator
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.ground import Ground
-from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Description, Registered, numbers_below
 from toolkit.description.design import Design, DesignVariable
 from toolkit.description.point import BodyPoint, Point
@@ -20,14 +18,13 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.vector_paths import numbered
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
-from toolkit.joints.planar.joint import Joint
-from toolkit.loads.planar.gravity import Gravity
-from toolkit.loads.planar.load import Load
-from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.loads.spatial.pressure import Pressure
+from toolkit.joints.joint import Joint
+from toolkit.loads.gravity import UniformGravity
+from toolkit.loads.load import AnyLoad
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.names import check_dimension, check_names, known
+from toolkit.scene.space import SPACES, Space
 
 NOT_DESIGN = {
     "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
@@ -70,7 +67,7 @@ class Scene(Description):
     points: dict[str, Point | BodyPoint] = Field(default_factory=dict)
     bodies: dict[str, Body]
     joints: dict[str, Joint] = Field(default_factory=dict)
-    loads: dict[str, Load | Gravity | SpatialGravity | Pressure] = Field(default_factory=dict)
+    loads: dict[str, AnyLoad] = Field(default_factory=dict)
     design: dict[str, str] = Field(default_factory=dict)
     responses: dict[str, Registered] = Field(default_factory=dict)
     solver: RunOptions = RunOptions()
@@ -82,9 +79,14 @@ class Scene(Description):
         check_dimension(self.dimension, self.points, {"bodies": self.bodies, "joints": self.joints, "loads": self.loads})
         return self
 
+    @property
+    def space(self) -> Space:
+        """What a scene of its dimension has that one of another has not."""
+        return SPACES[self.dimension]
+
     def all_bodies(self) -> dict[str, Body]:
         """The bodies and the ground."""
-        return {"ground": Ground() if self.dimension == 2 else SpatialGround(), **self.bodies}
+        return {"ground": self.space.ground, **self.bodies}
 
     def body(self, name: str) -> Body:
         """One body.
@@ -188,15 +190,13 @@ class Scene(Description):
     @property
     def gravity(self) -> np.ndarray:
         """Sum of all gravity loads, shape (d,), length/time^2."""
-        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, (Gravity, SpatialGravity))]
+        found = [np.array(each.acceleration) for each in self.loads.values() if isinstance(each, UniformGravity)]
         return sum(found, np.zeros(self.dimension))
 
     @property
     def size(self) -> float:
         """Extent of the points or of the largest body, the length that displacements are compared with."""
-        positions = np.real([self.position(point) for point in self.points])
-        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(self.dimension)
-        return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
+        return size_of(self)
 
     def number(self, path: str) -> Any:
         """The number at a path; a flexible body's parameter that the scene does not set has its nominal value.
@@ -221,7 +221,7 @@ class Scene(Description):
     def path_of(self, path: str) -> str:
         """The path as `available_paths` has it: in space x, y and z name the numbers of every vector."""
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
-        return numbered(path, groups) if self.dimension == 3 else path
+        return numbered(path, groups) if self.space.named_vectors else path
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
@@ -303,6 +303,13 @@ class Scene(Description):
                 raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
+
+
+def size_of(scene: Any) -> float:
+    """Size of a scene, or of one that remembers where its points are, see `Scene.size`."""
+    positions = np.real([scene.position(point) for point in scene.points])
+    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(scene.dimension)
+    return float(max(*extent, *(body.radius_of_gyration(scene) for body in scene.bodies.values())))
 
 
 def _with_extra(body: Body, key: str, value: Any) -> Body:

@@ -5,42 +5,41 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.quantity import Measure
 from toolkit.foundation.dimensions import LABELLED, NONE, Dimension
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.joints.planar.driver import AngleDriver
-from toolkit.joints.spatial.driver import SpatialAngleDriver
-from toolkit.loads.springs import TurnSpring
 from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.dimensions import number_dimension
+from toolkit.scene_file.dimensions import number_measure
 
-ANGLES = ("angle", "rest_angle", "orientation", "phase")
-"""Keys of numbers that are angles, which have no dimension but a unit."""
-VALUES_OF_CURVES = ("value", "height", "amplitude", "values")
 _BASE = ("mass", "length", "time")
 
 
 def variable_unit(scene: Scene, path: str) -> str:
     """Label of the unit of the number at a path, for example "N/mm"; empty for a number without one.
 
-    A number of a component that nobody has given a dimension (see `toolkit.scene_file.dimensions.FIELDS`) has the label "?".
+    A number of a component of which nobody has said what it measures (see `toolkit.description.quantity`) has the label "?".
     """
     group, name, *keys = path.split(".")
     item = getattr(scene, group)[name]
     if isinstance(item, ModelBody) and keys[-1] in (units := scene.model(item.model).nominal_units):
         return units[keys[-1]]
-    words = [key for key in keys if not key.isdecimal()]
-    driven = isinstance(item, (AngleDriver, SpatialAngleDriver)) and words[-1] in VALUES_OF_CURVES
-    if words[-1] in ANGLES or driven:
-        return unit(scene.units, "angle")
-    if words[-1] == "angular_velocity" or (words[-1] == "velocity" and keys[-1] == "2" and scene.dimension == 2):
-        return f"{unit(scene.units, 'angle')}/{unit(scene.units, 'time')}"
     try:
-        label = dimension_label(number_dimension(scene, path), scene.units)
+        return measure_label(number_measure(scene, path), scene.units)
     except InputError:
         return "?"
-    return f"{label}/rad" if isinstance(item, TurnSpring) and words[-1] in ("stiffness", "damping") else label
+
+
+def measure_label(measure: Measure, system: str) -> str:
+    """Label of a unit that an angle may be part of, for example "rad/s" or "N m/rad"."""
+    label = dimension_label(measure.dimension, system)
+    if not measure.angle:
+        return label
+    angle = _product([(unit(system, "angle"), measure.angle)])
+    if measure.angle < 0:
+        return (label or "1") + angle.removeprefix("1")
+    return angle + label.removeprefix("1") if label.startswith("1/") else f"{angle} {label}".rstrip()
 
 
 def dimension_label(dimension: Dimension, system: str) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import ValidationError
 
-from toolkit.description.description import Description
+from toolkit.description.description import Description, Registered
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import CURVES
 from toolkit.description.run_options import RunOptions
@@ -21,8 +21,21 @@ from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
 
 
-def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
-    """Read a scene file; `changes` replaces values by path or short name, given as in TOML (`{"points.A.x": "73"}`).
+def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path
+        The file, in TOML.
+    changes
+        Values that replace those of the file, by path or short name: numbers, or texts as they would stand in the file, such as
+        {"points.A.x": 73.0, "solver.scheme": "paper"}.
+
+    Returns
+    -------
+    scene
+        The scene, checked; models of its bodies are read when they are needed.
 
     Raises
     ------
@@ -52,8 +65,8 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     parsed: dict[str, Any] = {name: {} for name in groups}
     for name, text in groups["points"].items():
         parsed["points"][name] = _point(text, dimension, f"points.{name}", problems)
-    kinds: dict[str, Mapping[str, type]] = {**kinds_of(dimension), "responses": Response.kinds}
-    others: dict[str, Mapping[str, type]] = kinds_of(5 - dimension)
+    kinds: dict[str, Mapping[str, type[Registered]]] = {**kinds_of(dimension), "responses": Response.kinds}
+    others = kinds_of(5 - dimension)
     for group, known in kinds.items():
         for name, item in groups[group].items():
             parsed[group][name] = _item(item, known, others.get(group, {}), f"{group}.{name}", problems)
@@ -110,7 +123,9 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
     return _validated(BodyPoint, value, where, problems)
 
 
-def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], where: str, problems: list[str]) -> Any:
+def _item(
+    value: Any, kinds: Mapping[str, type[Registered]], others: Mapping[str, type[Registered]], where: str, problems: list[str]
+) -> Any:
     """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
         problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
@@ -120,7 +135,7 @@ def _item(value: Any, kinds: Mapping[str, type], others: Mapping[str, type], whe
     if kind is None:
         hint = ""
         if isinstance(wanted, str) and wanted in others:
-            other = others[wanted].dimension  # type: ignore[attr-defined]
+            other = others[wanted].dimension
             hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
         problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.{hint}")
         return None
@@ -135,10 +150,10 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
         return None
 
 
-def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
+def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
     """Set one value by its path; x and y, in space z too, name the entries of a vector."""
     try:
-        value = parse_toml(f"value = {text}")["value"]
+        value = parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text
     except ValueError:
         value = text
     *owners, last = key.split(".")

@@ -52,11 +52,12 @@ def variable_sizes(scene: Scene, exact: Differentiated) -> dict[str, float]:
 
 def _reach(scene: Scene, path: str) -> float:
     """Largest sensible change of a place, angle, velocity or time; 1 in the scene's units for what is none of these."""
-    name, time = path.split(".")[2:], scene.solver.end_time
-    if name[:1] == ["angular_velocity"]:
-        return 1.0 / time
-    if name[:1] == ["velocity"]:
-        return (1.0 if name[1] == "2" and scene.dimension == 2 else scene.size) / time
+    group, owner, *name = path.split(".")
+    time = scene.solver.end_time
+    if name[:1] in (["velocity"], ["angular_velocity"]):
+        said = getattr(scene, group)[owner].quantity_of(name[0])
+        place = int(name[1]) if name[1:] else 0
+        return (1.0 if said is not None and said.measure(place).angle else scene.size) / time
     if name[:1] == ["position"]:
         return scene.size
     return time if name[-1] in ("start", "duration") else 1.0

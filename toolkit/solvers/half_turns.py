@@ -8,7 +8,7 @@ from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.kernels.spatial.joint_kernel import angle_of
-from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.springs import TurnSpring
 from toolkit.markers.poses import update_poses
 from toolkit.system.system import System
 
@@ -45,7 +45,7 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
 def half_turn(system: System, q: np.ndarray) -> tuple[str, int] | None:
     """The first spring in space that turns beyond half a turn in states q (n_t, n), in words, and the state after."""
     for name, load in system.scene.loads.items():
-        if isinstance(load, SpatialRotationalSpringDamper):
+        if isinstance(load, TurnSpring) and load.folds:
             first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
             angles: np.ndarray = np.zeros(len(q), system.dtype)
             work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])

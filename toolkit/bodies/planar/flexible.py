@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import ConfigDict, model_validator
 
-from toolkit.bodies.body import ConstantNumbers, FloatingNumbers, MarkerNumbers, Placed
+from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
+from toolkit.description.quantity import Quantity
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.model import Invariants, generalized_lengths
+
+ACROSS = np.array([0.0, 0.0, 1.0])
+"""The axis of all rotations in the plane."""
 
 
 class Flexible(ModelBody, StartVelocity):
@@ -36,8 +41,8 @@ class Flexible(ModelBody, StartVelocity):
     model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
     frame: Literal["moving", "grounded"] = "moving"
-    position: Pair = (0.0, 0.0)
-    angle: Number = 0.0
+    position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
+    angle: Annotated[Number, Quantity("angle")] = 0.0
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:
@@ -54,6 +59,24 @@ class Flexible(ModelBody, StartVelocity):
     def has_frame(self) -> bool:
         """Only a moving frame has coordinates."""
         return self.frame == "moving"
+
+    def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
+        """Two zero positions and a zero angle."""
+        return np.zeros((2, width)), np.zeros(width)
+
+    @property
+    def start_spin(self) -> np.ndarray:
+        """omega, across the plane."""
+        return self.frame_velocity()[2] * ACROSS
+
+    @property
+    def only_axis(self) -> np.ndarray:
+        """Across the plane."""
+        return ACROSS
+
+    def spins(self, _q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """omega, across the plane."""
+        return v[:, 2, None] * ACROSS
 
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, (2,)."""

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers, MarkerNumbers, Placed
+from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.mass import GivenMass, UniformRod
+from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Positive
+from toolkit.description.quantity import Quantity
 
 
 class RigidBody(StartVelocity):
@@ -48,24 +51,18 @@ class RigidBody(StartVelocity):
         return ConstantNumbers(diagonal, diagonal, np.array([mass, mass, inertia]), zero, zero, np.append(mass * gravity, 0.0))
 
 
-class Rigid(RigidBody):
+class Rigid(GivenMass, RigidBody):
     """A rigid body with explicit mass properties; its centre of mass is a point of the scene.
 
     Attributes
     ----------
-    mass
-        Mass of the body.
     inertia
         Moment of inertia about the centre of mass, in mass length^2.
-    center
-        Point of the scene where the centre of mass is.
     """
 
     kind = "rigid"
 
-    mass: Positive
-    inertia: Positive
-    center: str
+    inertia: Annotated[Positive, Quantity("mass length^2")]
 
     def named_points(self) -> tuple[str, ...]:
         """The centre of mass."""
@@ -76,24 +73,10 @@ class Rigid(RigidBody):
         return self.mass, scene.position(self.center), self.inertia
 
 
-class Rod(RigidBody):
-    """A uniform slender rod between two points: m = density area L, inertia m L^2 / 12; it follows when a point moves.
-
-    Attributes
-    ----------
-    between
-        Points of the scene at its ends.
-    area
-        Area of the section, in length^2.
-    density
-        Mass/length^3.
-    """
+class Rod(UniformRod, RigidBody):
+    """A uniform slender rod between two points: m = density area L, inertia m L^2 / 12; it follows when a point moves."""
 
     kind = "rod"
-
-    between: tuple[str, str]
-    area: Positive
-    density: Positive
 
     def named_points(self) -> tuple[str, ...]:
         """Both ends."""

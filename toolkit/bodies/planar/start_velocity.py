@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.bodies.body import Body
+from toolkit.bodies.planar.body import PlanarBody
 from toolkit.description.description import Number
+from toolkit.description.quantity import Quantity
 
 
-class StartVelocity(Body):
+class StartVelocity(PlanarBody):
     """Base of planar bodies whose frame moves. What is written holds at the start; what is not, the joints and least motion decide.
 
     Attributes
@@ -21,8 +24,8 @@ class StartVelocity(Body):
         omega at the start alone, in rad/time, in the place of `velocity`: the joints find what belongs to it.
     """
 
-    velocity: tuple[Number, Number, Number] | None = None
-    angular_velocity: Number | None = None
+    velocity: Annotated[tuple[Number, Number, Number] | None, Quantity("length/time", "length/time", "angle/time")] = None
+    angular_velocity: Annotated[Number | None, Quantity("angle/time")] = None
 
     @model_validator(mode="after")
     def _one_omega(self) -> StartVelocity:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Iterator
-from typing import Any, ClassVar, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
 from pydantic import model_validator
 
-from toolkit.bodies.body import Body, ConstantNumbers, Placed
+from toolkit.bodies.body import QUATERNION, Body, Placed
 from toolkit.description.description import Triple
-from toolkit.kinematics.spatial import axes_along, quaternion_rate
+from toolkit.description.quantity import Quantity
+from toolkit.kinematics.spatial import angular_velocity, axes_along, matrix_of, quaternion_rate
 
 ORIENTATION = ("e0", "e1", "e2", "e3")
 """Names of a quaternion's coordinates."""
@@ -35,6 +36,11 @@ class SpatialFloatingNumbers(NamedTuple):
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     axis: np.ndarray  # (3,) that a turning frame turns about
 
+    @property
+    def entries(self) -> int:
+        """Entries of all Q[a, b] and N, and the mass."""
+        return self.second.size + self.moment.size + 1
+
 
 class SpatialBody(Body):
     """Base of spatial bodies. Coordinates are x, y, z of the frame and its orientation, as far as it has them, then the elastic ones.
@@ -55,12 +61,11 @@ class SpatialBody(Body):
     """
 
     dimension: ClassVar[int] = 3
-    closed: ClassVar[bool] = True
 
     frame: Literal["moving", "translating", "turning", "grounded"] = "moving"
-    axis: Triple | None = None
-    velocity: Triple | None = None
-    angular_velocity: Triple | None = None
+    axis: Annotated[Triple | None, Quantity("none")] = None
+    velocity: Annotated[Triple | None, Quantity("length/time")] = None
+    angular_velocity: Annotated[Triple | None, Quantity("angle/time")] = None
 
     @model_validator(mode="after")
     def _fits_its_frame(self) -> SpatialBody:
@@ -90,16 +95,6 @@ class SpatialBody(Body):
     def turns(self) -> int:
         """How many coordinates its orientation has."""
         return {"moving": 4, "turning": 1}.get(self.frame, 0)
-
-    @property
-    def has_frame(self) -> bool:
-        """Whether coordinates of a frame come before the elastic ones."""
-        return self.frame_size > 0
-
-    @property
-    def frame_size(self) -> int:
-        """How many coordinates come before the elastic ones."""
-        return self.moves + self.turns
 
     @property
     def unit_axis(self) -> np.ndarray:
@@ -134,15 +129,21 @@ class SpatialBody(Body):
         velocity = (self.velocity or (0.0, 0.0, 0.0))[: self.moves]
         return np.array([*origin[: self.moves], *orientation]), np.array([*velocity, *rate])
 
+    def frame_motion(self, q: np.ndarray, v: np.ndarray) -> dict[str, np.ndarray]:
+        """Of what the frame has; the angular velocity from the quaternion's rate, or along the axis."""
+        found, turns = {}, v[self.moves : self.frame_size]
+        if self.moves:
+            found["velocity"] = v[: self.moves]
+        if self.turns == QUATERNION:
+            orientation = q[self.moves : self.frame_size]
+            found["angular_velocity"] = matrix_of(orientation) @ angular_velocity(orientation, turns)
+        elif self.turns:
+            found["angular_velocity"] = turns[0] * self.unit_axis
+        return found
+
     @abstractmethod
     def marker(self, scene: Placed, point: str, name: str, axes: np.ndarray | None = None) -> Any:
         """The named point of the scene as a marker on this body; `axes` (3, 3) in the undeformed configuration."""
-
-
-def no_constants(size: int) -> ConstantNumbers:
-    """Of a body all of whose terms move with its frame."""
-    empty = np.zeros(0, int)
-    return ConstantNumbers(empty, empty, np.zeros(0), np.zeros(0), np.zeros(0), np.zeros(size))
 
 
 def pose_of(position: np.ndarray, axes: np.ndarray, origin: np.ndarray | None = None) -> np.ndarray:

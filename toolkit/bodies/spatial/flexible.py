@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import ConfigDict
 
-from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Triple
-from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.description.quantity import Quantity
+from toolkit.kinematics.spatial import angular_velocity, matrix_of, quaternion_of
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
 
 
@@ -30,8 +33,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
     kind = "flexible"
     model_config = ConfigDict(extra="allow")  # against the base of all bodies, which allows none
 
-    position: Triple = (0.0, 0.0, 0.0)
-    orientation: Triple = (0.0, 0.0, 0.0)
+    position: Annotated[Triple, Quantity("length")] = (0.0, 0.0, 0.0)
+    orientation: Annotated[Triple, Quantity("angle")] = (0.0, 0.0, 0.0)
 
     @property
     def placement(self) -> np.ndarray:
@@ -63,6 +66,27 @@ class SpatialFlexible(ModelBody, SpatialBody):
         inv = scene.model(self.model).invariants
         assert isinstance(inv, SpatialInvariants)
         return inv
+
+    def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
+        """Three zero positions and a zero rotation vector."""
+        return np.zeros((3, width)), np.zeros((3, width))
+
+    @property
+    def start_spin(self) -> np.ndarray:
+        """As written, turned into the model."""
+        return self.placement.T @ self.spin
+
+    @property
+    def only_axis(self) -> np.ndarray | None:
+        """That of a turning frame."""
+        return self.placement.T @ self.unit_axis if self.frame == "turning" else None
+
+    def spins(self, q: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """From the quaternion's rate, or along the axis."""
+        at = self.moves
+        if self.only_axis is not None:
+            return v[:, at, None] * self.only_axis
+        return angular_velocity(q[:, at : at + QUATERNION], v[:, at : at + QUATERNION])
 
     def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
         """Undeformed global position of an interface point, (3,)."""

@@ -7,11 +7,11 @@ from typing import Any, Literal
 import numpy as np
 
 from toolkit.bodies.body import Placed
-from toolkit.bodies.planar.ground import Ground
+from toolkit.bodies.ground import InertialFrame
 from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers, pose_of
 
 
-class SpatialGround(SpatialBody, Ground):
+class SpatialGround(InertialFrame, SpatialBody):
     """The inertial frame; it is always there, under the name `ground`."""
 
     kind = "ground"

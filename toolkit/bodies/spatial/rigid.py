@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.bodies.body import ConstantNumbers, Placed
-from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, no_constants, pose_of
-from toolkit.description.description import Number, Positive
+from toolkit.bodies.body import ConstantNumbers, Placed, no_constants
+from toolkit.bodies.mass import GivenMass, UniformRod
+from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
+from toolkit.description.description import Number
+from toolkit.description.quantity import Quantity
 
 INERTIA = ("xx", "yy", "zz", "yz", "xz", "xy")
 """Order of moments of inertia."""
@@ -83,25 +85,21 @@ class SpatialRigidBody(SpatialBody):
         return SpatialFloatingNumbers(mass, (mass * arm)[None], first, first, second.reshape(1, 9), self.unit_axis)
 
 
-class SpatialRigid(SpatialRigidBody):
+class SpatialRigid(GivenMass, SpatialRigidBody):
     """A rigid body with explicit mass properties; its centre of mass is a point of the scene.
 
     Attributes
     ----------
-    mass
-        Mass of the body.
     inertia
         Moments of inertia about the centre of mass, in mass length^2: xx, yy, zz in the undeformed configuration's axes, and as many
         as three entries more, yz, xz, xy of the inertia tensor (the negative products of inertia).
-    center
-        Point of the scene where the centre of mass is.
     """
 
     kind = "rigid"
 
-    mass: Positive
-    inertia: tuple[Number, Number, Number] | tuple[Number, Number, Number, Number, Number, Number]
-    center: str
+    inertia: Annotated[
+        tuple[Number, Number, Number] | tuple[Number, Number, Number, Number, Number, Number], Quantity("mass length^2")
+    ]
 
     @field_validator("inertia")
     @classmethod
@@ -123,24 +121,10 @@ class SpatialRigid(SpatialRigidBody):
         return self.mass, scene.position(self.center), second_moments(np.array(self.inertia))
 
 
-class SpatialRod(SpatialRigidBody):
-    """A uniform round rod between two points: m = density area L, about its middle m L^2 / 12 along it and m area / (4 pi) across.
-
-    Attributes
-    ----------
-    between
-        Points of the scene at its ends.
-    area
-        Area of the section, in length^2.
-    density
-        Mass/length^3.
-    """
+class SpatialRod(UniformRod, SpatialRigidBody):
+    """A uniform round rod between two points: m = density area L, about its middle m L^2 / 12 along it and m area / (4 pi) across."""
 
     kind = "rod"
-
-    between: tuple[str, str]
-    area: Positive
-    density: Positive
 
     def named_points(self) -> tuple[str, ...]:
         """Both ends, and the frame's origin."""

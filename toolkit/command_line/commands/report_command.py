@@ -62,7 +62,9 @@ def refuse_space(dimension: int, file: Path) -> None:
     InputError
         The scene is not planar; says which commands show one in space.
     """
-    if dimension != 2:
+    from toolkit.scene.space import SPACES
+
+    if dimension not in SPACES or not SPACES[dimension].reported:
         raise InputError(
             f"{file.name!r} is a scene in space, and the figures of a report are planar. ffrf render {file.name} --animate draws it with "
             "its curves, ffrf simulate --output FILE.h5 and ffrf export FILE.h5 --paraview DIR make a time series of it."
@@ -82,13 +84,14 @@ def _from_results(file: Path, models: Path | None) -> Material:
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
-    from toolkit.sensitivity.analysis import direct
+    from toolkit.sensitivity.clock import repeated
+    from toolkit.sensitivity.direct import direct
 
     scene, text = read(file, changes, quiet), text_of(file)
     refuse_space(scene.dimension, file)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(scene, names, "transient", progress)
+        found = direct(scene, names, "transient", progress, repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

@@ -89,7 +89,7 @@ def tradeoff(
 def _model_verdict(scene: Scene) -> Verdict:
     """What speaks against the model itself, which no setting of the solver mends: of the motion with the scene's own settings."""
     from toolkit.foundation.verdict import Caution, Verdict
-    from toolkit.sensitivity.analysis import prepare, solve
+    from toolkit.sensitivity.preparation import prepare, solve
     from toolkit.validity.bodies.physics import excessive_speeds, large_deformations
 
     try:

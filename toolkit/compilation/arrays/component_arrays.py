@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
-from toolkit.compilation.quantities import LOAD_PARAMETERS, Quantities, named_loads
+from toolkit.compilation.quantities import Quantities, named_loads
 from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
 from toolkit.joints.kernels.planar.joint_kernel import Joints
 from toolkit.loads.kernels.load_kernel import Loads
@@ -124,7 +124,7 @@ def load_arrays(
     return Loads(
         ints([[known.index(load.law()) for load in loads]]),
         np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
-        np.array(list(values.loads.values()), dtype).reshape(-1, LOAD_PARAMETERS[scene.dimension]),
+        np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
         curve_numbers(loads, before),
         designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
         starts([len(pairs) for pairs in changes]),

@@ -11,9 +11,9 @@ from toolkit.compilation.arrays.component_arrays import curve_numbers, designed,
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
-from toolkit.compilation.quantities import Quantities, forms_of, named_loads, pressures_of
+from toolkit.compilation.quantities import Quantities, named_loads, pressures_of
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.spatial.forms import Form, Row
+from toolkit.joints.kernels.spatial.forms import Form, Row, forms_of
 from toolkit.joints.kernels.spatial.joint_kernel import ROWS, SpatialJoints
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.joints.spatial.row_checks import check_rows
@@ -66,7 +66,7 @@ def spatial_floating_part(
         ints([[b for b, _, _ in blocks]]),
         ints([[x for _, x, _ in blocks]]),
         ints([[numbering.first[name] for name in names]]),
-        ints([[scene.bodies[name].moves for name in names]]),  # type: ignore[attr-defined]
+        ints([[scene.bodies[name].moves for name in names]]),
         ints([[scene.bodies[name].turns for name in names]]),
         ints([[len(part.moment) - 1 for part in bodies]]),
         np.array([part.mass for _, _, part in blocks], dtype),
@@ -109,7 +109,7 @@ def spatial_marker_arrays(
         frames,
         tuple(range(POSE)),
         ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
-        ints([[body.moves for body in bodies]]),  # type: ignore[attr-defined]
+        ints([[body.moves for body in bodies]]),
         ints([[body.turns for body in bodies]]),
         ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
         ints([[POSE if m in full else 3 for m in range(len(parts))]]),

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.places import BetweenPoints
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.markers.component import Skeleton
 
 
@@ -31,7 +32,7 @@ def distance(z, w, phi, phi_z, phi_zz, phi_zww):
     phi_zww[0, 6] = -rate / (length * length)
 
 
-class Distance(BetweenPoints, Joint):
+class Distance(BetweenPoints, PlanarJoint):
     """phi = (d . d / L - L) / 2, d from point b to point a: the two points keep their distance L.
 
     Without `length` it is the distance in the undeformed configuration and follows when a point moves.
@@ -41,9 +42,9 @@ class Distance(BetweenPoints, Joint):
     formula = distance
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """One direction."""
-        return ["distance"]
+        return [("distance", "length")]
 
     def parameters(self, scene: Skeleton) -> list[Any]:
         """The length."""

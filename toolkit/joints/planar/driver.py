@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import field_validator
 
-from toolkit.description.description import Description
-from toolkit.description.profile import Curve, is_smooth
+from toolkit.description.profile import Curve
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.driven import Driven
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.joints.planar.slider import AlongAxis, offset_along
 from toolkit.kinematics.planar import unit_vector
@@ -21,31 +22,6 @@ def relative_angle(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = angle_a - angle_b."""
     phi[0] = z[2] - z[5]
     phi_z[0, 2], phi_z[0, 5] = 1, -1
-
-
-def smooth(curve: Curve) -> Curve:
-    """Refuse a curve without second derivative: the acceleration of what it drives would not exist."""
-    if not is_smooth(curve):
-        raise ValueError("a driver needs a curve with a second derivative; use interpolation = 'cubic' or a smooth-step")
-    return curve
-
-
-class Driven(Description):
-    """Base of drivers: a joint coordinate follows a curve.
-
-    Attributes
-    ----------
-    curve
-        The joint coordinate over time.
-    """
-
-    curve: Curve
-    _smooth = field_validator("curve")(smooth)
-
-    @property
-    def time_curve(self) -> Curve:
-        """The curve that is followed."""
-        return self.curve
 
 
 class AngleDriver(Driven, PointJoint):
@@ -61,10 +37,12 @@ class AngleDriver(Driven, PointJoint):
     formula = relative_angle
     curved = False
 
+    curve: Annotated[Curve, Quantity("angle")]
+
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """The rotation."""
-        return ["rotation"]
+        return [("rotation", "angle")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None."""
@@ -83,10 +61,12 @@ class PositionDriver(Driven, AlongAxis):
     kind = "position-driver"
     formula = offset_along
 
+    curve: Annotated[Curve, Quantity("length")]
+
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """The axis."""
-        return ["axis"]
+        return [("axis", "length")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The axis."""

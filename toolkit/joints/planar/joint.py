@@ -1,20 +1,19 @@
-"""Base of all joints; a new joint is one such class with its constraint and the constraint's derivatives by the two poses."""
+"""Base of all joints in the plane; a new joint is one such class with its constraint and the constraint's derivatives by the two poses."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Any, ClassVar
 
-from pydantic import model_validator
-
+from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint
-from toolkit.markers.component import Component
 
 
-class Joint(Component):
-    """A constraint g(pose a, pose b, parameters) = f(t) between two bodies.
+class PlanarJoint(Joint):
+    """A constraint g(pose a, pose b, parameters) = f(t) between two bodies in the plane.
 
     `formula(z, w, phi, phi_z, phi_zz, phi_zww)` (see `joint_kernel`) fills g, g_z, g_zz and d(w^T g_zz w)/dz; if g is linear in the
-    poses, `curved` is False and the last two stay zero. A time curve is subtracted from the last row.
+    poses, `curved` is False and the last two stay zero. `rows` names each row and says whether it is a length or an angle. A time curve
+    is subtracted from the last row.
 
     Attributes
     ----------
@@ -22,21 +21,17 @@ class Joint(Component):
         Names of bodies a and b; `ground` is always there.
     """
 
-    curved: ClassVar[bool] = True
+    dimension: ClassVar[int] = 2
 
-    bodies: tuple[str, str]
-
-    @property
-    def row_names(self) -> list[str]:
-        """Names of the constraint's rows, for messages; their number is the joint's size."""
-        raise NotImplementedError
-
-    @model_validator(mode="after")
-    def _two_bodies(self) -> Joint:
-        if self.bodies[0] == self.bodies[1]:
-            raise ValueError(f"a joint ties two different bodies, not {self.bodies[0]!r} to itself")
-        return self
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if cls.kind and hasattr(cls, "formula") and getattr(cls.rows, "__isabstractmethod__", False):
+            raise TypeError(
+                f'{cls.__name__} has no `rows`: name each row of its constraint and say whether it is a "length" or an "angle", '
+                'as a property that returns [("x", "length"), ("rotation", "angle")].'
+            )
+        super().__pydantic_init_subclass__(**kwargs)
 
 
-class PointJoint(AtPoint, Joint):
+class PointJoint(AtPoint, PlanarJoint):
     """A joint at one point, which belongs to both bodies in the undeformed configuration; or at one point of each."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.markers.component import Skeleton
 
@@ -25,9 +26,9 @@ class Revolute(PointJoint):
     curved = False
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """Two directions."""
-        return ["x", "y"]
+        return [("x", "length"), ("y", "length")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None."""

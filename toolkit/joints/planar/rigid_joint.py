@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.joints.planar.revolute import revolute
 from toolkit.markers.component import Skeleton
@@ -26,9 +27,9 @@ class RigidJoint(PointJoint):
     curved = False
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """Two directions and the rotation."""
-        return ["x", "y", "rotation"]
+        return [("x", "length"), ("y", "length"), ("rotation", "angle")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """None."""

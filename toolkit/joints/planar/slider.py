@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from pydantic import field_validator
 
 from toolkit.description.description import Pair
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import RowQuantity
 from toolkit.joints.planar.joint import PointJoint
 from toolkit.kinematics.planar import unit_vector
 from toolkit.markers.component import Skeleton
@@ -60,7 +62,7 @@ class AlongAxis(PointJoint):
         Direction of the axis in the undeformed configuration, of any length.
     """
 
-    axis: Pair = (1.0, 0.0)
+    axis: Annotated[Pair, Quantity("none")] = (1.0, 0.0)
 
     @field_validator("axis")
     @classmethod
@@ -87,9 +89,9 @@ class Slider(AlongAxis):
     lock_rotation: bool = False
 
     @property
-    def row_names(self) -> list[str]:
+    def rows(self) -> list[tuple[str, RowQuantity]]:
         """The normal direction, and the rotation if it is locked."""
-        return ["normal", "rotation"] if self.lock_rotation else ["normal"]
+        return [("normal", "length"), ("rotation", "angle")] if self.lock_rotation else [("normal", "length")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The normal."""

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
+from toolkit.description.profile import Curve
+from toolkit.description.quantity import Quantity
+from toolkit.joints.driven import Driven
 from toolkit.joints.kernels.spatial.forms import TURNED, Row, on_axis
-from toolkit.joints.planar.driver import Driven
 from toolkit.joints.spatial.joint import AxisJoint
 from toolkit.markers.component import Skeleton
 
@@ -20,6 +24,8 @@ class SpatialAngleDriver(Driven, AxisJoint):
 
     kind = "angle-driver"
 
+    curve: Annotated[Curve, Quantity("angle")]
+
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The rotation."""
         return (TURNED,)
@@ -35,6 +41,8 @@ class SpatialPositionDriver(Driven, AxisJoint):
     """
 
     kind = "position-driver"
+
+    curve: Annotated[Curve, Quantity("length")]
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The axis."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import Any, ClassVar
 
-from toolkit.joints.kernels.spatial.forms import Row
+from toolkit.joints.joint import Joint, RowQuantity
+from toolkit.joints.kernels.spatial.forms import Row, forms_of, row_numbers
 from toolkit.joints.places import AtPoint
-from toolkit.joints.planar.joint import Joint
 from toolkit.markers.about_axis import AboutAxis
 from toolkit.markers.component import Skeleton
 
 
 class SpatialJoint(Joint):
-    """Constraints between a marker on body a and one on body b: `rows(scene)`, made of the forms in `forms`.
+    """Constraints between a marker on body a and one on body b: `constraint(scene)`, made of the forms in `forms`.
 
     Attributes
     ----------
@@ -22,7 +22,6 @@ class SpatialJoint(Joint):
     """
 
     dimension: ClassVar[int] = 3
-    closed: ClassVar[bool] = True
     stated_by: ClassVar[str] = "constraint"
 
     @abstractmethod
@@ -30,20 +29,20 @@ class SpatialJoint(Joint):
         """The rows; without a scene their names and structure are right, their numbers need not be."""
 
     @property
-    def row_names(self) -> list[str]:
-        """Names of the constraint's rows, for messages; their number is the joint's size."""
-        return [row.name for row in self.constraint(None)]
+    def rows(self) -> list[tuple[str, RowQuantity]]:
+        """Name and quantity of the constraint's rows; their number is the joint's size."""
+        return [(row.name, row.quantity) for row in self.constraint(None)]
 
     @property
     def feels_axes(self) -> bool:
         """Whether a row has an axis in it."""
-        forms = [form for row in self.constraint(None) for form in (row.form, row.sine) if form is not None]
+        forms = forms_of(self.constraint(None))
         places = [place // 3 for form in forms for place, _ in form.linear]
         return any(vector % 4 for vector in [*places, *(v for form in forms for pair in form.pairs for v in pair[:2])])
 
-    def parameters(self, _scene: Skeleton) -> list[Any]:
-        """None: the numbers of a spatial joint stand in its rows."""
-        return []
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """The numbers that stand in its rows."""
+        return row_numbers(self.constraint(scene))
 
 
 class SpatialPointJoint(AtPoint, SpatialJoint):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.spatial.forms import Form, Row
+from toolkit.joints.kernels.spatial.forms import Form, Row, forms_of
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.markers.component import Skeleton
 
@@ -25,6 +25,10 @@ def check_rows(joint: SpatialJoint, scene: Skeleton) -> None:
             f"a {joint.kind!r} joint has other rows with a scene than without: `constraint(None)` gives the same names and terms as "
             "`constraint(scene)`, with any values."
         )
+    if not joint.curved:
+        raise InputError(
+            f"a {joint.kind!r} joint says `curved = False`: the rows of a joint in space are quadratic. Leave it out."
+        )
     for row in rows:
         for form in (row.form, row.sine or Form()):
             places = [(place, NUMBERS, "number") for place, _ in form.linear]
@@ -38,5 +42,5 @@ def check_rows(joint: SpatialJoint, scene: Skeleton) -> None:
 
 def _structure(row: Row) -> tuple:
     """Everything but the values."""
-    forms = [form for form in (row.form, row.sine) if form is not None]
-    return (row.name, *(([place for place, _ in form.linear], [pair[:2] for pair in form.pairs]) for form in forms))
+    forms = forms_of((row,))
+    return (row.name, row.quantity, *(([place for place, _ in form.linear], [pair[:2] for pair in form.pairs]) for form in forms))

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from pydantic import model_validator
 
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.joints.kernels.spatial.forms import TOGETHER, Row, perpendicular
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.markers.component import Skeleton
@@ -25,7 +28,7 @@ class Universal(SpatialPointJoint):
 
     kind = "universal"
 
-    axes_of_cross: tuple[Triple, Triple]
+    axes_of_cross: Annotated[tuple[Triple, Triple], Quantity("none")]
 
     @model_validator(mode="after")
     def _crossed(self) -> Universal:

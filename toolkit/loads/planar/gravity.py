@@ -1,13 +1,16 @@
-"""Gravity: one uniform acceleration on every body."""
+"""Gravity in the plane."""
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated
 
-from toolkit.description.description import Pair, Registered
+from toolkit.description.description import Pair
+from toolkit.description.quantity import Quantity
+from toolkit.loads.gravity import UniformGravity
+from toolkit.loads.planar.load import AnyPlanarLoad
 
 
-class Gravity(Registered):
+class Gravity(UniformGravity, AnyPlanarLoad):
     """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none.
 
     Attributes
@@ -17,6 +20,5 @@ class Gravity(Registered):
     """
 
     kind = "gravity"
-    dimension: ClassVar[int] = 2
 
-    acceleration: Pair
+    acceleration: Annotated[Pair, Quantity("length/time^2")]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 
 from toolkit.description.description import Pair
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedForce
 from toolkit.loads.kernels.load_kernel import CURVE
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.component import Skeleton
 
 
@@ -27,7 +28,7 @@ def point_force(z, w, force, force_z, force_w):
     force_z[0, 2], force_z[1, 2] = -follow * z[CURVE] * y, follow * z[CURVE] * x
 
 
-class PointForce(AppliedForce, Load):
+class PointForce(AppliedForce, PlanarLoad):
     """Force F s(t) on `body` at `point`; with `frame = "body"` it turns with the body at that point.
 
     Attributes
@@ -41,7 +42,7 @@ class PointForce(AppliedForce, Load):
     kind = "point-force"
     formula = point_force
 
-    force: Pair
+    force: Annotated[Pair, Quantity("force")]
     frame: Literal["space", "body"] = "space"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.kernel import kernel
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.springs import PointSpring, TurnSpring
 
 
@@ -54,14 +54,14 @@ def rotational_spring_damper(z, w, force, force_z, force_w):
             force_w[row, 3 * other + 2] = -sign * (1 - 2 * other) * z[7]
 
 
-class SpringDamper(PointSpring, Load):
+class SpringDamper(PointSpring, PlanarLoad):
     """Force -k (l - length) - c l' along the line between two points; without `length` the spring is relaxed at the start."""
 
     kind = "spring-damper"
     formula = spring_damper
 
 
-class RotationalSpringDamper(TurnSpring, Load):
+class RotationalSpringDamper(TurnSpring, PlanarLoad):
     """Torque -k (angle - rest_angle) - c angle' between two bodies, angle = relative rotation since the undeformed configuration."""
 
     kind = "rotational-spring-damper"

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 from toolkit.description.description import Number
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedTorque
 from toolkit.loads.kernels.load_kernel import CURVE
-from toolkit.loads.planar.load import Load
+from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.component import Skeleton
 
 
@@ -20,7 +21,7 @@ def torque(z, w, force, force_z, force_w):
     force_z[2, CURVE], force_z[5, CURVE] = z[6], -z[6]
 
 
-class Torque(AppliedTorque, Load):
+class Torque(AppliedTorque, PlanarLoad):
     """Torque M s(t) on `body` at `point` (any point of a rigid body), counter-clockwise positive; the reaction acts on `reaction`.
 
     With two points the reaction acts at the second.
@@ -34,7 +35,7 @@ class Torque(AppliedTorque, Load):
     kind = "torque"
     formula = torque
 
-    torque: Number
+    torque: Annotated[Number, Quantity("torque")]
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The torque."""

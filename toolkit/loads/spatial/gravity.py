@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
+from typing import Annotated
 
-from toolkit.description.description import Registered, Triple
+from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
+from toolkit.loads.gravity import UniformGravity
+from toolkit.loads.spatial.load import AnySpatialLoad
 
 
-class SpatialGravity(Registered):
+class SpatialGravity(UniformGravity, AnySpatialLoad):
     """Acceleration of gravity on all bodies; it costs nothing where a scene has none.
 
     Attributes
@@ -17,7 +20,5 @@ class SpatialGravity(Registered):
     """
 
     kind = "gravity"
-    dimension: ClassVar[int] = 3
-    closed: ClassVar[bool] = True
 
-    acceleration: Triple
+    acceleration: Annotated[Triple, Quantity("length/time^2")]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.applied import AppliedForce
 from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
@@ -41,7 +42,7 @@ class SpatialPointForce(AppliedForce, SpatialLoad):
     kind = "point-force"
     formula = spatial_point_force
 
-    force: Triple
+    force: Annotated[Triple, Quantity("force")]
     frame: Literal["space", "body"] = "space"
 
     @property

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from toolkit.bodies.body import Placed
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.description.description import Number, Registered
+from toolkit.description.description import Number
 from toolkit.description.profile import Constant, Curve
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
+from toolkit.loads.spatial.load import AnySpatialLoad
 
 
 class PressureNumbers(NamedTuple):
@@ -21,7 +23,7 @@ class PressureNumbers(NamedTuple):
     moment: np.ndarray
 
 
-class Pressure(Registered):
+class Pressure(AnySpatialLoad):
     """Pressure p s(t) on a surface that the body's reduced model names; it follows the body's frame, not the deformation.
 
     Attributes
@@ -37,13 +39,11 @@ class Pressure(Registered):
     """
 
     kind = "pressure"
-    dimension: ClassVar[int] = 3
-    closed: ClassVar[bool] = True
 
     body: str
     surface: str
-    pressure: Number
-    curve: Curve = Constant()
+    pressure: Annotated[Number, Quantity("stress")]
+    curve: Annotated[Curve, Quantity("none")] = Constant()
 
     def numbers_on(self, scene: Placed, body: SpatialFlexible) -> PressureNumbers:
         """What the equations need of it.

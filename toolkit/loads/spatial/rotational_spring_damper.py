@@ -77,3 +77,4 @@ class SpatialRotationalSpringDamper(AboutAxis, TurnSpring, SpatialLoad):
 
     kind = "rotational-spring-damper"
     formula = spatial_rotational_spring_damper
+    folds = True

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.applied import AppliedTorque
 from toolkit.loads.kernels.load_kernel import SPATIAL_CURVE
@@ -59,7 +60,7 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
     kind = "torque"
     formula = spatial_torque
 
-    torque: Triple
+    torque: Annotated[Triple, Quantity("torque")]
     frame: Literal["space", "body"] = "space"
 
     def parameters(self, _scene: Skeleton) -> list[Any]:

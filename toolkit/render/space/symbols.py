@@ -9,7 +9,7 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver

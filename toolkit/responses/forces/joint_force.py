@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from typing import Any, Literal
 
@@ -15,11 +16,9 @@ from toolkit.responses.forces.least_squares_forces import least_squares_forces
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
+from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
-
-COMPONENTS = {2: ("x", "y", "torque"), 3: ("x", "y", "z", "torque-x", "torque-y", "torque-z")}
-"""Components of a joint's force by the dimension of space."""
 
 
 class JointForce(Instant):
@@ -55,10 +54,10 @@ class JointForce(Instant):
             It does not; names those that do.
         """
         super().check(scene)
-        if self.component not in (*COMPONENTS[scene.dimension], "magnitude"):
-            known = ", ".join([*COMPONENTS[scene.dimension], "magnitude"])
+        known = (*scene.space.wrench, "magnitude")
+        if self.component not in known:
             raise InputError(
-                f"a joint force in a scene of dimension {scene.dimension} has no {self.component!r}; available: {known}."
+                f"a joint force in a scene of dimension {scene.dimension} has no {self.component!r}; available: {', '.join(known)}."
             )
 
     def at(self, solution: Solution, step: int) -> Partials:
@@ -74,14 +73,14 @@ class JointForce(Instant):
             size, direction = magnitude(force[:d], change)
             weights = np.append(direction, np.zeros(len(force) - d))
             return Partials(size, q=weights @ force_q, multipliers=weights @ force_lam, design=weights @ force_x)
-        k = COMPONENTS[d].index(self.component)
+        k = solution.system.scene.space.wrench.index(self.component)
         return Partials(force[k], q=force_q[k], multipliers=force_lam[k], design=force_x[k])
 
     def force(self, solution: Solution, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Its components and their derivatives by q, by the multipliers and by the design."""
         system, q = solution.system, solution.q[step]
         j = list(system.scene.joints).index(self.joint)
-        of_joint = _planar_force if system.scene.dimension == 2 else spatial_joint_force
+        of_joint = _WRENCH[system.scene.space]
         if not len(system.plan.dropped):
             return of_joint(system, j, q, solution.multipliers[step])
         forces = least_squares_forces(system, q, solution.multipliers[step], partial(_wrenches, system, q))
@@ -91,7 +90,7 @@ class JointForce(Instant):
 
 def _wrenches(system: System, q: np.ndarray, lam: np.ndarray) -> tuple[np.ndarray, ...]:
     """Forces, times the scene's size, and torques of all joints, with their derivatives."""
-    of_joint, d = (_planar_force if system.scene.dimension == 2 else spatial_joint_force), system.scene.dimension
+    of_joint, d = _WRENCH[system.scene.space], system.scene.dimension
     found = [of_joint(system, j, q, lam) for j in range(len(system.scene.joints))]
     scale = np.concatenate([np.where(np.arange(len(each[0])) < d, system.scene.size, 1.0) for each in found])
     value, *partials = (np.concatenate([each[k] for each in found]) for k in range(4))
@@ -128,3 +127,8 @@ def _planar_force(
         by_parameter = stiffness[:, 6 + plan.joints.design_parameter[d]]
         force_x[:, plan.joints.design_variable[d]] += np.real(by_parameter) * plan.joints.design_value[d]
     return -work.joint.force[:3], force_q, force_lam, force_x
+
+
+Wrench = Callable[[System, int, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]
+_WRENCH: dict[Space, Wrench] = {PLANE: _planar_force, SPACE: spatial_joint_force}
+"""Force and torque of a joint by its number, q and multipliers, and their derivatives by q, multipliers and design."""

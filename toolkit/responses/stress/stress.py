@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -10,6 +10,7 @@ from scipy.sparse import coo_array
 from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.description.description import Positive
 from toolkit.description.point import BodyPoint
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.design_point import NONE
@@ -148,7 +149,13 @@ class KSStress(StressResponse):
     kind = "ks-stress"
 
     aggregation: Positive
-    reference_stress: Positive | None = None
+    reference_stress: Annotated[Positive | None, Quantity("stress")] = None
+
+    def quantity_of(self, field: str) -> Quantity | None:
+        """That of the aggregation depends on the reference."""
+        if field == "aggregation":
+            return Quantity("1/stress" if self.reference_stress is None else "none")
+        return super().quantity_of(field)
 
     @property
     def sharpness(self) -> float:

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.bodies.body import QUATERNION
 from toolkit.equations.equations import Terms
 from toolkit.kinematics.spatial import angular_velocity, quaternion_rate
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.start.assembly import stiffened
 from toolkit.solvers.start.written_velocities import refuse_contradictions, refuse_variables_that_contradict
-from toolkit.system.frame_motion import QUATERNION
 from toolkit.system.system import System
 
 INDEPENDENT = 1e-10

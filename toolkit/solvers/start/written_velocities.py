@@ -7,7 +7,6 @@ import numpy as np
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
-from toolkit.system.frame_motion import frame_motion
 from toolkit.system.system import System
 
 HOLDS = 1e-6
@@ -108,10 +107,14 @@ def _in_numbers(system: System, i: int, path: str, q: np.ndarray, given: np.ndar
     at = slice(first, first + len(body.coordinate_names(system.scene)))
     turns = i >= first + body.frame_size - body.turns
     label = "rad/s" if turns else f"{unit(system.scene.units, 'length')}/s"
-    if not turns or system.scene.dimension == 2:
-        return path, f"{np.real(given[i]):.9g} {label}", f"{np.real(found[i]):.9g} {label}"
-    wish, allowed = (np.real(frame_motion(body, q[at], v[at])["angular_velocity"]) for v in (given, found))
-    return path, *("[" + ", ".join(f"{x:.9g}" for x in each) + f"] {label}" for each in (wish, allowed))  # type: ignore[return-value]
+    wish, allowed = (body.frame_motion(q[at], v[at])["angular_velocity"] if turns else v[i : i + 1] for v in (given, found))
+    return path, f"{_listed(wish)} {label}", f"{_listed(allowed)} {label}"
+
+
+def _listed(numbers: np.ndarray) -> str:
+    """One number, or several in brackets."""
+    shown = ", ".join(f"{x:.9g}" for x in np.real(numbers))
+    return shown if len(numbers) == 1 else f"[{shown}]"
 
 
 def _advice(system: System, path: str) -> str:

@@ -89,7 +89,7 @@ def find_equilibrium(
 
 def _with_tangent(system: System, options: RunOptions, factor: float, q: np.ndarray, acc: np.ndarray) -> Equilibrium:
     """Add the direction of the path, d [q; lam] / d factor; the residual is linear in the factor apart from a driver's turning axis."""
-    step = 1.0 if system.scene.dimension == 2 else PART
+    step = 1.0 if system.scene.space.rotations_add else PART
     rest, low, high = np.zeros_like(q), inputs_at(system, options, factor), inputs_at(system, options, factor + step)
     terms, further = system.evaluate(low, q, rest, acc), system.evaluate(high, q, rest, acc)
     change = (further.inertial + further.applied - terms.inertial - terms.applied) / step

@@ -9,8 +9,6 @@ import numpy as np
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.foundation.dimensions import LABELLED
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
@@ -66,7 +64,7 @@ def mass_map(scene: Scene) -> Map:
     InputError
         The scene has no rigid body.
     """
-    rigid = [name for name, body in scene.bodies.items() if isinstance(body, (Rigid, Rod, SpatialRigid, SpatialRod))]
+    rigid = [name for name, body in scene.bodies.items() if body.proportional]
     flexible = any(isinstance(body, ModelBody) for body in scene.bodies.values())
     chosen = rigid if flexible else rigid[:1]
     title = "mass of the rigid bodies" if flexible else f"mass of body {chosen[0]!r}" if chosen else ""
@@ -76,8 +74,7 @@ def mass_map(scene: Scene) -> Map:
 
 def _inertial(body: Body) -> list[str]:
     """Numbers that a rigid body's mass and moments of inertia are proportional to; products of inertia that are zero stay so."""
-    fields = ("density",) if isinstance(body, (Rod, SpatialRod)) else ("mass", "inertia")
-    return [path for path, value in body.numbers() if path.split(".")[0] in fields and value != 0]
+    return [path for path, value in body.numbers() if path.split(".")[0] in body.proportional and value != 0]
 
 
 def load_map(scene: Scene) -> Map:

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.processes.preprocessing_process import run
+from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.deformation import Deformation, chain, deformation_of, flexible_bodies
@@ -43,16 +44,8 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     """
     scene = solution.system.scene
     behind = chain(scene, body)
-    if behind is None and (scene.dimension == 3 or scene.model(flexible_body(scene, body).model, "outline").outline is not None):
-        raise InputError(
-            f"body {body!r} does not consist of beams in the plane, the only elements that turn here. Compare it with several bodies in a "
-            "row instead of one, which turn themselves."
-        )
     if behind is None:
-        raise InputError(
-            f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "
-            "again with ffrf-preprocess."
-        )
+        raise InputError(_without_beams(scene, body))
     estimate = deformation_of(behind, solution, body)
     elastic = np.real(solution.q[solution.times == estimate.time][:1, elastic_coordinates(solution, body)])
     content = {
@@ -81,3 +74,16 @@ def flexible_of(solution: Solution) -> list[str]:
     if not found:
         raise InputError("no body of the scene is flexible, so that none deforms. Give a scene with a flexible body.")
     return found
+
+
+def _without_beams(scene: Scene, body: str) -> str:
+    """Why there is nothing to compare a body with."""
+    if not scene.space.turning_elements or scene.model(flexible_body(scene, body).model, "outline").outline is not None:
+        return (
+            f"body {body!r} does not consist of beams in the plane, the only elements that turn here. Compare it with several bodies in a "
+            "row instead of one, which turn themselves."
+        )
+    return (
+        f"the reduced model of body {body!r} does not hold its mesh and stress points, so that its elements are unknown. Build it "
+        "again with ffrf-preprocess."
+    )

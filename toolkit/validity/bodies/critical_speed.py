@@ -14,11 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import eigh
 
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
-from toolkit.kinematics.spatial import angular_velocity
-from toolkit.reduced_model.spatial_model import all_second_moments
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
@@ -26,7 +23,7 @@ from toolkit.system.solution import Solution
 
 def spinning_bodies(scene: Scene) -> list[str]:
     """Names of the flexible bodies whose frame can turn."""
-    return [name for name, body in scene.bodies.items() if isinstance(body, (Flexible, SpatialFlexible)) and body.turns]
+    return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.turns]
 
 
 def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None) -> float:
@@ -49,25 +46,17 @@ def _critical(scene: Scene, body: str, axis: np.ndarray) -> float:
 
 
 def _likely_axes(scene: Scene, body: str) -> list[np.ndarray]:
-    found = scene.bodies[body]
-    if not isinstance(found, SpatialFlexible):
-        return [ACROSS]
-    spin = found.unit_axis if found.frame == "turning" else np.real(found.spin)
-    return [found.placement.T @ spin] if np.any(spin) else list(np.eye(3))
-
-
-ACROSS = np.array([0.0, 0.0, 1.0])
-"""The axis of all rotations in the plane."""
+    found = flexible_body(scene, body)
+    if found.only_axis is not None:
+        return [found.only_axis]
+    spin = np.real(found.start_spin)
+    return [spin] if np.any(spin) else list(np.eye(3))
 
 
 def too_fast_at_start(scene: Scene) -> Iterator[tuple[str, float, float]]:
     """Bodies that the scene starts beyond their critical speed, how fast, and the critical speed about that axis."""
     for body in spinning_bodies(scene):
-        found = scene.bodies[body]
-        if isinstance(found, SpatialFlexible):
-            spin = np.real(found.placement.T @ found.spin)
-        else:
-            spin = float(np.real(found.frame_velocity()[2])) * ACROSS  # type: ignore[attr-defined]
+        spin = np.real(flexible_body(scene, body).start_spin)
         if not _stable(scene, body, spin):
             yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
 
@@ -84,14 +73,8 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
 
 def _spins(solution: Solution, body: str) -> np.ndarray:
     """Angular velocity of the frame in the axes of the reduced model, (n_t, 3)."""
-    found, where = solution.system.scene.bodies[body], solution.coordinates(body)
-    q, v = np.real(solution.q[:, where]), np.real(solution.v[:, where])
-    if not isinstance(found, SpatialFlexible):
-        return v[:, 2, None] * ACROSS
-    at = found.moves
-    if found.frame == "turning":
-        return v[:, at, None] * (found.placement.T @ found.unit_axis)
-    return angular_velocity(q[:, at : at + 4], v[:, at : at + 4])
+    found, where = flexible_body(solution.system.scene, body), solution.coordinates(body)
+    return found.spins(np.real(solution.q[:, where]), np.real(solution.v[:, where]))
 
 
 def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
@@ -110,11 +93,6 @@ def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
 def _scaled(scene: Scene, body: str, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """K, scaled to a unit diagonal, and C for an axis of any length in the same scale, (n_f, n_f)."""
     inv = flexible_body(scene, body).invariants(scene)
-    if scene.dimension == 3:
-        Q, n = all_second_moments(np.real(inv.second_moment)), axis / np.linalg.norm(axis)
-        mass = (np.einsum("aaij->ij", Q) - np.einsum("a,b,abij->ij", n, n, Q))[1:, 1:]
-    else:
-        mass = np.real(inv.inertia[1:, 1:])
-    stiffness = np.real(inv.stiffness)
+    mass, stiffness = np.real(inv.mass_across(axis / np.linalg.norm(axis))), np.real(inv.stiffness)
     scale = 1 / np.sqrt(np.diag(stiffness))
     return scale[:, None] * stiffness * scale, scale[:, None] * mass * scale

@@ -10,7 +10,6 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.start.start_velocities import carried_along, project_velocities
 from toolkit.solvers.start.written_velocities import written_velocities
-from toolkit.system.frame_motion import frame_motion
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -70,6 +69,6 @@ def _spins(system: System, q: np.ndarray, v: np.ndarray, when: str) -> Iterator[
     for name, body in system.scene.bodies.items():
         first = system.numbering.first[name]
         at = slice(first, first + body.frame_size)
-        rate = frame_motion(body, q[at], v[at]).get("angular_velocity")
+        rate = body.frame_motion(q[at], v[at]).get("angular_velocity")
         if rate is not None and np.any(rate):
             yield name, float(np.linalg.norm(rate)), when

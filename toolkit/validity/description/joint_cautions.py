@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.verdict import Caution
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical

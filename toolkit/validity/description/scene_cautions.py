@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from toolkit.compilation.frame_hints import floats_with_its_clamp
 from toolkit.foundation.verdict import Caution
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.loads.springs import PointSpring, TurnSpring
 from toolkit.scene.scene import Scene
 from toolkit.validity.description.joint_cautions import cautions_of_joints

@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.bodies.mass import GivenMass, UniformRod
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.markers.component import Component
@@ -49,10 +48,10 @@ def _of_body(scene: Scene, name: str, body) -> Iterator[Caution]:
         numbers = {key: float(np.real(value)) for key, value in values.items()}
         yield from material_questions(numbers, scene.units, where)
         yield from _of_thickness(scene, where, body, numbers)
-    elif isinstance(body, (Rod, SpatialRod)):
+    elif isinstance(body, UniformRod):
         yield from material_questions({"density": float(np.real(body.density))}, scene.units, where)
         yield from _of_rod(scene, where, body)
-    elif isinstance(body, (Rigid, SpatialRigid)):
+    elif isinstance(body, GivenMass):
         yield from _of_mass(scene, name, body)
 
 
@@ -68,7 +67,7 @@ def _of_thickness(scene: Scene, where: str, body: ModelBody, values: dict[str, f
         )
 
 
-def _of_rod(scene: Scene, where: str, body: Rod | SpatialRod) -> Iterator[Caution]:
+def _of_rod(scene: Scene, where: str, body: UniformRod) -> Iterator[Caution]:
     start, end = (np.real(scene.position(point)) for point in body.between)
     long, thick = float(np.linalg.norm(end - start)), float(np.sqrt(np.real(body.area)))
     if thick > STOUT * long:
@@ -80,7 +79,7 @@ def _of_rod(scene: Scene, where: str, body: Rod | SpatialRod) -> Iterator[Cautio
         )
 
 
-def _of_mass(scene: Scene, name: str, body: Rigid | SpatialRigid) -> Iterator[Caution]:
+def _of_mass(scene: Scene, name: str, body: GivenMass) -> Iterator[Caution]:
     mass, length = float(np.real(body.mass)), unit(scene.units, "length")
     span = _span(scene, name)
     if span > APART * _extent(scene) and mass / span**3 * IN_SI[scene.units]["density"] > DENSEST:

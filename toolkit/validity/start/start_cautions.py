@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.bodies.body import QUATERNION
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.kinematics.spatial import angular_velocity
 from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
 from toolkit.solvers.static.equilibrium import inputs_at
-from toolkit.system.frame_motion import QUATERNION
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spin import fastest_spin
 from toolkit.validity.start.start_state import start_state

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.system.frame_motion import frame_motion
 from toolkit.system.solution import Solution
 
 Numbers = tuple[float, ...]
@@ -57,12 +56,18 @@ def _of(solution: Solution, name: str) -> BodyStart:
     at = slice(first, first + len(body.coordinate_names(system.scene)))
     q, v = np.real(solution.q[0, at]), np.real(solution.v[0, at])
     given, wish = (np.real(state[at]) for state in system.start()[:2])
-    keys = {key.split(".")[0] for key in body.written_velocities().values()} if not solution.own_start else set()
-    if "velocity" in keys and system.scene.dimension == 2:
-        keys.add("angular_velocity")  # which is the third number of the velocity there
-    used = {key: _numbers(value) for key, value in frame_motion(body, q, v).items()}
-    written = {f"written_{key}": _numbers(value) for key, value in frame_motion(body, given, wish).items() if key in keys}
-    return BodyStart(name, **used, **written, deforming=_deforming(solution, name, v))  # type: ignore[arg-type]
+    said = body.written_velocities() if not solution.own_start else {}
+    keys = {"velocity" if k < body.moves else "angular_velocity" for k in said}
+    used = {key: _numbers(value) for key, value in body.frame_motion(q, v).items()}
+    written = {key: _numbers(value) for key, value in body.frame_motion(given, wish).items() if key in keys}
+    return BodyStart(
+        name,
+        used.get("velocity"),
+        used.get("angular_velocity"),
+        written.get("velocity"),
+        written.get("angular_velocity"),
+        _deforming(solution, name, v),
+    )
 
 
 def _deforming(solution: Solution, name: str, v: np.ndarray) -> float | None:

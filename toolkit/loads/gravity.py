@@ -1,0 +1,21 @@
+"""Gravity: one uniform acceleration on every body."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from toolkit.description.description import Number
+from toolkit.description.quantity import Quantity
+from toolkit.loads.load import AnyLoad
+
+
+class UniformGravity(AnyLoad):
+    """Acceleration of gravity on all bodies; part of the constant forces, so it costs nothing where a scene has none.
+
+    Attributes
+    ----------
+    acceleration
+        g_x, g_y, in space g_z, in length/time^2.
+    """
+
+    acceleration: Annotated[tuple[Number, ...], Quantity("length/time^2")]

@@ -1,0 +1,108 @@
+"""The one record per dimension of space, which holds what scenes in the plane and scenes in space do not share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from toolkit.bodies.body import Body
+from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.planar.ground import Ground
+from toolkit.bodies.spatial.body import SpatialBody
+from toolkit.bodies.spatial.ground import SpatialGround
+from toolkit.description.description import Registered
+from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
+from toolkit.joints.kernels.planar.joint_kernel import ROWS
+from toolkit.joints.kernels.spatial.joint_kernel import ROWS as SPATIAL_ROWS
+from toolkit.joints.planar.joint import PlanarJoint
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
+from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
+from toolkit.loads.planar.load import AnyPlanarLoad
+from toolkit.loads.spatial.load import AnySpatialLoad
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """What differs between the plane and space; rooms above the scene keep what is theirs in tables by this record.
+
+    Attributes
+    ----------
+    dimension
+        2, or 3.
+    axes
+        Names of its axes, which name the entries of points and, in space, of every vector.
+    kinds
+        Group of a scene -> `type` -> class, for all kinds that belong to it; they grow as files define more.
+    named_vectors
+        Whether the names of the axes name the entries of every vector, and not of points alone.
+    ground
+        The body that is always there.
+    frame_size
+        Coordinates of a frame that moves and turns.
+    constant_rigid_mass
+        Whether a rigid body's mass matrix is constant however it turns, its frame being at its centre of mass.
+    rotations_add
+        Whether a rotation is one angle, of any number of turns; else it is about an axis that has to be said, and known to half a turn.
+    turning_elements
+        Whether the preprocessing has finite elements that turn, which a flexible body can be compared with.
+    reported
+        Whether the figures of a report can show it.
+    wrench
+        Components of the force and torque of a joint.
+    joint_rows
+        Most rows that a joint can have.
+    joint_parameters, load_parameters
+        Most parameters that a formula can have; None where joints have rows of forms instead, with numbers as many as they ask for.
+    """
+
+    dimension: int
+    axes: str
+    named_vectors: bool
+    kinds: Mapping[str, Mapping[str, type[Registered]]]
+    ground: Body
+    frame_size: int
+    constant_rigid_mass: bool
+    rotations_add: bool
+    turning_elements: bool
+    reported: bool
+    wrench: tuple[str, ...]
+    joint_rows: int
+    joint_parameters: int | None
+    load_parameters: int
+
+
+PLANE = Space(
+    dimension=2,
+    axes="xy",
+    named_vectors=False,
+    kinds={"bodies": PlanarBody.kinds, "joints": PlanarJoint.kinds, "loads": AnyPlanarLoad.kinds},
+    ground=Ground(),
+    frame_size=3,
+    constant_rigid_mass=True,
+    rotations_add=True,
+    turning_elements=True,
+    reported=True,
+    wrench=("x", "y", "torque"),
+    joint_rows=ROWS,
+    joint_parameters=JOINT_ARGUMENTS - 6,
+    load_parameters=LOAD_ARGUMENTS - 7,
+)
+SPACE = Space(
+    dimension=3,
+    axes="xyz",
+    named_vectors=True,
+    kinds={"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": AnySpatialLoad.kinds},
+    ground=SpatialGround(),
+    frame_size=7,
+    constant_rigid_mass=False,
+    rotations_add=False,
+    turning_elements=False,
+    reported=False,
+    wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
+    joint_rows=SPATIAL_ROWS,
+    joint_parameters=None,
+    load_parameters=SPATIAL_ARGUMENTS - 25,
+)
+SPACES = {space.dimension: space for space in (PLANE, SPACE)}
+"""By dimension."""
