@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from typing import ClassVar
+
 from toolkit.description.description import Registered
 from toolkit.markers.component import Component
 
 
 class AnyLoad(Registered):
     """What acts on bodies: loads on markers, and those on whole bodies and surfaces."""
+
+    proportional: ClassVar[tuple[str, ...]] = ()
+    """Fields that it is proportional to, so that a load as large again is one of twice their numbers; none of a spring."""
 
 
 class Load(AnyLoad, Component):
