@@ -1,7 +1,25 @@
-"""From an airfoil file to the reduced model of its flexible skin."""
+"""From an airfoil, a mesh or beams to the reduced model of a flexible body.
 
+    import preprocessing
+
+    preprocessing.save(preprocessing.build("skin.toml"), "skin.h5")
+
+Every name is loaded when it is first used.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from preprocessing.elements.section import Section
+    from preprocessing.new_wing.new_wing import new_wing
+    from preprocessing.recipes.build_model import build
+    from preprocessing.recipes.frame.polygon_beam import polygon_beam
+    from toolkit.reduced_model.file import save
 
 _SPEC, _OWN = find_spec("toolkit"), Path(__file__).resolve().parents[1] / "toolkit"
 if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent != _OWN:
@@ -9,3 +27,24 @@ if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent 
         f"'toolkit' is not the other half of this program, {str(_OWN)!r}, but {_SPEC and _SPEC.origin}, which comes before it on Python's "
         "path. Take its folder out of PYTHONPATH, or rename it."
     )
+
+_PLACES = {
+    "Section": "preprocessing.elements.section",
+    "build": "preprocessing.recipes.build_model",
+    "new_wing": "preprocessing.new_wing.new_wing",
+    "polygon_beam": "preprocessing.recipes.frame.polygon_beam",
+    "save": "toolkit.reduced_model.file",
+}
+"""Name -> its module."""
+
+__all__ = ["Section", "build", "new_wing", "polygon_beam", "save"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _PLACES:
+        raise AttributeError(f"preprocessing has no {name!r}; it has: {', '.join(_PLACES)}")
+    return getattr(import_module(_PLACES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PLACES])

@@ -13,8 +13,9 @@ from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import direct, prepare
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.preparation import prepare
 
 ROUND_OFF = 1e-9
 """Both methods are exact for the discrete equations; what differs is round-off, times the condition of the skin's equations."""

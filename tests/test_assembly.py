@@ -19,7 +19,8 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct, values_of
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.system import compile_scene
 

@@ -29,8 +29,9 @@ from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, values_of
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.preparation import Kind
 
 AGREEMENT = 1e-9
 """All methods are exact for the discrete equations. What differs is round-off of the state, 1e-16 of the scene's size, times the

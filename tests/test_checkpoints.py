@@ -18,7 +18,8 @@ from toolkit.responses.stress.stress import KSStress
 from toolkit.responses.windows import combine
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint
-from toolkit.sensitivity.analysis import direct, prepare
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.run import prepare_run
 
 ROUND_OFF = 1e-10

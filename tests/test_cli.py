@@ -16,8 +16,10 @@ from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.printed.report import record_of
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare, result, solve
 from toolkit.sensitivity.certificate import certificate
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.result import result
 
 ROOT = Path(__file__).parents[1]
 SCENE = str(ROOT / "models" / "morphing_wing" / "scene.toml")

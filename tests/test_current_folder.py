@@ -18,7 +18,8 @@ from toolkit.foundation.kernel import plain
 from toolkit.foundation.processes import preprocessing_process
 from toolkit.foundation.processes.own_process import HOME, safe_path
 from toolkit.reduced_model.file import load
-from toolkit.render.probe import RenderError, drawing_environment
+from toolkit.render.packages import RenderError
+from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
 from toolkit.studies.processes import side_by_side
 
@@ -96,7 +97,8 @@ def test_settings_of_figures_in_the_current_folder_start_no_latex(tmp_path):
         (tmp_path / name).chmod(0o755)
     code = (
         "from pathlib import Path; import numpy as np\n"
-        "from toolkit.report.sheet import Drawing, sheet\n"
+        "from toolkit.render.sheet import sheet\n"
+        "from toolkit.report.drawing import Drawing\n"
         "with sheet(2.0) as (figure, axes):\n    axes[0, 0].set_title('a figure')\n"
         "Drawing('a', 'b', 'c', figure).save_as(Path('figure.png'))\n"
     )
@@ -115,7 +117,11 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     code = {file: re.sub(r'""".*?"""|#.*', "", file.read_text(), flags=re.DOTALL) for file in files}
     found = {file.relative_to(ROOT).as_posix() for file in files if starts.search(code[file])}
     assert found == {
-        *("toolkit/foundation/processes/preprocessing_process.py", "toolkit/render/probe.py", "toolkit/studies/processes.py"),
+        *(
+            "toolkit/foundation/processes/preprocessing_process.py",
+            "toolkit/render/space/probe.py",
+            "toolkit/studies/processes.py",
+        ),
         "preprocessing/foreign_files/apart.py",
     }
 

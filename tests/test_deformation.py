@@ -26,7 +26,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare, solve
+from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.critical_speed import critical_speed
 from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants

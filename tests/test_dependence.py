@@ -6,7 +6,7 @@ import numpy as np
 
 from tests.benchmarks.chain import chain
 from tests.scenes import hanging_skin
-from toolkit.compilation.dependence import affected_items, users_by_name
+from toolkit.compilation.dependence import affected_by, affected_items, users_by_name
 from toolkit.compilation.numbering import number
 from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities
 from toolkit.scene.scene import Scene
@@ -29,7 +29,7 @@ def test_nothing_changes_but_what_is_differentiated():
     numbering, users = number(scene), users_by_name(scene)
     for path in scene.available_paths():
         everything = evaluate_quantities(moved(scene, path), numbering)
-        some = evaluate_quantities(moved(scene, path), numbering, affected_items(scene, path, users))
+        some = evaluate_quantities(moved(scene, path), numbering, affected_by(scene, numbering.markers, [path], users))
         for kind in KINDS:
             assert changes(some, kind) == changes(everything, kind), (path, kind)
 

@@ -10,18 +10,24 @@ import builtins
 import re
 from collections.abc import Iterator
 from importlib import import_module
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
+import numpy as np
 import pytest
 
 from docs.generators.comments import meanings, trailing_comment
 from docs.generators.formats import PLACE, TABLES, fill, kinds
 from docs.generators.formulas import FENCE, REFERENCE, TAG, hide_formulas
-from docs.generators.house import modules
+from docs.generators.house import about, modules, ordered
+from docs.generators.house_picture import WIDE, house, layers, needed, picture, places, ways
 from docs.generators.rooms import page, rooms
 from toolkit.description.run_options import RunOptions
+from toolkit.responses.stress.stress import design_rates
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.preparation import prepare, solve
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -152,6 +158,55 @@ def test_the_meaning_of_a_key_is_what_the_docstring_says():
 )
 def test_a_comment_behind_a_field_is_found_unless_it_is_for_a_tool(source, comment):
     assert trailing_comment(source) == comment
+
+
+def test_the_picture_of_the_house_has_every_room_and_its_arrows_lead_down_past_all_boxes():
+    found = needed(house())
+    where, drawing = places(found), ElementTree.fromstring(picture())
+    boxes = {element.find("{*}title").text: element for element in drawing.iter("{http://www.w3.org/2000/svg}a")}
+    assert sorted(boxes) == sorted(f"{name}: {about(name)}" for name in found)
+    assert {element.get("href") for element in boxes.values()} == {room.page.replace(".md", ".html") for room in rooms()}
+    assert len(drawing.findall(".//{*}path[@class='arrow']")) == sum(map(len, found.values()))
+    for (one, (x, y)), (other, (a, b)) in combinations(where.items(), 2):
+        wide = sum((WIDE if name in found else 0) / 2 for name in (one, other))
+        assert y != b or abs(x - a) > wide, f"{one} stands on {other}"
+    for path in ways(found).values():
+        assert all(where[upper][1] < where[lower][1] for upper, lower in pairwise(path))
+
+
+def test_arrows_that_are_left_out_follow_from_others():
+    every, few = house(), needed(house())
+    assert sum(map(len, few.values())) < sum(map(len, every.values())) / 3
+    reached: dict[str, set[str]] = {}
+    for name in ordered(few):
+        reached[name] = few[name].union(*(reached[other] for other in few[name]))
+    assert all(every[name] <= reached[name] for name in every)
+    assert needed({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"a": {"b"}, "b": {"c"}, "c": set()}
+    assert layers({"a": {"b", "c"}, "b": {"c"}, "c": set()}) == {"a": 2, "b": 1, "c": 0}
+
+
+def test_the_way_of_a_number_tells_the_numbers_of_the_code():
+    text = " ".join((DOCS / "house.md").read_text(encoding="utf-8").split())
+    scene = read_scene(ROOT / "models" / "morphing_wing" / "scene.toml")
+    system = prepare(scene, ["t_w"])
+    (variable,) = system.design
+    assert (scene.design["t_w"], variable.path, variable.value) == ("bodies.skin.thickness", "bodies.skin.thickness", 1.5)
+    plan, solution = system.plan, solve(system, "transient")
+    assert (
+        f"{plan.n_q} coordinates $q$, {plan.n - plan.n_q} multipliers, so {plan.n} unknowns, {len(solution.times)} times" in text
+    )
+    entries = {len(getattr(system.values.constant[1], name)) for name in ("mass", "damping", "stiffness")}
+    assert entries == {len(plan.constant.design_entry)} == {792}
+    assert text.count("792") == 2
+    assert f"Only {len(np.unique(plan.touched_row))} of the {plan.n} equations" in text
+    assert f"is {solution.dq.shape} in the end" in text
+    response = scene.responses["max_stress"]
+    partials = response.partials(solution)
+    assert f"the derivative by every coordinate at every time, {partials.q.shape}" in text
+    assert f"{partials.design[0]:.4f} MPa/mm, from {len(design_rates(solution, 'skin', 'stress_operator').value)} entries" in text
+    through = np.einsum("ti,tix->x", partials.q, solution.dq)[0]
+    assert f"{through:.4f} MPa/mm, to that" in text
+    assert f"with its unit: {response.gradient(solution)[0]:.6g} MPa / mm." in text
 
 
 SECTIONS = ("Parameters", "Returns", "Yields", "Raises", "Attributes", "Notes", "Examples", "See Also")

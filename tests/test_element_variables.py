@@ -15,7 +15,7 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import values_of
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.methods import gradients_by
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"

@@ -15,8 +15,9 @@ from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
 from toolkit.sensitivity.certificate.fresh_models import FreshGradients, disagreements, fresh_gradients
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"
 CHANGES = {

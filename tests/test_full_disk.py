@@ -24,7 +24,8 @@ WITHIN_LIMITS = """
 import contextlib, io, json, resource, sys
 from pathlib import Path
 import preprocessing.commands.cli, toolkit.command_line.cli
-from toolkit.report.sheet import Drawing, sheet
+from toolkit.render.sheet import sheet
+from toolkit.report.drawing import Drawing
 from toolkit.foundation.errors import ToolkitError
 
 def run(program, *arguments):

@@ -15,7 +15,8 @@ from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare, solve
 
 ROOT = Path(__file__).parents[1]
 FILES = sorted((ROOT / "models").glob("*/scene.toml"))

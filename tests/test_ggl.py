@@ -19,9 +19,9 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import frozen, prepare
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.preparation import frozen, prepare
 from toolkit.solvers.transient.ggl.ggl_pattern import ggl_pattern
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene

@@ -12,7 +12,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import frozen
+from toolkit.sensitivity.preparation import frozen
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 

@@ -18,7 +18,8 @@ from toolkit.description.profile import Constant, Curve, Sine, SmoothStep, Sum, 
 from toolkit.description.time_grid import time_grid
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import Result, direct
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.result import Result
 from toolkit.validity.motion.load_curves import LOST, loss_of
 
 MODELS = Path(__file__).parents[1] / "models"

@@ -17,8 +17,9 @@ from tests.solid_bodies import compliance, frequencies
 from toolkit.foundation.errors import LimitPointError
 from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import Result, direct
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.result import Result
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"

@@ -20,7 +20,7 @@ from preprocessing.recipes.skin.droop import drooped
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 ROOT = Path(__file__).parents[1]
 AIRFOILS = ROOT / "tests" / "data" / "airfoils"

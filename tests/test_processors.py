@@ -27,7 +27,7 @@ from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.stress.stress import MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 from toolkit.system.system import compile_scene
 
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)

@@ -10,7 +10,7 @@ from typer.main import get_command
 
 from toolkit.command_line.cli import app
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")

@@ -18,7 +18,8 @@ from toolkit.receipt.receipt import receipt
 from toolkit.reduced_model.file import load
 from toolkit.scene.scene import Scene, forget_models
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare, responses_of, solve
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare, responses_of, solve
 from toolkit.system.system import compile_scene
 
 

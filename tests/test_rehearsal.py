@@ -15,7 +15,7 @@ from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
 from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import repeated
+from toolkit.sensitivity.clock import repeated
 
 ROOT = Path(__file__).parents[1]
 MODELS = ROOT / "models"
@@ -26,7 +26,8 @@ from numba.core.registry import CPUDispatcher
 from toolkit.command_line.announcements import BACKWARDS, compile_before
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare, solve
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.sensitivity.methods import gradients_by
 
 def loaded():
@@ -127,7 +128,7 @@ def test_a_repetition_that_compiles_does_not_count(monkeypatch):
         durations.append(2.0 if durations else 302.0)
         return "done"
 
-    monkeypatch.setattr("toolkit.sensitivity.analysis._clocked", lambda work, told: (work(told), durations[-1])[::-1])
+    monkeypatch.setattr("toolkit.sensitivity.clock._clocked", lambda work, told: (work(told), durations[-1])[::-1])
     assert repeated(work) == (2.0, "done")
     assert durations == [302.0, 2.0]
 

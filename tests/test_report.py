@@ -25,7 +25,6 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
-from toolkit.report.animation import frame_steps
 from toolkit.report.material import Material
 from toolkit.report.viewer import viewer_data
 from toolkit.report.write import write_report
@@ -35,7 +34,8 @@ from toolkit.results.results_file import load_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import per, variable_unit
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, prepare, solve
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import prepare, solve
 
 FIGURES = {
     "load_curves",
@@ -192,7 +192,7 @@ def test_the_animation_and_the_view_show_every_step(wing):
 
 def test_a_long_motion_is_shown_in_few_frames():
     solution = solve(prepare(pendulum(0.005)), "transient")
-    steps = frame_steps(Material(solution, collect(solution)))
+    steps = Material(solution, collect(solution)).shown
     assert (steps[0], steps[-1]) == (0, 200)
     assert len(steps) <= 60
 
@@ -221,8 +221,8 @@ def test_a_report_of_results_runs_nothing_and_says_what_it_lacks(wing, tmp_path,
     def forbidden(*_, **__):
         raise AssertionError("the run was repeated")
 
-    for name in ("solve", "simulate", "solve_statics"):
-        monkeypatch.setattr(f"toolkit.sensitivity.analysis.{name}", forbidden)
+    for place in ("preparation.simulate", "preparation.solve_statics", "direct.simulate"):
+        monkeypatch.setattr(f"toolkit.sensitivity.{place}", forbidden)
     done = run("report", wing / "results.h5", "--models", MODELS, "-o", tmp_path, "--json")
     assert done.exit_code == 0, done.stderr
     record = json.loads(done.stdout)

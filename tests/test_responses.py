@@ -15,8 +15,10 @@ from toolkit.responses.shape_error import ShapeMSE, ShapeRMS, shape_error
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, prepare, solve, values_of
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare, solve
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-import toolkit.sensitivity.analysis
 from tests.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ToolkitError
@@ -22,8 +21,10 @@ from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results, save_results
 from toolkit.results.scene_table import table_of
 from toolkit.scene_file.reader import read_scene, scene_from_table
-from toolkit.sensitivity.analysis import direct, prepare, solve
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare, solve
 
 
 @pytest.fixture(scope="module")
@@ -131,7 +132,7 @@ def test_the_restored_solution_has_all_that_the_first_had(wing):
     again = restore_solution(load_results(path))
     assert again.system.design == found.solution.system.design
     # nothing is solved again: the responses of the stored states are the stored ones to the last bit
-    assert toolkit.sensitivity.analysis.evaluate_responses(again) == found.values
+    assert evaluate_responses(again) == found.values
 
 
 def test_a_project_can_be_moved_as_a_whole(wing, tmp_path):
@@ -309,7 +310,7 @@ def test_names_of_files_cannot_leave_their_folder():
 
 def test_paraview_reads_the_deformed_skin_with_stress_and_its_derivatives(wing, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    from toolkit.render.paraview import export_paraview
+    from toolkit.render.paraview.export import export_paraview
 
     results = load_results(wing[1])
     reader = pyvista.get_reader(export_paraview(restore_solution(results), tmp_path / "series"))
@@ -352,8 +353,7 @@ def test_commands_keep_results_that_inspect_render_and_export_take(tmp_path, mon
         raise AssertionError("the run was repeated")
 
     drawn = []
-    monkeypatch.setattr("toolkit.sensitivity.analysis.solve", forbidden)
-    monkeypatch.setattr("toolkit.render.probe.drawing_environment", dict)
+    monkeypatch.setattr("toolkit.sensitivity.preparation.solve", forbidden)
     monkeypatch.setattr("toolkit.render.pictures.render_solution", lambda solution, *_: drawn.append(solution) or [])
     assert run("render", path, "--output", tmp_path / "pictures").exit_code == 0
     assert same(drawn[0].q, load_results(path).q)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
 from toolkit.sensitivity.certificate.differences import direction, taylor_rates
 from toolkit.sensitivity.certificate.round_off import round_off
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.system import compile_scene

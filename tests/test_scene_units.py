@@ -31,7 +31,7 @@ from toolkit.responses.stress.stress import KSStress
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted, number_factor, response_factor
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 
 def other(units: str) -> str:

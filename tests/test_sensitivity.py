@@ -15,8 +15,9 @@ from toolkit.reduced_model.file import save
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
 from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
 
 AGREEMENT = 5e-10

@@ -15,9 +15,11 @@ from toolkit.analyses.transient import simulate
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, prepare, values_of
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare
 
 LENGTH, HEIGHT = 0.5, 0.02
 CRAIG_BAMPTON = 'kind = "craig-bampton"\ncount = 4'

@@ -32,7 +32,7 @@ from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.studies.stability.catalogue import MAPS, maps_of
 from toolkit.studies.stability.found import Cell, Mapped
 from toolkit.studies.stability.limits_found import breakdowns, stable_where

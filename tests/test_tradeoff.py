@@ -21,7 +21,7 @@ from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 from toolkit.studies.toml_fragment import toml_table
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.accuracy import errors

@@ -26,9 +26,10 @@ from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint
-from toolkit.sensitivity.analysis import direct, frozen, prepare, solve
 from toolkit.sensitivity.certificate.certificate import certify
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import frozen, prepare, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.motion.energy_balance import energy_balance

@@ -25,8 +25,8 @@ from toolkit.responses.response import Partials
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint
-from toolkit.sensitivity.analysis import direct
 from toolkit.sensitivity.certificate.certificate import Certificate, DisagreementError, NothingVerifiedError, certify
+from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.errors.step_error import step_error
 from toolkit.sensitivity.numerical import numerical
 from toolkit.system.solution import Solution

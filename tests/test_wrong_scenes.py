@@ -27,7 +27,7 @@ from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import compile_scene
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing"

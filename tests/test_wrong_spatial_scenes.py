@@ -16,7 +16,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.results.scene_table import table_of
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 
 DOOR = """units = "m-kg-s"
 dimension = 3

@@ -1,1 +1,80 @@
-"""Flexible multibody dynamics with exact design sensitivities: the runtime."""
+"""Flexible multibody dynamics with exact design sensitivities: the runtime.
+
+    import toolkit as ffrf
+
+    model = ffrf.compile(ffrf.read_scene("wing.toml"), variables=["t_w", "M_t"])
+    run = model.simulate(gradients=True)
+    run.values["max_stress"], run.gradients["max_stress"]["t_w"], run.verdict
+
+Every name is loaded when it is first used, so that `import toolkit` costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from toolkit.description.run_options import RunOptions
+    from toolkit.door import extend, plane, space
+    from toolkit.door.model import Model
+    from toolkit.door.model import compile_model as compile
+    from toolkit.door.outcome import Outcome
+    from toolkit.door.run import Run, load
+    from toolkit.foundation.errors import ToolkitError
+    from toolkit.foundation.verdict import Caution, Verdict
+    from toolkit.scene.scene import Scene
+    from toolkit.scene_file.reader import read_scene
+    from toolkit.sensitivity.certificate.certificate import certify
+
+_PLACES = {
+    "Caution": "toolkit.foundation.verdict:Caution",
+    "Model": "toolkit.door.model:Model",
+    "Outcome": "toolkit.door.outcome:Outcome",
+    "Run": "toolkit.door.run:Run",
+    "RunOptions": "toolkit.description.run_options:RunOptions",
+    "Scene": "toolkit.scene.scene:Scene",
+    "ToolkitError": "toolkit.foundation.errors:ToolkitError",
+    "Verdict": "toolkit.foundation.verdict:Verdict",
+    "certify": "toolkit.sensitivity.certificate.certificate:certify",
+    "compile": "toolkit.door.model:compile_model",
+    "extend": "toolkit.door.extend:",
+    "load": "toolkit.door.run:load",
+    "plane": "toolkit.door.plane:",
+    "read_scene": "toolkit.scene_file.reader:read_scene",
+    "space": "toolkit.door.space:",
+}
+"""Name -> module and what it is called there; without a name the module itself."""
+
+__all__ = [
+    "Caution",
+    "Model",
+    "Outcome",
+    "Run",
+    "RunOptions",
+    "Scene",
+    "ToolkitError",
+    "Verdict",
+    "certify",
+    "compile",
+    "extend",
+    "load",
+    "plane",
+    "read_scene",
+    "space",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name == "__version__":
+        return version("ffrf-toolkit")
+    if name not in _PLACES:
+        raise AttributeError(f"toolkit has no {name!r}; it has: {', '.join(_PLACES)}")
+    module, _, attribute = _PLACES[name].partition(":")
+    found = import_module(module)
+    return getattr(found, attribute) if attribute else found
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_PLACES])

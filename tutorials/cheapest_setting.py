@@ -14,9 +14,8 @@ import shutil
 import tempfile
 from pathlib import Path
 
+import toolkit as ffrf
 from toolkit.report.work_precision import work_precision
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
 from toolkit.studies.tradeoff.recommendation import skin_fragments, solver_fragment
 from toolkit.studies.tradeoff.tradeoff import plan, tradeoff
 
@@ -78,12 +77,12 @@ for body, tables in skin_fragments(planned.case, best.setting).items():
 
 # %%
 (folder / "pasted.toml").write_text(text + solver_fragment(planned.case, best.setting))
-pasted = read_scene(folder / "pasted.toml")
+pasted = ffrf.read_scene(folder / "pasted.toml")
 with_modes = planned.case.scene_of(best.setting)
 assert with_modes.solver == pasted.solver
 fine = {"solver.step": str(best.setting.solver["step"] / 4), "solver.formulation": "index-3"}
-truth = values_of(read_scene(folder / "pasted.toml", fine), "transient")
-ours = direct(with_modes, [], "transient").values
+truth = ffrf.compile(ffrf.read_scene(folder / "pasted.toml", fine)).simulate().values
+ours = ffrf.compile(with_modes).simulate().values
 errors = {name: abs(ours[name] / truth[name] - 1) for name in WANTED}
 print("off by", ", ".join(f"{name} {error:.1e}" for name, error in errors.items()))
 check = max(errors.values())

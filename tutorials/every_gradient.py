@@ -11,13 +11,12 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
 
-from preprocessing.recipes.skin.build import build
-from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.file import save
-from toolkit.report.sheet import SIGNED, Drawing, Figure, symmetric
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, values_of
+import toolkit as ffrf
+from preprocessing import build, save
+from toolkit.render.sheet import SIGNED, symmetric
+from toolkit.report.drawing import Drawing
 
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
 skin, scene = folder / "skin.toml", folder / "scene.toml"
@@ -37,7 +36,7 @@ def rebuild(separate='["thickness"]', basis='kind = "full"', values=None):
 model = rebuild()
 thicknesses, heights = [f"bodies.skin.thickness_{k}" for k in range(30)], [f"bodies.skin.bump_{s:.0f}" for s in places]
 others = [f"bodies.skin.{name}" for name in ("youngs_modulus", "youngs_modulus_nose", "chord", "y_scale")]
-result = direct(read_scene(scene), [*thicknesses, *heights, *others], "static")
+result = ffrf.compile(ffrf.read_scene(scene), variables=[*thicknesses, *heights, *others]).statics(gradients=True)
 slopes = result.gradients["max_stress"]
 print(f"largest stress {result.values['max_stress']:.2f} MPa, and its {len(slopes)} derivatives, among them")
 for name in (thicknesses[0], thicknesses[29], heights[0], *others):
@@ -71,7 +70,8 @@ print("a picture:", Drawing("every_gradient", "", "", figure).save(folder)[0])
 
 # %%
 rebuild("[]")
-common = direct(read_scene(scene), ["bodies.skin.thickness"], "static").gradients["max_stress"]["bodies.skin.thickness"]
+model = ffrf.compile(ffrf.read_scene(scene), variables=["bodies.skin.thickness"])
+common = model.statics(gradients=True).gradients["max_stress"]["bodies.skin.thickness"]
 check = sum(slopes[name] for name in thicknesses) / common - 1
 print(f"sum of the thirty over the common one: 1 {check:+.0e}")
 
@@ -84,18 +84,19 @@ print(f"sum of the thirty over the common one: 1 {check:+.0e}")
 # %%
 height = "bodies.skin.bump_140"
 try:
-    values_of(read_scene(scene, {height: "0.1"}), "static")
-except InputError as error:
+    model.statics({height: 0.1})
+except ffrf.ToolkitError as error:
     print("refused:", error)
 true, off = {}, {}
 for h in (0.01, 0.1):
     rebuild("[]", values={"bump_140": h})
-    true[h] = values_of(read_scene(scene), "static")["max_stress"]
+    true[h] = ffrf.compile(ffrf.read_scene(scene)).statics().values["max_stress"]
     print(f"{h:4} mm: the straight line is off by {abs(result.values['max_stress'] + h * slopes[height] - true[h]):.0e} MPa")
 for basis in ('kind = "full"', 'kind = "craig-bampton", count = 8'):
     rebuild("[]", basis)
     for h in true:
-        tangent = values_of(read_scene(scene, {height: str(h), "bodies.skin.extrapolation": "first-order"}), "static")
+        changes = {height: h, "bodies.skin.extrapolation": "first-order"}
+        tangent = ffrf.compile(ffrf.read_scene(scene, changes)).statics().values
         off[basis, h] = abs(tangent["max_stress"] - true[h])
         print(f"{h:4} mm: first order with {basis} is off by {off[basis, h]:.0e} MPa")
     assert 80 < off[basis, 0.1] / off[basis, 0.01] < 120

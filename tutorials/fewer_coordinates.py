@@ -12,12 +12,12 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+from matplotlib.figure import Figure
 
-from preprocessing.recipes.skin.build import build
-from toolkit.reduced_model.file import save
-from toolkit.report.sheet import COLORS, Drawing, Figure
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import prepare, solve
+import toolkit as ffrf
+from preprocessing import build, save
+from toolkit.render.sheet import COLORS
+from toolkit.report.drawing import Drawing
 
 np.set_printoptions(formatter={"float": "{:.0e}".format})
 folder = Path(shutil.copytree(Path(__file__).parents[1] / "models" / "morphing_wing", tempfile.mkdtemp(), dirs_exist_ok=True))
@@ -33,10 +33,10 @@ def run(basis, kind="transient", change=0.0):
     (folder / "skin.toml").write_text(f"basis = {{ {basis} }}\n{SKIN}")
     values = dict(zip(DESIGN, np.array(list(DESIGN.values())) + change * SIZE, strict=True))
     save(build(folder / "skin.toml", values=values), folder / "skin.h5")
-    scene = read_scene(folder / "scene.toml", {**FAST, "solver.tolerance": "1e-12"})
-    solution = solve(prepare(scene, [f"bodies.skin.{name}" for name in DESIGN]), kind)
-    values, slopes = zip(*(scene.responses[name].evaluate(solution) for name in RESPONSES), strict=True)
-    return np.array(values), np.array(slopes) * SIZE
+    scene = ffrf.read_scene(folder / "scene.toml", {**FAST, "solver.tolerance": 1e-12})
+    found = ffrf.compile(scene, variables=[f"bodies.skin.{name}" for name in DESIGN]).run(kind, gradients="direct")
+    slopes = [list(found.gradients[name].values()) for name in RESPONSES]
+    return np.array([found.values[name] for name in RESPONSES]), np.array(slopes) * SIZE
 
 
 def errors(found, true, label):

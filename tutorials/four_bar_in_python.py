@@ -10,46 +10,44 @@ The result is compared with the triangle formulas of school geometry.
 # %%
 import numpy as np
 
-from toolkit.bodies.planar.rigid import Rod
-from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
-from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.driver import AngleDriver
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.motion import Rotation
-from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+import toolkit as ffrf
+from toolkit import plane
 
 TURN = 2 * np.pi / 3  # the crank turns by 120 degrees, softly, within a second
 rod = {"area": 4e-4, "density": 2700.0}  # aluminium, 20 mm x 20 mm
-scene = Scene(
+scene = ffrf.Scene(
     units="m-kg-s",
-    points={"A": Point(x=0.0, y=0.0), "B": Point(x=0.1, y=0.0), "C": Point(x=0.25, y=0.2), "D": Point(x=0.3, y=0.0)},
+    points={
+        "A": plane.Point(x=0.0, y=0.0),
+        "B": plane.Point(x=0.1, y=0.0),
+        "C": plane.Point(x=0.25, y=0.2),
+        "D": plane.Point(x=0.3, y=0.0),
+    },
     bodies={
-        "crank": Rod(between=("A", "B"), **rod),
-        "coupler": Rod(between=("B", "C"), **rod),
-        "rocker": Rod(between=("C", "D"), **rod),
+        "crank": plane.Rod(between=("A", "B"), **rod),
+        "coupler": plane.Rod(between=("B", "C"), **rod),
+        "rocker": plane.Rod(between=("C", "D"), **rod),
     },
     joints={
-        "A": Revolute(bodies=("crank", "ground"), point="A"),
-        "B": Revolute(bodies=("crank", "coupler"), point="B"),
-        "C": Revolute(bodies=("coupler", "rocker"), point="C"),
-        "D": Revolute(bodies=("rocker", "ground"), point="D"),
-        "motor": AngleDriver(bodies=("crank", "ground"), point="A", curve=SmoothStep(height=TURN, duration=1.0)),
+        "A": plane.Revolute(bodies=("crank", "ground"), point="A"),
+        "B": plane.Revolute(bodies=("crank", "coupler"), point="B"),
+        "C": plane.Revolute(bodies=("coupler", "rocker"), point="C"),
+        "D": plane.Revolute(bodies=("rocker", "ground"), point="D"),
+        "motor": plane.AngleDriver(bodies=("crank", "ground"), point="A", curve=plane.SmoothStep(height=TURN, duration=1.0)),
     },
     responses={
-        "swing": Rotation(body="rocker", point="D"),
-        "torque": JointForce(joint="motor", component="torque", time=0.25),
+        "swing": plane.Rotation(body="rocker", point="D"),
+        "torque": plane.JointForce(joint="motor", component="torque", time=0.25),
     },
-    solver=RunOptions(end_time=1.2, step=0.005),
+    solver=ffrf.RunOptions(end_time=1.2, step=0.005),
 )
 
 # %% [markdown]
 # The design variables are numbers of the scene, by their path. Which ones there are, `scene.available_paths()` tells.
 
 # %%
-result = direct(scene, ["points.D.x", "points.C.y", "joints.motor.curve.height"], "transient")
+model = ffrf.compile(scene, variables=["points.D.x", "points.C.y", "joints.motor.curve.height"])
+result = model.simulate(gradients=True)
 for name, slopes in result.gradients.items():
     print(
         f"{name:7} {result.values[name]:9.6f} {result.units[name]:4}",

@@ -11,12 +11,10 @@ Run it as a script, or cell by cell in an editor that knows `# %%`. The first ru
 # %%
 from pathlib import Path
 
-from toolkit.responses.stress.stress import stress_field
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+import toolkit as ffrf
 
 MODELS = Path(__file__).parents[1] / "models"
-scene = read_scene(MODELS / "morphing_wing" / "scene.toml")
+scene = ffrf.read_scene(MODELS / "morphing_wing" / "scene.toml")
 print("bodies:", ", ".join(scene.bodies))
 print("joints:", ", ".join(scene.joints))
 
@@ -24,11 +22,12 @@ print("joints:", ", ".join(scene.joints))
 # `bodies` has four rods, `body2` to `body5`, and the `skin`: a thin aluminium sheet, cut into 30 short beams. The skin is
 # flexible, so it has many coordinates of its own (90 here), while a rod has three: where it is and how it is turned.
 #
-# One call simulates the motion and gives the responses that the file asks for, each with its derivative by each design
-# variable.
+# The scene is compiled once, with the numbers by which derivatives are wanted. One call then simulates the motion and gives
+# the responses that the file asks for, each with its derivative by each of these design variables.
 
 # %%
-result = direct(scene, ["t_w", "M_t"], "transient")
+model = ffrf.compile(scene, variables=["t_w", "M_t"])
+result = model.simulate(gradients=True)
 for name, value in result.values.items():
     slopes = {variable: float(f"{slope:.3g}") for variable, slope in result.gradients[name].items()}
     print(f"{name:18} {value:9.4f} {result.units[name]:4}", slopes)
@@ -40,7 +39,7 @@ for name, value in result.values.items():
 
 # %%
 for more in (0.001, 0.01, 0.1):
-    thicker = direct(scene.with_number("bodies.skin.thickness", 1.5 + more), ["t_w"], "transient")
+    thicker = model.simulate({"t_w": 1.5 + more})
     change = thicker.values["max_stress"] - result.values["max_stress"]
     print(f"{more:5} mm thicker: predicted {more * result.gradients['max_stress']['t_w']:8.5f} MPa, simulated {change:8.5f} MPa")
 
@@ -51,7 +50,7 @@ for more in (0.001, 0.01, 0.1):
 # The stress itself is known at both ends of all 30 elements, inside and outside, at all times; so is its derivative.
 
 # %%
-stress, stress_by_design = stress_field(result.solution, "skin")  # (times, places), (times, places, variables)
+stress, stress_by_design = result.stress("skin")  # (times, places), (times, places, variables)
 time, place = divmod(int(stress.argmax()), stress.shape[1])
 check = float(stress.max())
 print(f"largest stress {check:.2f} MPa in element {place // 4 + 1} of 30, at t = {result.solution.times[time]:.2f} s")

@@ -14,11 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.new_wing.new_wing import new_wing
-from preprocessing.recipes.skin.build import build
-from toolkit.reduced_model.file import save
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+import preprocessing
+import toolkit as ffrf
 
 folder = Path(tempfile.mkdtemp())
 camber, place, thick = 0.02, 0.4, 0.15
@@ -36,7 +33,7 @@ np.savetxt(folder / "naca2415.dat", points, fmt="%.6f", header="NACA 2415", comm
 
 # %%
 wing = folder / "my_wing"
-for file in new_wing(wing, folder / "naca2415.dat"):
+for file in preprocessing.new_wing(wing, folder / "naca2415.dat"):
     print("written:", file.name)
 
 # %% [markdown]
@@ -44,19 +41,19 @@ for file in new_wing(wing, folder / "naca2415.dat"):
 # MY_WING/skin.toml`.
 
 # %%
-model = build(wing / "skin.toml")
-save(model, wing / "skin.h5")
-print(model.n_f, "elastic coordinates; joints may grip at", ", ".join(model.interfaces or {}))
+skin = preprocessing.build(wing / "skin.toml")
+preprocessing.save(skin, wing / "skin.h5")
+print(skin.n_f, "elastic coordinates; joints may grip at", ", ".join(skin.interfaces or {}))
 
 # %% [markdown]
 # `ffrf statics MY_WING/scene.toml`: how far is the skin from the target, as a root mean square? Without any torque it is the
 # whole droop. The torque was tuned for another section, so let us look for a better one for this; the stress is the price.
 
 # %%
-scene = read_scene(wing / "scene.toml")
+model = ffrf.compile(ffrf.read_scene(wing / "scene.toml"), variables=["M_t"])
 found = {}
 for torque in (1.0, 2000.0, 4000.0, 4400.0, 4800.0):  # N mm
-    result = direct(scene.with_number("loads.drive.torque", torque), ["M_t"], "static")
+    result = model.statics({"M_t": torque}, gradients=True)
     found[torque] = result.values["shape_rmse"]
     slope, stress = result.gradients["shape_rmse"]["M_t"], result.values["max_stress_true"]
     print(f"{torque:6.0f} N mm: off by {found[torque]:.3f} mm, changing by {slope:9.2e} mm/(N mm); {stress:5.1f} MPa")

@@ -12,21 +12,11 @@
 # %%
 from typing import Annotated
 
-from toolkit.bodies.planar.rigid import Rigid
-from toolkit.conformance.check import check_joint
-from toolkit.description.description import Number
-from toolkit.description.point import Point
-from toolkit.description.quantity import Quantity
-from toolkit.foundation.kernel import kernel
-from toolkit.joints.planar.joint import PlanarJoint
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.loads.planar.torque import Torque
-from toolkit.responses.motion import Rotation
-from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+import toolkit as ffrf
+from toolkit import extend, plane
 
 
-@kernel
+@extend.kernel
 def gear_law(z, w, phi, phi_z, phi_zz, phi_zww):
     """phi = angle_a + n angle_b, its first and its second derivatives; whatever is not written here is zero."""
     phi[0] = z[2] + z[6] * z[5]
@@ -34,13 +24,13 @@ def gear_law(z, w, phi, phi_z, phi_zz, phi_zww):
     phi_zz[0, 5, 6] = phi_zz[0, 6, 5] = 1
 
 
-class Gears(PlanarJoint):
+class Gears(extend.PlanarJoint):
     """Body a turns -n times as far as body b; each body is gripped at its own point."""
 
     kind = "gears"
     formula = gear_law
     points: tuple[str, str]
-    ratio: Annotated[Number, Quantity("none")]
+    ratio: Annotated[extend.Number, extend.Quantity("none")]
 
     @property
     def grips(self):
@@ -60,16 +50,16 @@ class Gears(PlanarJoint):
 
 # %%
 gears = Gears(bodies=("small", "large"), points=("A", "B"), ratio=3.0)
-axles = {point: Revolute(bodies=(body, "ground"), point=point) for body, point in (("small", "A"), ("large", "B"))}
-scene = Scene(
+axles = {point: plane.Revolute(bodies=(body, "ground"), point=point) for body, point in (("small", "A"), ("large", "B"))}
+scene = ffrf.Scene(
     units="m-kg-s",
-    points={"A": Point(x=0.0, y=0.0), "B": Point(x=0.4, y=0.0)},
-    bodies={"small": Rigid(mass=1.0, inertia=0.02, center="A"), "large": Rigid(mass=9.0, inertia=1.5, center="B")},
+    points={"A": plane.Point(x=0.0, y=0.0), "B": plane.Point(x=0.4, y=0.0)},
+    bodies={"small": plane.Rigid(mass=1.0, inertia=0.02, center="A"), "large": plane.Rigid(mass=9.0, inertia=1.5, center="B")},
     joints={**axles, "gears": gears},
-    loads={"motor": Torque(body="small", point="A", torque=0.5)},
-    responses={"turned": Rotation(body="small", point="A")},
+    loads={"motor": plane.Torque(body="small", point="A", torque=0.5)},
+    responses={"turned": plane.Rotation(body="small", point="A")},
 )
-check_joint(gears, scene)
+extend.check_joint(gears, scene)
 print("the gears are right in all their derivatives")
 
 # %% [markdown]
@@ -80,7 +70,8 @@ print("the gears are right in all their derivatives")
 #     angle = t^2 / 2 torque / (0.02 + 1.5 / n^2).
 
 # %%
-result, inertia = direct(scene, ["joints.gears.ratio"], "transient"), 0.02 + 1.5 / 3**2
+model = ffrf.compile(scene, variables=["joints.gears.ratio"])
+result, inertia = model.simulate(gradients=True), 0.02 + 1.5 / 3**2
 slope = 0.5 * 0.5 / inertia**2 * 2 * 1.5 / 3**3
 print(f"turned {result.values['turned']:.6f} rad, theory {0.5 * 0.5 / inertia:.6f}")
 print(f"by the ratio {result.gradients['turned']['joints.gears.ratio']:.6f}, theory {slope:.6f}")

@@ -18,16 +18,9 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from toolkit.bodies.planar.flexible import Flexible
-from toolkit.description.point import BodyPoint
-from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.revolute import Revolute
-from toolkit.reduced_model.file import save
-from toolkit.responses.stress.stress import MaxStress, stress_field
-from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+import toolkit as ffrf
+from preprocessing import Section, polygon_beam, save
+from toolkit import plane
 
 folder = Path(tempfile.mkdtemp())
 steel = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05, damping_stiffness=1e-3)
@@ -41,18 +34,18 @@ save(polygon_beam(nodes, steel, {"hub": 0.0, "tip": 1.0}), folder / "beam.h5")
 
 
 # %%
-def spinning(rate: float) -> Scene:
-    """The beam, let go with a rate in rad/s."""
-    return Scene(
+model = ffrf.compile(
+    ffrf.Scene(
         units="m-kg-s",
         directory=folder,
-        points={"hub": BodyPoint(body="beam", interface="hub")},
-        bodies={"beam": Flexible(model="beam.h5", angular_velocity=rate)},
-        joints={"hub": Revolute(bodies=("beam", "ground"), point="hub")},
-        responses={"stress": MaxStress(body="beam", when="end")},
-        solver=RunOptions(end_time=1.0, step=0.001, rho_inf=0.8),
-    )
-
+        points={"hub": plane.BodyPoint(body="beam", interface="hub")},
+        bodies={"beam": plane.Flexible(model="beam.h5", angular_velocity=20.0)},
+        joints={"hub": plane.Revolute(bodies=("beam", "ground"), point="hub")},
+        responses={"stress": plane.MaxStress(body="beam", when="end")},
+        solver=ffrf.RunOptions(end_time=1.0, step=0.001, rho_inf=0.8),
+    ),
+    variables=["bodies.beam.density"],
+)
 
 # %% [markdown]
 # The stress at the hub for several rates, and its derivative by the density, which theory gives as well: sigma / rho. An
@@ -60,7 +53,7 @@ def spinning(rate: float) -> Scene:
 
 # %%
 for rate in (20.0, 40.0):
-    result = direct(spinning(rate), ["bodies.beam.density"], "transient")
+    result = model.simulate({"bodies.beam.angular_velocity": rate}, gradients=True)
     theory = 7800 * rate**2 * (1 - 0.05**2 / 3) / 2
     ratio, slope = result.values["stress"] / theory, result.gradients["stress"]["bodies.beam.density"] * 7800 / theory
     print(f"{rate:3.0f} rad/s: {theory / 1e6:.4f} MPa; simulation / theory {ratio:.6f}, for the slope {slope:.6f}")
@@ -70,7 +63,7 @@ for rate in (20.0, 40.0):
 # element by element:
 
 # %%
-stress = stress_field(result.solution, "beam")[0][-1].reshape(20, 4).mean(axis=1)
+stress = result.stress("beam")[0][-1].reshape(20, 4).mean(axis=1)
 x = (np.arange(20) + 0.5) / 20
 curve = 7800 * 40.0**2 * (1 - x**2 - 0.05**2 / 12) / 2
 check = float(np.abs(stress / curve - 1).max())

@@ -13,20 +13,14 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.recipes.solids.build_body import build_body
-from toolkit.reduced_model.file import save
-from toolkit.render.pictures import render_solution
-from toolkit.render.probe import RenderError
-from toolkit.responses.stress.stress import stress_field
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import Result, direct
-from toolkit.sensitivity.methods import gradients_by
+import toolkit as ffrf
+from preprocessing import build, save
 
 MODEL = Path(__file__).parents[1] / "models" / "spatial_bracket"
 folder = Path(shutil.copytree(MODEL, tempfile.mkdtemp(), dirs_exist_ok=True))
 body, scene = folder / "body.toml", folder / "scene.toml"
 print(text := body.read_text())
-model = build_body(body)
+model = build(body)
 save(model, folder / "body.h5")
 print(f"{model.n_f} coordinates, {model.basis}; stress at {len(model.surface.position)} points of the surface")
 
@@ -38,7 +32,8 @@ print(f"{model.n_f} coordinates, {model.basis}; stress at {len(model.surface.pos
 
 # %%
 design = {"E": 70e3, "rho": 2.7e-9, "m": 2e-4, "x_O": 25.0, "y_O": 25.0}  # and what counts as one change of each
-result = direct(read_scene(scene), list(design), "transient")
+bracket = ffrf.compile(ffrf.read_scene(scene), variables=list(design))
+result = bracket.simulate(gradients=True)
 print(f"{'':14}{'value':>10}   change by 1 % of " + "".join(f"{name:>11}" for name in design))
 for name, value in result.values.items():
     slopes = [result.gradients[name][x] * size / 100 for x, size in design.items()]
@@ -49,7 +44,7 @@ for name, value in result.values.items():
 # makes its radius longer or shorter. Where is the stress largest, and when?
 
 # %%
-stress, _ = stress_field(result.solution, "bracket")  # von Mises, (times, points)
+stress, _ = result.stress("bracket")  # von Mises, (times, points)
 time, point = np.unravel_index(stress.argmax(), stress.shape)
 print(f"{stress[time, point]:.2f} MPa at {model.surface.position[point, :, 0].round(1)} mm, {result.solution.times[time]:.4f} s")
 
@@ -57,9 +52,9 @@ print(f"{stress[time, point]:.2f} MPa at {model.surface.position[point, :, 0].ro
 # Are the gradients right? Three ways that share little, over the first steps because the complex step is slow:
 
 # %%
-short = read_scene(scene, {"solver.end_time": "0.0005"})
+short = {"solver.end_time": 0.0005}
 methods = ("direct", "adjoint", "complex-step")
-ours, *others = (gradients_by(method, short, list(design), "transient").gradients for method in methods)
+ours, *others = (bracket.simulate(short, gradients=method).gradients for method in methods)
 check = 0.0
 for name in ours:
     scaled = np.array([[each[name][x] * size for x, size in design.items()] for each in (ours, *others)])
@@ -73,11 +68,11 @@ for name in ours:
 
 
 # %%
-def run(count: int) -> Result:
+def run(count: int) -> ffrf.Run:
     """The motion with so many modes."""
     body.write_text(text.replace("count = 2", f"count = {count}"))
-    save(build_body(body), folder / "body.h5")
-    return direct(read_scene(scene), ["m"], "transient")
+    save(build(body), folder / "body.h5")
+    return ffrf.compile(ffrf.read_scene(scene), variables=["m"]).simulate(gradients=True)
 
 
 mesh = runpy.run_path(str(folder / "mesh.py"))["main"]
@@ -93,7 +88,7 @@ for size, around, count in ((15, 5, 0), (15, 5, 2), (15, 5, 12), (10, 10, 2), (6
 
 # %%
 try:
-    files = render_solution(result.solution, folder / "pictures", width=1200)
+    files = result.render(folder / "pictures", width=1200)
     print("pictures:", *files)
-except RenderError as error:
+except ffrf.ToolkitError as error:
     print(f"no pictures: {error}")

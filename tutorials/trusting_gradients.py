@@ -11,14 +11,12 @@ The mechanism is the slider-crank of `models/`, whose gradients were published w
 # %%
 from pathlib import Path
 
-from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+import toolkit as ffrf
 from toolkit.sensitivity.certificate.differences import step_study, taylor_rates
-from toolkit.sensitivity.numerical import numerical
 
 MODELS = Path(__file__).parents[1] / "models"
 short = {"solver.end_time": "1.0", "solver.step": "0.02"}  # 50 steps, for one of the ways is slow
-scene = read_scene(MODELS / "slider_crank" / "scene.toml", short)
+scene = ffrf.read_scene(MODELS / "slider_crank" / "scene.toml", short)
 design = ["k", "c", "J2"]  # stiffness of the spring, damping, inertia of the rod
 for step, difference in step_study(scene, design, "transient", steps=(1e-1, 1e-2, 1e-3, 1e-5, 1e-7, 1e-9)):
     print(f"central difference, step {step:7.0e} of each number: off by {difference:.1e}")
@@ -34,9 +32,10 @@ for step, difference in step_study(scene, design, "transient", steps=(1e-1, 1e-2
 # is subtracted, so no digit is lost.
 
 # %%
-exact = direct(scene, design, "transient")
+model = ffrf.compile(scene, variables=design)
+exact = model.simulate(gradients="direct")
 for method in ("forward-difference", "central-difference", "complex-step"):
-    other = numerical(scene, design, "transient", method)
+    other = model.simulate(gradients=method)
     worst = max(abs(other.gradients[r][x] / slope - 1) for r, slopes in exact.gradients.items() for x, slope in slopes.items())
     print(f"{method:18} differs from direct differentiation by {worst:.1e}")
 
@@ -56,7 +55,7 @@ for response, rate in taylor_rates(scene, design, "transient").items():
 # like the result itself.
 
 # %%
-full = direct(read_scene(MODELS / "slider_crank" / "scene.toml"), ["k", "c"], "transient")
+full = ffrf.compile(ffrf.read_scene(MODELS / "slider_crank" / "scene.toml"), variables=["k", "c"]).simulate(gradients=True)
 published = {"k": 0.33346, "c": -0.36375}
 print(f"G = {full.values['G']:.5f}, published 3.33662")
 for name, value in published.items():

@@ -1,4 +1,4 @@
-"""What MkDocs calls while it builds: generated pages, generated tables, formulas."""
+"""What MkDocs calls while it builds: generated pages, generated tables and pictures, formulas."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from mkdocs.structure.files import File
 
 from docs.generators.formats import fill
 from docs.generators.formulas import hide_formulas, show_formulas
+from docs.generators.house_picture import picture
 from docs.generators.rooms import navigation, overview, page, rooms
 
 
@@ -34,6 +35,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Put generated tables in their places, and formulas out of Markdown's reach."""
     written = {
         "formats.md": fill,
+        "house.md": lambda text: hide_formulas(text.replace("<!-- house -->", picture())),
         "theory.md": hide_formulas,
         "reference.md": lambda text: text.replace("<!-- rooms -->", overview()),
     }

@@ -25,7 +25,7 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import prepare, responses_of
+from toolkit.sensitivity.preparation import prepare, responses_of
 from toolkit.system.system import System
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"

@@ -21,8 +21,8 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import prepare, responses_of
 from toolkit.sensitivity.choice import ADJOINT, DIRECT, adjoint_work, direct_work
+from toolkit.sensitivity.preparation import prepare, responses_of
 
 REPEATS = 3
 

@@ -42,7 +42,9 @@ from tests.random_scenes.scene import named_scene
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Result, again, prepare, result, solve
+from toolkit.sensitivity.direct import again
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.result import Result, result
 from toolkit.system.solution import Solution
 from toolkit.validity.motion.energy_balance import energy_balance
 

@@ -9,7 +9,8 @@ from tests.scenes import WING
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct, prepare, solve
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import prepare, solve
 
 RATES = [1e-6, 1e-3, 1.0, 1e3, 1e6]
 """rho in 1/MPa."""

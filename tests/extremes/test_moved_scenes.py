@@ -23,7 +23,8 @@ from toolkit.responses.motion import Displacement
 from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import evaluate_responses, prepare
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 
 NAMES = [*SCENES, "hanging skin", "wing"]

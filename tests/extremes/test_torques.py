@@ -10,7 +10,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.deformation import deformation
 

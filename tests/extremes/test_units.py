@@ -28,7 +28,8 @@ from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, direct
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import Kind
 
 LENGTH, MASS = 1e3, 1e-3
 """How many mm are 1 m, and how many t are 1 kg; both systems have the second, and the newton: 1 t mm/s^2."""

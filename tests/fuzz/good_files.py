@@ -18,7 +18,7 @@ from toolkit.reduced_model.file import save
 from toolkit.reduced_model.model import ReducedModel, Shape
 from toolkit.results.results_file import save_results
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 
 ROOT = Path(__file__).parents[2]
 SCENE = """

@@ -39,7 +39,7 @@ LOADED = (
     *("preprocessing.foreign_files.child", "scipy.io"),
 )
 """What is loaded before the first case."""
-SCENES = ("toolkit.command_line.cli", "toolkit.sensitivity.analysis", "toolkit.scene_file.reader", "toolkit.compilation")
+SCENES = ("toolkit.command_line.cli", "toolkit.door.model", "toolkit.scene_file.reader", "toolkit.compilation")
 """What is loaded before cases that have scenes."""
 
 
@@ -70,7 +70,7 @@ def _build_once() -> None:
 def _solve_once() -> None:
     """Find the equilibrium of all scenes, which loads the compiled formulas."""
     from toolkit.scene_file.reader import read_scene
-    from toolkit.sensitivity.analysis import direct
+    from toolkit.sensitivity.direct import direct
 
     for scene in sorted(MODELS.glob("*/scene.toml")):
         described = read_scene(scene)

@@ -12,7 +12,8 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.responses.instant import Instant, TimeIntegral
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import evaluate_with_gradients, prepare, responses_of, solve
+from toolkit.sensitivity.evaluation import evaluate_with_gradients
+from toolkit.sensitivity.preparation import prepare, responses_of, solve
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 

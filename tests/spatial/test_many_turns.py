@@ -18,7 +18,7 @@ from toolkit.kinematics.spatial import matrix_of
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import direct
+from toolkit.sensitivity.direct import direct
 from toolkit.system.system import compile_scene
 
 Z = (0.0, 0.0, 1.0)

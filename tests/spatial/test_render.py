@@ -31,13 +31,13 @@ from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.reduced_model.file import save
 from toolkit.render.pictures import render_solution
-from toolkit.render.probe import drawing
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.camera import ISOMETRIC, Camera
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
 from toolkit.render.space.look import choose_spatial_look, outermost
+from toolkit.render.space.probe import drawing
 from toolkit.render.view import View
 from toolkit.responses.stress.stress import MaxStress, stress_field
 from toolkit.scene.scene import Scene
@@ -165,6 +165,13 @@ def test_a_planar_scene_has_no_perspective(folder):
     View(perspective=True).check(gallows(folder))
     with pytest.raises(InputError, match="planar: leave them out"):
         View(triads=True).check(planar)
+
+
+def test_space_has_no_vector_pictures_and_nothing_has_pictures_of_an_unknown_format(folder):
+    with pytest.raises(InputError, match="consist of pixels and cannot be written as svg: leave the format out"):
+        View(format="svg").check(gallows(folder))
+    with pytest.raises(InputError, match=r"no pictures of format 'jpeg'\. Take one of png, svg, pdf"):
+        View(format="jpeg").check(gallows(folder))
 
 
 def test_a_report_of_space_is_refused_with_the_commands_that_show_it():
@@ -337,9 +344,9 @@ def test_the_outermost_points_frame_like_all_points():
 def test_a_point_is_drawn_at_the_pixel_that_the_panel_says(opengl, perspective, tmp_path):
     points = np.array([[0.0, 0.0, 0.0], [2.0, 1.0, 0.5], [1.2, -0.4, 0.9]])
     with drawing():
-        from toolkit.render.canvas import canvas
-        from toolkit.render.space.panel import SpatialPanel
         from toolkit.render.space.parts import ball
+        from toolkit.render.space.plotter.canvas import canvas
+        from toolkit.render.space.plotter.panel import SpatialPanel
 
         with canvas(tmp_path / "balls.png", 400, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (50, 40, 320, 240), 10, Camera.framing(points, 320 / 240, 0.1, perspective))
@@ -357,9 +364,9 @@ def test_a_point_is_drawn_at_the_pixel_that_the_panel_says(opengl, perspective, 
 def test_a_mesh_that_is_drawn_in_front_covers_what_is_nearer(opengl, perspective, tmp_path):
     points = np.array([[0.0, 0.0, 0.0], [1.0, -1.0, 1.0]])  # one behind the other
     with drawing():
-        from toolkit.render.canvas import canvas
-        from toolkit.render.space.panel import SpatialPanel
         from toolkit.render.space.parts import ball
+        from toolkit.render.space.plotter.canvas import canvas
+        from toolkit.render.space.plotter.panel import SpatialPanel
 
         with canvas(tmp_path / "balls.png", 300, 300, 1) as plotter:
             panel = SpatialPanel(plotter, 1, (0, 0, 300, 300), 10, Camera.framing(points, 1.0, 0.5, perspective))
@@ -374,7 +381,7 @@ def test_a_mesh_that_is_drawn_in_front_covers_what_is_nearer(opengl, perspective
 
 def test_paraview_reads_displacement_von_mises_and_components(folder, tmp_path):
     pyvista = pytest.importorskip("pyvista")
-    from toolkit.render.paraview import export_paraview
+    from toolkit.render.paraview.export import export_paraview
 
     scene = gallows(folder)
     both = scene.model_copy(

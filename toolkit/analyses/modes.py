@@ -27,6 +27,9 @@ class Modes(NamedTuple):
     shapes: np.ndarray  # (n_q, n_modes)
     verdict: Verdict = Verdict()
 
+    def __repr__(self) -> str:
+        return f"<Modes: {', '.join(f'{each:.6g}' for each in self.frequencies)} per unit of time>"
+
 
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     """Undamped modes about the last state of a static solution (or any state at rest).

@@ -10,13 +10,13 @@ import numpy as np
 
 from toolkit.analyses.modes import solve_modes
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, SingularSystemError
+from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.half_turns import HALF_TURN, half_turn
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.path.continuation import NEAR, to_full_load
-from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
+from toolkit.solvers.static.stability.critical_state import is_stable, refuse_gradients_of_critical
 from toolkit.solvers.static.static_start import start_of_path
 from toolkit.system.solution import Solution
 from toolkit.system.static_path import StaticPath
@@ -26,12 +26,30 @@ from toolkit.validity.judge import judge
 Progress = Callable[[int, int], None]
 
 
-def solve_statics(system: System, options: RunOptions | None = None, progress: Progress | None = None) -> Solution:
+CLOSE = 0.05
+"""Part of the scene's size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
+
+
+def solve_statics(
+    system: System, options: RunOptions | None = None, progress: Progress | None = None, start: Solution | None = None
+) -> Solution:
     """Equilibrium under the loads at the end time, reached from the undeformed state; with its design derivatives.
 
     Loads and gravity grow in proportion, drivers move from their first to their last value. Steps are shortened until nothing can hide
     between them (see `path_steps`). Joints that are open in the given positions are closed first.
     With `options.continuation` "arc-length" the path is followed past limit points; `Solution.path` tells which.
+
+    Parameters
+    ----------
+    system
+        The compiled scene.
+    options
+        By default the scene's own.
+    progress
+        Called with the steps done and the steps in all.
+    start
+        An equilibrium of the same scene at other numbers. If Newton goes straight from there to a stable one close by, the path from the
+        unloaded state is not followed, and the verdict says so; otherwise it is.
 
     Raises
     ------
@@ -51,6 +69,9 @@ def solve_statics(system: System, options: RunOptions | None = None, progress: P
     options = options or system.scene.solver
     check_dense(system, options)
     begun = clock.perf_counter()
+    if start is not None and (near := _equilibrium_near(system, options, start)):
+        state, count = near
+        return _with_sensitivities(system, options, state, begun, newton_iterations=count, own_start=True)
     state, factor, count = start_of_path(system, options)
     arrival = to_full_load(system, options, state, factor, options.continuation == "arc-length", progress)
     _refuse_half_turns(system, arrival.path)
@@ -84,6 +105,20 @@ def equilibrium_beside(system: System, known: Solution) -> Solution:
     q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]
     state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
     return _with_sensitivities(system, options, state, begun, newton_iterations=count, load_steps=0, path=known.path)
+
+
+def _equilibrium_near(system: System, options: RunOptions, known: Solution) -> tuple[Equilibrium, int] | None:
+    """A stable equilibrium close to a known one, and Newton's iterations; None if there is none, or a spring turned half round."""
+    if known.q.shape[1] != system.n_q or len(known.times) != 1:
+        raise InputError("a start of statics is an equilibrium of the same scene. Give what `statics` has returned.")
+    free = np.zeros(system.n - system.n_q)
+    try:
+        q, acc = np.append(known.q[-1], free), np.append(np.zeros(system.n_q), known.multipliers[-1])
+        state, count = find_equilibrium(system, options, 1.0, q, acc, CLOSE)
+    except (ConvergenceError, SingularSystemError):
+        return None
+    stable = is_stable(system, options, state, 1.0) and half_turn(system, np.stack([q, state.q])) is None
+    return (state, count) if stable else None
 
 
 def _refuse_half_turns(system: System, path: StaticPath) -> None:

@@ -12,7 +12,7 @@ from pydantic import ConfigDict
 from toolkit.bodies.body import Body, Placed
 from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
 
 DEPENDENCE = ("affine", "derivatives")
@@ -58,7 +58,7 @@ class ModelBody(Body):
         follows = {place_parameter(name): s for name, s in places.items()}
         moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
         model = scene.model(self.model, *(DEPENDENCE if moved else ()), *parts)
-        design = DesignPoint(model, self.model_values(), first_order)
+        design = design_at(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):
                 raise InputError(
@@ -66,7 +66,7 @@ class ModelBody(Body):
                     "shapes follow it: their derivative at a fixed arc length is unknown. Leave arc_length out of the scene, or give the "
                     "point by its arc length in the skin file."
                 )
-        return DesignPoint(model, {**self.model_values(), **follows}, first_order) if follows else design
+        return design_at(model, {**self.model_values(), **follows}, first_order) if follows else design
 
     def invariants(self, scene: Placed) -> Any:
         """Invariants at the scene's parameter values."""

@@ -99,16 +99,10 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    from functools import partial
-
-    from toolkit.sensitivity.analysis import again, evaluate_responses, result, timed
-
     check_output(output)
     described, text = read(scene, changes, quiet), text_of(scene)
     with at_work("time steps", described, "transient", quiet=quiet) as progress:
-        system = compiled(described, keep_all)
-        seconds, solution = timed(system, "transient", progress)
-    found = result(described, solution, evaluate_responses(solution), {}, "none", seconds, 0.0, partial(again, system))
+        found = compiled(described, keep_all).simulate(progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -125,14 +119,14 @@ def statics(
     quiet: Quiet = False,
 ) -> None:
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
-    from toolkit.sensitivity.analysis import direct
+    from toolkit.door.model import compile_model
 
     check_output(output)
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
     described, text = read(scene, changes, quiet), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
-        found = direct(described, names, "static", progress)
+        found = compile_model(described, names).statics(gradients="direct", progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
@@ -151,14 +145,15 @@ def sensitivity(
     quiet: Quiet = False,
 ) -> None:
     """Print the responses with their gradients."""
-    from toolkit.sensitivity.methods import gradients_by
+    from toolkit.door.model import compile_model
 
     check_output(output)
     described, text = read(scene, changes, quiet), text_of(scene)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet, method.value) as progress:
-        found = gradients_by(method.value, described, names, kind, progress, keep_states=output is not None)
+        model = compile_model(described, names)
+        found = model.run(kind, gradients=method.value, progress=progress, timed=True, keep_states=output is not None)
     print_result(found, as_json, quiet)
     keep(found, output, text, changes, quiet)
 
@@ -175,23 +170,18 @@ def modes(
     quiet: Quiet = False,
 ) -> None:
     """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
-    from toolkit.analyses.modes import solve_modes
-    from toolkit.analyses.undeformed import undeformed
-    from toolkit.foundation.verdict import Verdict
-    from toolkit.sensitivity.analysis import prepare, solve
+    from toolkit.door.model import compile_model
 
     described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
-        system = prepare(described)
-        state = undeformed(system) if about_start else solve(system, "static", progress)
-        found = solve_modes(state, count)
-    frequencies, verdict = found.frequencies.tolist(), Verdict.of([*found.verdict.warnings, *state.verdict.warnings])
+        found = compile_model(described).modes(count=count, undeformed=about_start, progress=progress)
+    frequencies = found.frequencies.tolist()
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **verdict.record()})
-        warn(verdict, quiet)
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
+        warn(found.verdict, quiet)
     else:
         print_frequencies(frequencies)
-        print_verdict(verdict)
+        print_verdict(found.verdict)
 
 
 @app.command()
@@ -227,6 +217,7 @@ def render(
         list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
+    kind: Annotated[str, typer.Option("--format", help="Of the pictures: png, or of planar scenes svg or pdf.")] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Draw the motion as a moving picture (GIF) too.")] = False,
     perspective: Annotated[bool, typer.Option("--perspective", help="In space: what is nearer is larger.")] = False,
     triads: Annotated[bool, typer.Option("--triads", help="In space: draw the axes of the bodies' frames.")] = False,
@@ -235,15 +226,13 @@ def render(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Simulate the scene, or read its results, and draw it at several instants into PNG files."""
-    from toolkit.render.pictures import render_solution
-    from toolkit.render.probe import drawing_environment
+    """Simulate the scene, or read its results, and draw it at several instants."""
+    from toolkit.render.pictures import refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
-    view = View(perspective, triads)
-    solve = motion_of(file, changes, models, quiet, view.check)
+    view = View(perspective, triads, kind)
+    solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view))
     folder = prepare_folder(output)
-    drawing_environment()  # refuses a machine that cannot draw before the long work begins
     solution = solve()
     print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 

@@ -14,7 +14,7 @@ from toolkit.foundation.errors import InputError
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
-    from toolkit.sensitivity.analysis import Result
+    from toolkit.sensitivity.result import Result
     from toolkit.system.solution import Solution
 
 Output = Annotated[
@@ -99,7 +99,7 @@ def motion_of(
 
 def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
     """The motion or the equilibrium of a scene, with a progress bar."""
-    from toolkit.sensitivity.analysis import prepare, solve
+    from toolkit.sensitivity.preparation import prepare, solve
 
     with at_work("load steps" if kind == "static" else "time steps", scene, kind, quiet=quiet) as progress:
         return solve(prepare(scene), kind, progress)

@@ -23,7 +23,8 @@ from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.analysis import Kind, evaluate_responses, prepare, solve
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import Kind, prepare, solve
 from toolkit.system.system import formulas_of
 from toolkit.validity.judge import judge
 from toolkit.validity.motion.energy_balance import energy_balance

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 
@@ -34,10 +35,10 @@ def check_numbers(scene: Scene) -> None:
                 if not np.real(value) > 0 and (least > 0 or np.real(value) < least):
                     right = "a positive number" if least > 0 else "zero or positive"
                     raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be {right}.")
-    size = scene.size
+    placed = Remembered(scene)
     for user, pair in pairs(scene).items():
-        first, second = (np.real(scene.position(point)) for point in pair)
-        if np.abs(first - second).max() <= SAME_PLACE * size:
+        first, second = (np.real(placed.position(point)) for point in pair)
+        if np.abs(first - second).max() <= SAME_PLACE * placed.size:
             raise InputError(
                 f"{user} leads from point {pair[0]!r} to point {pair[1]!r}, which are at the same place, so it has no direction. "
                 "Move one of them."

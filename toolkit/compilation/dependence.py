@@ -7,8 +7,8 @@ variables short.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 from toolkit.description.description import Description
 from toolkit.description.point import BodyPoint
@@ -18,6 +18,37 @@ from toolkit.scene.scene import Scene
 Item = tuple[str, str]
 """Group and name, for example ("points", "A")."""
 GROUPS = ("points", "bodies", "joints", "loads")
+
+
+class Affected(NamedTuple):
+    """Items of a scene, and markers by their numbers, that some numbers may change."""
+
+    items: frozenset[Item]
+    markers: frozenset[int]
+
+    def __and__(self, other: Affected) -> Affected:  # type: ignore[override]
+        """What numbers of both may change: mixed derivatives of all else are zero."""
+        return Affected(self.items & other.items, self.markers & other.markers)
+
+
+def affected_by(scene: Scene, markers: Sequence[tuple[str, ...]], paths: list[str], users: dict[str, list[Item]]) -> Affected:
+    """All that the numbers at some paths may change; `users` are those of `users_by_name`, `markers` those of the numbering."""
+    found = [affected_items(scene, path, users) for path in paths]
+    everything = {(group, name) for group in ("bodies", "joints", "loads") for name in _names(scene, group)}
+    items = frozenset().union(*(everything if each is None else each for each in found))
+    if None in found:
+        return Affected(items, frozenset(range(len(markers))))
+    return Affected(items, frozenset(m for m, grip in enumerate(markers) if not items.isdisjoint(_behind(grip))))
+
+
+def _names(scene: Scene, group: str) -> list[str]:
+    return list(scene.all_bodies() if group == "bodies" else getattr(scene, group))
+
+
+def _behind(grip: tuple[str, ...]) -> list[Item]:
+    """What a marker's numbers follow from: its body, its point, and the component whose axes it has."""
+    body, point, *component = grip
+    return [("bodies", body), ("points", point), *((owner.partition(".")[0], owner.partition(".")[2]) for owner in component)]
 
 
 def users_by_name(scene: Scene) -> dict[str, list[Item]]:

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
+from toolkit.compilation.dependence import Item, users_by_name
+from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import ROW_QUANTITIES
 from toolkit.loads.load import Load
@@ -32,6 +35,8 @@ class Numbering:
         What each unknown is, for messages.
     seen
         Markers that a response looks at.
+    users
+        Name -> items that name it, see `users_by_name`.
     """
 
     first: dict[str, int]
@@ -40,7 +45,8 @@ class Numbering:
     markers: tuple[tuple[str, ...], ...]
     names: tuple[str, ...]
     n_q: int
-    seen: tuple[tuple[str, ...], ...] = ()
+    seen: tuple[tuple[str, str], ...] = ()
+    users: dict[str, list[Item]] = field(default_factory=dict)
 
     @property
     def n(self) -> int:
@@ -73,7 +79,7 @@ def grips_of(path: str, component: Component) -> list[tuple[str, ...]]:
     return [(*grip, path) if component.axes is not None else grip for grip in component.grips]
 
 
-def number(scene: Scene, extra_markers: tuple[tuple[str, ...], ...] = ()) -> Numbering:
+def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Numbering:
     """Number the unknowns: bodies as in the scene, rows of joints, lengths of quaternions; `extra_markers` carry no component.
 
     Raises
@@ -107,7 +113,8 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, ...], ...] = ()) -> Num
     loads = {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load)}
     components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
     grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
-    return Numbering(first, row, length, tuple(dict.fromkeys([*grips, *extra_markers])), tuple(names), n_q, tuple(extra_markers))
+    markers = tuple(dict.fromkeys([*grips, *extra_markers]))
+    return Numbering(first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene))
 
 
 def weights(scene: Scene) -> np.ndarray:
@@ -115,9 +122,9 @@ def weights(scene: Scene) -> np.ndarray:
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row.
     """
-    size = scene.size
-    lengths = np.concatenate([body.coordinate_lengths(scene) for body in scene.all_bodies().values()])
+    placed: Any = Remembered(scene)
+    lengths = np.concatenate([body.coordinate_lengths(placed) for body in scene.all_bodies().values()])
     rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]
     rows += [np.nan for body in scene.bodies.values() if body.turns == QUATERNION]
     lengths = np.concatenate([np.real(lengths), rows])
-    return np.where(np.isnan(lengths), 1.0, lengths / size)
+    return np.where(np.isnan(lengths), 1.0, lengths / placed.size)

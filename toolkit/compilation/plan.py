@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from toolkit.compilation.arrays.spatial_arrays import (
     spatial_joint_arrays,
     spatial_marker_arrays,
 )
-from toolkit.compilation.numbering import Numbering, weights
+from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import Pattern, block, build_pattern
 from toolkit.compilation.patterns.touched import touched
 from toolkit.compilation.quantities import Quantities, named_loads
@@ -23,48 +24,106 @@ from toolkit.equations.equations import Plan
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 
+NEEDS = {
+    "constant": {"constant"},
+    "floating": {"floating", "gravity"},
+    "markers": {"markers", "floating"},
+    "joints": {"joints", "curves"},
+    "loads": {"loads", "curves"},
+    "pressures": {"pressures", "curves"},
+}
+"""Part of the plan -> groups of `Quantities` that its arrays follow from; with design variables joints and loads also from the markers."""
+THROUGH_MARKERS = ("joints", "loads", "pressures")
 
-def build_plan(scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], dtype: type) -> Plan:
-    """All arrays of the compiled scene; `derivatives` are those of the numbers by each design variable."""
+
+class Kept(NamedTuple):
+    """The plan of the same scene at other numbers, and the groups of `Quantities` that differ."""
+
+    plan: Plan
+    changed: frozenset[str]
+
+
+def build_plan(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    dtype: type,
+    sizes: np.ndarray,
+    kept: Kept | None = None,
+) -> Plan:
+    """All arrays of the compiled scene.
+
+    Parameters
+    ----------
+    derivatives
+        Those of the numbers by each design variable.
+    sizes
+        See `numbering.weights`, (n,).
+    kept
+        What is known from the same scene at other numbers: the pattern, and all parts whose numbers are the same.
+    """
     offsets = [numbering.first[name] for name in scene.all_bodies()]
     constant_rows = [(offsets[b] + part.row, offsets[b] + part.column) for b, part in values.constant.items()]
     columns = [numbering.first[body] + values.markers[m].columns for m, (body, *_) in enumerate(numbering.markers)]
-    pattern = _pattern(scene, numbering, values, constant_rows, columns)
+    pattern = (
+        Pattern.of(kept.plan.indptr, kept.plan.indices) if kept else _pattern(scene, numbering, values, constant_rows, columns)
+    )
+    makers: dict[str, Callable[[], Any]] = {
+        "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
+        **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
+        "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+    }
+    parts = {
+        name: getattr(kept.plan, name) if kept and not kept.changed & _needs(name, derivatives) else make()
+        for name, make in makers.items()
+    }
     curve_index, curve_variable = curve_pairs(derivatives)
-    *of_space, pressures = _PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype)
-    parts: list[Any] = [
-        constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, weights(scene)),
-        *of_space,
-        load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
-        pressures,
-    ]
-    driven = [curve_index, curve_variable]
-    numbers = [numbering.n_q, numbering.n, len(derivatives), pattern.indptr, pattern.indices]
-    touching = touched(len(derivatives), *[*parts, *driven])
-    return Plan(*[*numbers, *parts, np.zeros(0, np.int64), *driven, *touching])
+    touched_row, touched_variable = touched(len(derivatives), **parts, curve_index=curve_index, curve_variable=curve_variable)
+    return Plan(
+        n_q=numbering.n_q,
+        n=numbering.n,
+        n_x=len(derivatives),
+        indptr=pattern.indptr,
+        indices=pattern.indices,
+        **parts,
+        dropped=np.zeros(0, np.int64),
+        curve_index=curve_index,
+        curve_variable=curve_variable,
+        touched_row=touched_row,
+        touched_variable=touched_variable,
+    )
 
 
-def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
-    """Bodies with a moving frame, markers and joints in the plane, where nothing presses on surfaces."""
+def _needs(part: str, derivatives: list[Quantities]) -> set[str]:
+    """Groups of numbers that a part follows from."""
+    return NEEDS[part] | ({"markers"} if derivatives and part in THROUGH_MARKERS else set())
+
+
+def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> dict[str, Callable[[], Any]]:
+    """Bodies with a moving frame, markers and joints in the plane."""
     first = list(numbering.first.values())
-    frames = [first[b] for b in values.floating]
-    return (
-        floating_part(frames, values, derivatives, pattern, dtype),
-        marker_arrays(scene, numbering, values, derivatives, columns, dtype),
-        joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
-        None,
-    )
+    return {
+        "floating": lambda: floating_part([first[b] for b in values.floating], values, derivatives, pattern, dtype),
+        "markers": lambda: marker_arrays(scene, numbering, values, derivatives, columns, dtype),
+        "joints": lambda: joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        "pressures": lambda: None,
+    }
 
 
-def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> tuple:
+def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> dict[str, Callable[[], Any]]:
     """The same in space, and pressures."""
-    frames = frames_part(scene, numbering, values, pattern)
-    return (
-        spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
-        spatial_marker_arrays(scene, numbering, frames, values, derivatives, columns, dtype),
-        spatial_joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
-        pressure_part(scene, numbering, values, derivatives, pattern, dtype),
-    )
+
+    def markers() -> Any:
+        frames = frames_part(scene, numbering, values, pattern)
+        return spatial_marker_arrays(scene, numbering, frames, values, derivatives, columns, dtype)
+
+    return {
+        "floating": lambda: spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
+        "markers": markers,
+        "joints": lambda: spatial_joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        "pressures": lambda: pressure_part(scene, numbering, values, derivatives, pattern, dtype),
+    }
 
 
 _PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}

@@ -13,8 +13,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import Item, affected_items, users_by_name
+from toolkit.compilation.dependence import Affected, Item, affected_by
 from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.remembered import Remembered
 from toolkit.description.profile import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.load import Load
@@ -45,29 +46,34 @@ class Quantities:
     curves: dict[int, Curve]
 
 
-def evaluate_quantities(scene: Scene, numbering: Numbering, affected: set[Item] | None = None) -> Quantities:
-    """All numbers of a scene, or those of some items and of the markers that need them."""
+def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
+    """All numbers of a scene, or those of some items and markers."""
 
     def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
-        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected}
+        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected.items}
 
+    placed: Any = Remembered(scene)
     everybody: Mapping[str, Any] = scene.all_bodies()
     bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
-    floating = {b: body.floating(scene) for b, body in bodies.items()}
+    gravity = scene.gravity
+    floating = {b: body.floating(placed) for b, body in bodies.items()}
     return Quantities(
-        {b: body.initial_state(scene) for b, body in bodies.items()},
-        {b: body.constant(scene, scene.gravity) for b, body in bodies.items()},
+        {b: body.initial_state(placed) for b, body in bodies.items()},
+        {b: body.constant(placed, gravity) for b, body in bodies.items()},
         {b: block for b, block in floating.items() if block is not None},
         {
-            m: _marker(scene, everybody, grip)
+            m: _marker(placed, everybody, grip)
             for m, grip in enumerate(numbering.markers)
-            if affected is None or affected & set(zip(("bodies", "points"), grip, strict=False)) or _owner(grip) in affected
+            if affected is None or m in affected.markers
         },
-        {j: _parameters(scene, joint, scene.space.joint_parameters) for j, joint in joints.items()},
-        {k: _parameters(scene, load, scene.space.load_parameters) for k, load in loads.items()},
-        {p: pressure.numbers_on(scene, everybody[pressure.body]) for p, pressure in chosen("loads", pressures_of(scene)).items()},
-        np.asarray(scene.gravity),
-        {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected},
+        {j: _parameters(placed, joint, scene.space.joint_parameters) for j, joint in joints.items()},
+        {k: _parameters(placed, load, scene.space.load_parameters) for k, load in loads.items()},
+        {
+            p: pressure.numbers_on(placed, everybody[pressure.body])
+            for p, pressure in chosen("loads", pressures_of(scene)).items()
+        },
+        np.asarray(gravity),
+        {c: curve for c, (item, curve) in enumerate(curves_of(scene)) if affected is None or item in affected.items},
     )
 
 
@@ -119,12 +125,14 @@ def _parameters(scene: Scene, component: Component, width: int | None) -> np.nda
     return np.array([*row, *[0.0] * (width - len(row))])
 
 
-def derivatives(scene: Scene, numbering: Numbering, paths: list[str]) -> list[Quantities]:
-    """Derivative of all numbers by each number at a path; curves stay complex, they are differentiated where they are evaluated."""
-    users, found = users_by_name(scene), []
+def derivatives(scene: Scene, numbering: Numbering, paths: list[str], among: Affected | None = None) -> list[Quantities]:
+    """Derivative of all numbers, or of those `among` some, by each number at a path; curves stay complex, they are differentiated where
+    they are evaluated."""
+    found = []
     for path in paths:
+        affected = affected_by(scene, numbering.markers, [path], numbering.users)
         moved = scene.with_number(path, scene.number(path) + 1j * STEP)
-        stepped = evaluate_quantities(moved, numbering, affected_items(scene, path, users))
+        stepped = evaluate_quantities(moved, numbering, affected if among is None else affected & among)
         parts = {f.name: getattr(stepped, f.name) for f in fields(Quantities)}
         found.append(Quantities(**{name: part if name == "curves" else _imag(part) for name, part in parts.items()}))
     return found

@@ -10,7 +10,7 @@ from toolkit.receipt.terms import rigid_bodies
 from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.stress import StressResponse
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import responses_of
+from toolkit.sensitivity.preparation import responses_of
 from toolkit.system.system import System
 
 MOST_NAMES = 12

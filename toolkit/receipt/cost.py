@@ -17,7 +17,7 @@ from toolkit.receipt.everything import grounded_bodies, prepare_everything, with
 from toolkit.receipt.files import bytes_read
 from toolkit.receipt.unknowns import multiplications
 from toolkit.scene.scene import Scene, forget_models
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
 
 FIRST, LONG = 16, 0.05

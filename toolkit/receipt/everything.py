@@ -6,7 +6,7 @@ from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.reduced_model.file import PARTS
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.system import System
 
 

@@ -13,7 +13,7 @@ from toolkit.receipt.line import Line
 from toolkit.receipt.terms import terms
 from toolkit.receipt.unknowns import coordinates, matrix, rows
 from toolkit.scene.scene import Scene, forget_models
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 
 
 def receipt(scene: Scene, design: list[str], keep_all: bool = False, measured: bool = True) -> dict[str, Any]:

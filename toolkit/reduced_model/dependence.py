@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,11 @@ class Derivatives:
 
     def depends_on(self, parameter: int) -> bool:
         """Whether there is an entry for the parameter."""
-        return bool(np.any(self.parameter == parameter))
+        return parameter in self._parameters
+
+    @cached_property
+    def _parameters(self) -> frozenset[int]:
+        return frozenset(np.unique(self.parameter).tolist())
 
 
 @dataclass(frozen=True)
@@ -66,7 +71,11 @@ class Polynomial:
 
     def depends_on(self, parameter: int) -> bool:
         """Whether the parameter occurs."""
-        return bool(np.any(self.factor == parameter))
+        return parameter in self._parameters
+
+    @cached_property
+    def _parameters(self) -> frozenset[int]:
+        return frozenset(np.unique(self.factor).tolist())
 
     def _weights(self, p: np.ndarray, power: np.ndarray) -> np.ndarray:
         return np.prod(np.append(p, 1.0)[self.factor] ** power, axis=1)  # a factor of -1 is the 1 at the end

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,6 +15,10 @@ from toolkit.reduced_model.dependence import Derivatives, scattered
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
 
 NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
+
+
+KEPT = 8
+"""Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
 
 
 @dataclass(frozen=True)
@@ -100,6 +104,16 @@ class DesignPoint:
         InputError
             Nothing that was loaded tells the item's value at this design.
         """
+        if item not in self._known:
+            self._known[item] = self._evaluated(item)
+        return self._known[item]
+
+    @cached_property
+    def _known(self) -> dict[str, np.ndarray]:
+        """Items that were asked for."""
+        return {}
+
+    def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
         if not self._steps:
             return nominal
@@ -171,3 +185,26 @@ class DesignPoint:
                 f"{names[by_tangent[0]]!r} at the nominal design only. Rerun preprocessing with the wanted value, or write "
                 'extrapolation = "first-order" in the body\'s table to follow the tangent, with an error of second order.'
             )
+
+
+def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool) -> DesignPoint:
+    """The design point of a model at some values; the same one while it is among the last that were asked for."""
+    return _design_at(_Same(model), tuple(values.items()), first_order)
+
+
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """A model that equals itself alone, whatever is in its arrays."""
+
+    model: ReducedModel
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.model is other.model
+
+    def __hash__(self) -> int:
+        return id(self.model)
+
+
+@lru_cache(maxsize=KEPT)
+def _design_at(same: _Same, values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
+    return DesignPoint(same.model, dict(values), first_order)

@@ -8,8 +8,17 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
+
+from toolkit.foundation.files.replaced_file import write_whole
+
 MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
 """Frames at most; ms that a motion takes, and that its last frame stands still."""
+
+
+def spread(last: int, count: int) -> list[int]:
+    """At most so many numbers from 0 to the last, evenly spread, both among them."""
+    return sorted({int(k) for k in np.linspace(0, last, min(count, last + 1)).round()})
 
 
 def gif(frames: Sequence[Any]) -> bytes:
@@ -24,15 +33,23 @@ def gif(frames: Sequence[Any]) -> bytes:
     return file.getvalue()
 
 
-def write_animation(moments: Sequence[Any], draw: Callable[..., None], look: Any, path: Path, width: int) -> None:
-    """Draw all moments by `draw(moment, look, path, width)` and write them as one moving picture."""
+def write_animation(
+    moments: Sequence[Any],
+    draw: Callable[..., None],
+    look: Any,
+    path: Path,
+    width: int,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> None:
+    """Draw all moments by `draw(moment, look, path, width)` and write them as one moving picture, in one stroke."""
     from PIL import Image
 
     frames = []
     with TemporaryDirectory() as folder:
-        for moment in moments:
+        for number, moment in enumerate(moments):
             drawn = Path(folder) / "frame.png"
             draw(moment, look, drawn, width)
             with Image.open(drawn) as image:
                 frames.append(image.convert("RGB"))
-    path.write_bytes(gif(frames))
+            progress(number + 1, len(moments))
+    write_whole(path, gif(frames))

@@ -47,6 +47,14 @@ class Moment(ABC):
     def position(self, body: str, point: str) -> np.ndarray:
         """Where the body carries the named point of the scene, (d,)."""
 
+    @abstractmethod
+    def segments(self, body: str) -> list[np.ndarray]:
+        """Lines that stand for a body, each (n, d)."""
+
+    def rods(self) -> list[np.ndarray]:
+        """Lines that stand for all bodies."""
+        return [line for body in self.scene.bodies for line in self.segments(body)]
+
     def ends(self, component: Component) -> np.ndarray:
         """Points at which a joint or load grips its two bodies, (2, d)."""
         return np.array([self.position(body, point) for body, point in component.grips])

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.replaced_file import replaced
-from toolkit.render.gif import MOST_FRAMES, write_animation
-from toolkit.render.probe import drawing
+from toolkit.render.gif import MOST_FRAMES, spread, write_animation
+from toolkit.render.packages import require
+from toolkit.render.space.probe import drawing, drawing_environment
 from toolkit.render.view import View
+from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
 _INSTANTS = 4
@@ -30,7 +32,7 @@ def render_solution(
     view: View = _PLAIN,
     animate: bool = False,
 ) -> list[Path]:
-    """Draw a solution into PNG files of a directory, which is made if it does not exist.
+    """Draw a solution into files of a directory, which is made if it does not exist.
 
     Parameters
     ----------
@@ -39,47 +41,56 @@ def render_solution(
     width : int
         Width of every picture in pixels; an animation has at most 800.
     view : View
-        How a scene in space is looked at.
+        The format of the files, and how a scene in space is looked at.
     animate : bool
         Whether a motion is drawn as a moving picture too.
 
     Returns
     -------
     files : list of Path
-        `step-<number>.png` per instant; `overview.png` with up to four of them; `curves.png` and, on request, `animation.gif` if there is
-        more than one step.
+        `step-<number>.png` (or what the format is) per instant; `overview.png` with up to four of them; `curves.png` and, on request,
+        `animation.gif` if there is more than one step.
 
     Raises
     ------
     RenderError
-        There is no OpenGL here, or a package is missing; names what to install.
+        A package is missing or, for a scene in space, OpenGL; names what to install.
     InputError
-        An instant lies outside the solution, or a planar scene cannot be looked at like this.
+        An instant lies outside the solution, or the scene cannot be looked at like this.
     """
     view.check(solution.system.scene)
     steps = chosen_steps(solution, instants)
     directory = Path(directory)
-    with drawing():
+    require("matplotlib")
+    with drawing() if solution.system.scene.dimension == 3 else nullcontext():
         artist = _artist(solution, view)
         directory.mkdir(parents=True, exist_ok=True)
-        shown = sorted({int(k) for k in np.linspace(0, len(solution.times) - 1, MOST_FRAMES).round()}) if animate else []
+        shown = spread(solution.steps, MOST_FRAMES) if animate else []
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
-        files = [
-            _write(directory / f"step-{moment.step:0{digits}}.png", artist.instant, moment, look, width=width)
-            for moment in moments
-        ]
+        files = [directory / f"step-{moment.step:0{digits}}.{view.format}" for moment in moments]
+        for file, moment in zip(files, moments, strict=True):
+            artist.instant(moment, look, file, width)
         if len(moments) > 1:
-            few = [moments[k] for k in np.unique(np.linspace(0, len(moments) - 1, _INSTANTS).round().astype(int))]
-            files.append(_write(directory / "overview.png", artist.overview, few, look, width=width))
+            few = [moments[k] for k in spread(len(moments) - 1, _INSTANTS)]
+            files.append(directory / f"overview.{view.format}")
+            artist.overview(few, look, files[-1], width)
         if solution.steps:
-            files.append(_write(directory / "curves.png", artist.curves, solution, width=width))
+            files.append(directory / f"curves.{view.format}")
+            artist.curves(solution, files[-1], width)
         if len(shown) > 1:
+            files.append(directory / "animation.gif")
             frames = [artist.moment(step) for step in shown]
-            files.append(
-                _write(directory / "animation.gif", write_animation, frames, artist.instant, look, width=min(width, _SMALL))
-            )
+            write_animation(frames, artist.instant, look, files[-1], min(width, _SMALL))
     return files
+
+
+def refuse_what_cannot_be_drawn(scene: Scene, view: View) -> None:
+    """Refuse a scene or a machine that has no such pictures, before the long work begins; raises as `render_solution`."""
+    view.check(scene)
+    require("matplotlib")
+    if scene.dimension == 3:
+        drawing_environment()
 
 
 class _Artist(NamedTuple):
@@ -93,28 +104,34 @@ class _Artist(NamedTuple):
 
 
 def _artist(solution: Solution, view: View) -> _Artist:
+    from toolkit.render.sheet import WIDE, write_figure
+
+    def page(figure: Callable[..., Any]) -> Callable[..., None]:
+        """The function of a figure as one that writes it to a path, so many pixels wide."""
+        return lambda *arguments: write_figure(figure(*arguments[:-2]), arguments[-2], arguments[-1] / WIDE)
+
     if solution.system.scene.dimension == 3:
         from toolkit.render.space.configuration import SpatialConfiguration
-        from toolkit.render.space.curves import draw_spatial_curves
+        from toolkit.render.space.curves import spatial_curves_figure
         from toolkit.render.space.look import choose_spatial_look
         from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
 
         return _Artist(
             lambda step: SpatialConfiguration(solution, step),
             lambda steps: choose_spatial_look(solution, steps, view),
-            draw_spatial_instant, draw_spatial_overview, draw_spatial_curves,
+            draw_spatial_instant, draw_spatial_overview, page(spatial_curves_figure),
         )  # fmt: skip
     from toolkit.render.plane.configuration import Configuration
-    from toolkit.render.plane.curves import draw_curves
+    from toolkit.render.plane.curves import curves_figure
     from toolkit.render.plane.look import choose_look
-    from toolkit.render.plane.scene_picture import draw_instant, draw_overview
+    from toolkit.render.plane.scene_picture import instant_figure, overview_figure
 
     return _Artist(
         lambda step: Configuration(solution, step),
         lambda steps: choose_look(solution, steps),
-        draw_instant,
-        draw_overview,
-        draw_curves,
+        page(instant_figure),
+        page(overview_figure),
+        page(curves_figure),
     )
 
 
@@ -134,10 +151,3 @@ def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[i
         if not first - slack <= instant <= last + slack:
             raise InputError(f"there is nothing to draw at t = {instant:g}: the solution runs from {first:g} to {last:g}.")
     return sorted({int(np.argmin(np.abs(solution.times - instant))) for instant in instants})
-
-
-def _write(path: Path, draw: Callable[..., None], *arguments: Any, width: int) -> Path:
-    """Draw under a temporary name, then rename: an interrupted run leaves the old picture or none."""
-    with replaced(path) as temporary:
-        draw(*arguments, temporary, width)
-    return path

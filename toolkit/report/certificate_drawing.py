@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from toolkit.report.sheet import Drawing, sheet, style
+from toolkit.render.sheet import sheet, style
+from toolkit.report.drawing import Drawing
 from toolkit.sensitivity.certificate.certificate import Certificate, digits
 
 MOST_BARS = 40

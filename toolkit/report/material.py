@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.render.gif import MOST_FRAMES, spread
 from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.render.plane.look import Look, choose_look
 from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result
 from toolkit.sensitivity.certificate.certificate import Certificate, compare
+from toolkit.sensitivity.clock import repeated
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
 
 Progress = Callable[[str, int, int], None]
@@ -50,8 +52,17 @@ class Material:
     @property
     def skins(self) -> list[str]:
         """Flexible bodies that can be drawn."""
-        flexible = [name for name, body in self.scene.bodies.items() if isinstance(body, Flexible)]
-        return [name for name in flexible if skin_shape(self.moment(-1), name) is not None]
+        return list(self.look.thickness)
+
+    @cached_property
+    def shown(self) -> list[int]:
+        """Steps of moving pictures: evenly spread, both ends among them."""
+        return spread(self.solution.steps, MOST_FRAMES)
+
+    @cached_property
+    def look(self) -> Look:
+        """Window and colours of all pictures."""
+        return replace(choose_look(self.solution, self.shown), detail=None)
 
     def moment(self, step: int) -> Configuration:
         """The solution at one step; -1 is the last."""
@@ -71,7 +82,7 @@ def judge(material: Material, progress: Progress) -> Material:
         return material
 
     def run(method: str) -> Result:
-        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total))
+        return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), clock=repeated)
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
     affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch, Rectangle
 
-from toolkit.report.sheet import Drawing, sheet
+from toolkit.render.sheet import sheet
+from toolkit.report.drawing import Drawing
 from toolkit.studies.stability.found import Mapped, Study
 from toolkit.studies.stability.limits_found import Of, verdicts
 from toolkit.studies.stability.map import Axis

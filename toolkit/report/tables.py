@@ -103,16 +103,16 @@ def gradient_table(material: Material) -> Table:
 def cost_table(material: Material) -> Table:
     """Wall times (paper, table 3)."""
     run, count = material.results.run, len(material.results.variables)
-    primal = run["wall_primal"]
+    primal = np.nan if run["wall_primal"] is None else run["wall_primal"]
     rows: list[list[Any]] = [["primal analysis", 1, primal, 1.0]]
     if material.results.method != "none":
-        total = primal + run["wall_sensitivity"]
+        total = primal + (np.nan if run["wall_sensitivity"] is None else run["wall_sensitivity"])
         rows.append(
             [f"primal analysis and {material.results.method} differentiation", 1, total, total / primal if primal else np.nan]
         )
     for method, judge in material.judges.items():
         runs = count * (2 if method == "central-difference" else 1) + (method != "complex-step")
-        total = judge.wall_sensitivity + (judge.wall_primal if method != "complex-step" else 0.0)
+        total = (judge.wall_sensitivity or 0.0) + (judge.wall_primal or 0.0) * (method != "complex-step")
         rows.append([method, runs, total, total / primal if primal else np.nan])
     caption = (
         f"Wall times on the machine of this report, {count} variables. Compiled and warm; the median of several runs where a run is "

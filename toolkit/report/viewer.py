@@ -9,11 +9,11 @@ from matplotlib import colormaps
 
 from toolkit.foundation.units import unit
 from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.skin_shape import POINTS, drawn_model, skin_shape
-from toolkit.report.animation import frame_steps
+from toolkit.render.plane.parts import outlines
+from toolkit.render.plane.skin_shape import POINTS, skin_shape
+from toolkit.render.plane.window import window
+from toolkit.render.sheet import SIGNED, symmetric
 from toolkit.report.material import Material
-from toolkit.report.shape_panel import window
-from toolkit.report.sheet import SIGNED, symmetric
 
 EVERY = (POINTS - 1) // 4
 """Points of the middle line that are skipped: a quarter of an element is shorter than a pixel is wide."""
@@ -24,31 +24,24 @@ def viewer_data(material: Material) -> dict[str, Any]:
 
     Each frame: time; per skin its points x, y and the stress of its outer fibre; rods and links as x, y, x, y.
     """
-    moments = [material.moment(step) for step in frame_steps(material)]
-    corners = window([moments[0], moments[len(moments) // 2], moments[-1]], material.skins)
+    moments = [material.moment(step) for step in material.shown]
+    corners = window(material.look.points)
     limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax
     digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
     palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)
+    contours = [(label, line) for body in material.skins for label, line, *_ in outlines(moments[-1], body)]
     return {
         "corners": corners.round(digits).tolist(),
         "unit": {quantity: unit(material.scene.units, quantity) for quantity in ("length", "time", "stress")},
         "limit": limit,
         "palette": palette.tolist(),
-        "targets": [line.round(digits).tolist() for body in material.skins for line in _targets(moments[-1], body)],
+        "targets": [line.round(digits).tolist() for label, line in contours if label == "target"],
         "frames": [_frame(moment, material.skins, digits) for moment in moments],
     }
 
 
-def _targets(moment: Configuration, body: str) -> list[np.ndarray]:
-    mesh = drawn_model(moment, body).mesh
-    return [] if mesh is None or not len(mesh.target_outline) else [moment.place(body, mesh.target_outline)]
-
-
 def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, Any]:
     found = [shape for body in skins if (shape := skin_shape(moment, body))]
-    rods = [ends for body in moment.scene.bodies for ends in moment.segments(body)] + [
-        moment.ends(each) for each in moment.links()
-    ]
     return {
         "time": round(moment.time, 6),
         "skins": [
@@ -58,5 +51,5 @@ def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, An
             }
             for shape in found
         ],
-        "rods": [ends.round(digits).tolist() for ends in rods],
+        "rods": [ends.round(digits).tolist() for ends in [*moment.rods(), *map(moment.ends, moment.links())]],
     }

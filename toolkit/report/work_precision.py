@@ -7,7 +7,8 @@ from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 
-from toolkit.report.sheet import COLORS, Drawing, sheet
+from toolkit.render.sheet import COLORS, sheet
+from toolkit.report.drawing import Drawing
 from toolkit.studies.tradeoff.errors.judged import Judged
 from toolkit.studies.tradeoff.pareto import pareto
 from toolkit.studies.tradeoff.settings.setting import Setting

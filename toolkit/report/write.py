@@ -9,10 +9,10 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.report import page
 from toolkit.report.animation import animate
+from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES
 from toolkit.report.material import Material, Progress
 from toolkit.report.page import Section
-from toolkit.report.sheet import Drawing
 from toolkit.report.tables import Table, all_tables
 from toolkit.report.viewer import viewer_data
 from toolkit.results.results_file import save_results

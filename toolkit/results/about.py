@@ -36,8 +36,8 @@ class Run(BaseModel):
     correction: float
     load_steps: int
     newton_iterations: int
-    wall_primal: float
-    wall_sensitivity: float
+    wall_primal: float | None
+    wall_sensitivity: float | None
 
 
 class Kept(BaseModel):

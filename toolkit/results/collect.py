@@ -17,7 +17,10 @@ from toolkit.responses.stress.stress import stress_field
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.results.scene_table import table_of
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Result, again, evaluate_with_gradients, moving, result
+from toolkit.sensitivity.direct import again
+from toolkit.sensitivity.evaluation import evaluate_with_gradients
+from toolkit.sensitivity.preparation import moving
+from toolkit.sensitivity.result import Result, result
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
 
@@ -83,7 +86,7 @@ def _result(solution: Solution) -> Result:
     values, gradients = evaluate_with_gradients(solution)
     method = "direct" if names else "none"
     repeat = partial(again, solution.system) if moving(solution) and not solution.own_start else None
-    price = wall.get("run", 0.0), wall.get("sensitivity", 0.0)
+    price = wall.get("run"), wall.get("sensitivity", None if names else 0.0)
     return result(scene, solution, values, gradients if names else {}, method, *price, repeat)
 
 

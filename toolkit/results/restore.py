@@ -9,7 +9,7 @@ from toolkit.results.layout import STATES, ResultsFileError
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table
-from toolkit.sensitivity.analysis import prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 
 
@@ -43,7 +43,8 @@ def restore_solution(results: Results, directory: str | Path | None = None) -> S
             "in another way. Run the scene again."
         )
     arrays = {name: getattr(results, name) for name in STATES}
-    wall = {"run": results.run["wall_primal"], "sensitivity": results.run["wall_sensitivity"]}
+    known = {"run": results.run["wall_primal"], "sensitivity": results.run["wall_sensitivity"]}
+    wall = {name: seconds for name, seconds in known.items() if seconds is not None}
     report = {name: results.run[name] for name in ("drift", "correction")}
     counted = {name: int(results.run[name]) for name in ("load_steps", "newton_iterations")}
     return Solution(system, **arrays, **report, **counted, wall=wall, judge=lambda _: results.verdict)  # type: ignore[arg-type]

@@ -96,8 +96,8 @@ class Results:
     bodies: dict[str, BodyResults]
     variables: dict[str, dict[str, Any]]  # variable -> its path in the scene and its value
     run: dict[
-        str, float
-    ]  # drift, correction, load_steps, newton_iterations as in `Solution`, wall_primal and wall_sensitivity in s
+        str, Any
+    ]  # drift, correction, load_steps, newton_iterations as in `Solution`; wall_primal, wall_sensitivity in s or None
     settings: dict[str, Any]  # solver settings
     scene: SceneRecord
     writers: dict[str, str]  # program -> version

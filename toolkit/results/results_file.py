@@ -18,7 +18,7 @@ from toolkit.results.about import About
 from toolkit.results.collect import collect
 from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.results import BodyResults, Results, SceneRecord
-from toolkit.sensitivity.analysis import Result
+from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def save_results(
 
     Parameters
     ----------
-    solved : what `sensitivity.analysis.direct`, `simulate` or `solve_statics` returned, or results collected before
+    solved : what an analysis, `simulate` or `solve_statics` returned, or results collected before
     text : content of the scene's file, kept for the reader; the scene itself is kept in any case
     changes : path -> value that replaced the file's
 

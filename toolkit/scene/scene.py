@@ -196,9 +196,7 @@ class Scene(Description):
     @property
     def size(self) -> float:
         """Extent of the points or of the largest body, the length that displacements are compared with."""
-        positions = np.real([self.position(point) for point in self.points])
-        extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(self.dimension)
-        return float(max(*extent, *(body.radius_of_gyration(self) for body in self.bodies.values())))
+        return size_of(self)
 
     def number(self, path: str) -> Any:
         """The number at a path; a flexible body's parameter that the scene does not set has its nominal value.
@@ -305,6 +303,13 @@ class Scene(Description):
                 raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
+
+
+def size_of(scene: Any) -> float:
+    """Size of a scene, or of one that remembers where its points are, see `Scene.size`."""
+    positions = np.real([scene.position(point) for point in scene.points])
+    extent = np.ptp(positions, axis=0) if len(positions) else np.zeros(scene.dimension)
+    return float(max(*extent, *(body.radius_of_gyration(scene) for body in scene.bodies.values())))
 
 
 def _with_extra(body: Body, key: str, value: Any) -> Body:

@@ -21,8 +21,21 @@ from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
 
 
-def read_scene(path: str | Path, changes: Mapping[str, str] | None = None) -> Scene:
-    """Read a scene file; `changes` replaces values by path or short name, given as in TOML (`{"points.A.x": "73"}`).
+def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    path
+        The file, in TOML.
+    changes
+        Values that replace those of the file, by path or short name: numbers, or texts as they would stand in the file, such as
+        {"points.A.x": 73.0, "solver.scheme": "paper"}.
+
+    Returns
+    -------
+    scene
+        The scene, checked; models of its bodies are read when they are needed.
 
     Raises
     ------
@@ -137,10 +150,10 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
         return None
 
 
-def _change(table: dict[str, Any], key: str, text: str, path: Path) -> None:
+def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
     """Set one value by its path; x and y, in space z too, name the entries of a vector."""
     try:
-        value = parse_toml(f"value = {text}")["value"]
+        value = parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text
     except ValueError:
         value = text
     *owners, last = key.split(".")

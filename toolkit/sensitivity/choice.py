@@ -17,8 +17,8 @@ import numpy as np
 
 from toolkit.description.time_grid import time_grid
 from toolkit.foundation.memory_sizes import GIGABYTE, in_gigabytes
-from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, prepare, responses_of
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.system.system import System
 
 DIRECT = np.array([3.8, 0.22, 0.0015, 0.0013])
@@ -29,14 +29,13 @@ ADJOINT = np.array([6.2, 0.45, 0.07, 0.0024])
 
 @dataclass(frozen=True)
 class Choice:
-    """A method, the sentence that says why, and the compiled scene, if the choice needed it."""
+    """A method, and the sentence that says why."""
 
     method: str
     reason: str
-    system: System | None = None
 
 
-def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = False) -> Choice:
+def choose(compiled: Compiled, kind: Kind, keep_states: bool = False) -> Choice:
     """The cheaper exact method for a run, or the only one that can do it.
 
     Parameters
@@ -50,16 +49,16 @@ def choose(scene: Scene, design: list[str], kind: Kind, keep_states: bool = Fals
         )
     if kind == "static":
         return Choice("direct", "direct differentiation, because an equilibrium costs one more solve by either method.")
-    system = prepare(scene, design)
+    scene, system = compiled.scene, compiled.full
     needed = 24 * len(time_grid(scene.solver)) * system.n * (1 + system.n_x)
     if scene.solver.local_error is None and needed > GIGABYTE * scene.solver.memory:
-        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.", system)
+        return Choice("adjoint", f"the adjoint, because derivatives of all states would take {in_gigabytes(needed)}.")
     n_r = len(responses_of(scene))
     by_direct, by_adjoint = direct_work(system, n_r) @ DIRECT, adjoint_work(system, n_r) @ ADJOINT
     method, name = ("adjoint", "the adjoint") if by_adjoint < by_direct else ("direct", "direct differentiation")
     part = min(by_direct, by_adjoint) / max(by_direct, by_adjoint)
-    counts = f"{counted(len(design), 'design variable')} and {counted(n_r, 'response')}"
-    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.", system)
+    counts = f"{counted(len(compiled.names), 'design variable')} and {counted(n_r, 'response')}"
+    return Choice(method, f"{name}, estimated at {100 * part:.0f} % of the other exact method's price for {counts}.")
 
 
 def counted(number: int, word: str) -> str:

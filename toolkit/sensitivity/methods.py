@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from toolkit.foundation.errors import NeedsDirectError
+from toolkit.foundation.errors import InputError, NeedsDirectError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.adjoint.adjoint import adjoint
-from toolkit.sensitivity.analysis import Kind, Progress, Result, direct
+from toolkit.sensitivity.adjoint.adjoint import by_adjoint
 from toolkit.sensitivity.choice import choose
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.direct import by_direct
+from toolkit.sensitivity.method_names import METHODS, NUMERICAL
+from toolkit.sensitivity.numerical import by_repetition
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names
+from toolkit.sensitivity.result import Result
 
 
 def gradients_by(
-    method: str, scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, keep_states: bool = False
+    method: str,
+    scene: Scene,
+    design: list[str],
+    kind: Kind,
+    progress: Progress | None = None,
+    keep_states: bool = False,
+    clock: Clock = once,
 ) -> Result:
     """Responses with gradients by a method of `method_names.METHODS`.
 
@@ -26,21 +37,37 @@ def gradients_by(
     InputError
         The method is unknown.
     """
+    check_kind(kind)
+    check_names(design)
+    return by_method(method, Compiled(scene, tuple(design)), kind, progress, keep_states, clock)
+
+
+def by_method(
+    method: str,
+    compiled: Compiled,
+    kind: Kind,
+    progress: Progress | None = None,
+    keep_states: bool = False,
+    clock: Clock = once,
+) -> Result:
+    """The same of a compiled scene."""
     if method == "auto":
-        return _chosen(scene, design, kind, progress, keep_states)
+        return _chosen(compiled, kind, progress, keep_states, clock)
     if method == "direct":
-        return direct(scene, design, kind, progress)
+        return by_direct(compiled, kind, progress, clock)
     if method == "adjoint":
-        return adjoint(scene, design, kind, progress)
-    return numerical(scene, design, kind, method, progress)
+        return by_adjoint(compiled, kind, progress, clock)
+    if method not in NUMERICAL:
+        raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
+    return by_repetition(compiled, kind, method, progress, clock=clock)
 
 
-def _chosen(scene: Scene, design: list[str], kind: Kind, progress: Progress | None, keep_states: bool) -> Result:
+def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
     """By the cheaper method, or by direct differentiation where the adjoint turns out to need it."""
-    choice = choose(scene, design, kind, keep_states)
-    method = adjoint if choice.method == "adjoint" else direct
+    choice = choose(compiled, kind, keep_states)
+    method = by_adjoint if choice.method == "adjoint" else by_direct
     try:
-        return replace(method(scene, design, kind, progress, choice.system), reason=choice.reason)
+        return replace(method(compiled, kind, progress, clock), reason=choice.reason)
     except NeedsDirectError as refusal:
         reason = f"direct differentiation, because {refusal.why}."
-        return replace(direct(scene, design, kind, progress, choice.system), reason=reason)
+        return replace(by_direct(compiled, kind, progress, clock), reason=reason)

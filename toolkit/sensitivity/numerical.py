@@ -9,7 +9,7 @@ With the step h:
 
 from __future__ import annotations
 
-import time as clock
+import time
 from functools import partial
 from typing import Any
 
@@ -21,22 +21,14 @@ from toolkit.description.design import DesignVariable
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import (
-    Kind,
-    Progress,
-    Result,
-    again,
-    check_kind,
-    check_names,
-    evaluate_responses,
-    frozen,
-    prepare,
-    result,
-    timed,
-    values_of,
-)
+from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.direct import again
 from toolkit.sensitivity.errors.step_error import Gradients, Values
+from toolkit.sensitivity.evaluation import evaluate_responses, values_of
 from toolkit.sensitivity.method_names import METHODS, NUMERICAL
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, prepare, solve
+from toolkit.sensitivity.result import Result, result
 from toolkit.sensitivity.sizes import typical_size
 from toolkit.system.solution import Solution
 
@@ -44,7 +36,13 @@ RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
 
 
 def numerical(
-    scene: Scene, design: list[str], kind: Kind, method: str, progress: Progress | None = None, relative_step: float | None = None
+    scene: Scene,
+    design: list[str],
+    kind: Kind,
+    method: str,
+    progress: Progress | None = None,
+    relative_step: float | None = None,
+    clock: Clock = once,
 ) -> Result:
     """Responses with gradients by repeated runs of the whole analysis.
 
@@ -57,19 +55,31 @@ def numerical(
         raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
     check_kind(kind)
     check_names(design)
-    variables = scene.design_variables(design)
-    system = prepare(scene)
-    primal, solution = timed(system, kind)
-    base, scene = evaluate_responses(solution), frozen(scene, solution)
+    return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, clock)
+
+
+def by_repetition(
+    compiled: Compiled,
+    kind: Kind,
+    method: str,
+    progress: Progress | None = None,
+    relative_step: float | None = None,
+    clock: Clock = once,
+) -> Result:
+    """The same of a compiled scene."""
+    variables = compiled.design
+    primal, solution = clock(partial(solve, compiled.primal, kind), None)
+    base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
-    begun = clock.perf_counter()
+    begun = time.perf_counter()
     for k, variable in enumerate(variables):
         for name, value in derivative(scene, variable, kind, method, base, relative_step, solution).items():
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
-    extra = clock.perf_counter() - begun
-    return result(scene, solution, base, gradients, method, primal, extra, partial(_again_directly, scene, design))
+    extra = time.perf_counter() - begun
+    repeat = partial(_again_directly, scene, list(compiled.names))
+    return result(scene, solution, base, gradients, method, primal, extra, repeat)
 
 
 def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tuple[Values, Gradients]:
@@ -89,11 +99,11 @@ def derivative(
     """Derivative of all responses by one variable; beside a `known` equilibrium a complex step need not follow the path there again."""
 
     def shifted(step: complex) -> dict[str, Any]:
-        return values_of(scene.with_number(variable.path, variable.value + step), kind)
+        moved = scene.with_number(variable.path, variable.value + step)
+        if isinstance(step, complex) and kind == "static" and known is not None:
+            return evaluate_responses(equilibrium_beside(prepare(moved), known))
+        return values_of(moved, kind)
 
-    if method == "complex-step" and kind == "static" and known is not None:
-        beside = equilibrium_beside(prepare(scene.with_number(variable.path, variable.value + 1j * STEP)), known)
-        return {name: np.imag(value) / STEP for name, value in evaluate_responses(beside).items()}
     if method == "complex-step":
         return {name: np.imag(value) / STEP for name, value in shifted(1j * STEP).items()}
     h = (RELATIVE_STEP[method] if relative_step is None else relative_step) * typical_size(scene, variable)

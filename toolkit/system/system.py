@@ -175,8 +175,9 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     changes = derivatives(scene, numbering, [variable.path for variable in variables])
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
-    plan = build_plan(scene, numbering, values, changes, dtype)
+    sizes = weights(scene)
+    plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, weights(scene))
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

@@ -1,4 +1,4 @@
-"""Cautions about an equilibrium: which limit points lie before it."""
+"""Cautions about an equilibrium: which limit points lie before it, and whether anybody looked."""
 
 from __future__ import annotations
 
@@ -10,6 +10,12 @@ from toolkit.system.solution import Solution
 
 def limits_passed(solution: Solution) -> Iterator[Caution]:
     """A path that was followed past limit points: a real structure may be elsewhere."""
+    if solution.own_start:
+        yield Caution(
+            "own-start",
+            "the equilibrium was found from that of another design; whether the path from the unloaded state leads to it was not followed.",
+            doubt=False,
+        )
     path = solution.path
     if path is None or not path.passed_limit:
         return

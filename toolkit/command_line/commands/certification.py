@@ -37,8 +37,8 @@ def certify(
     """Compare the gradients of independent methods; exit with an error if exact ones disagree."""
     if output is not None:
         refuse_no_picture(output)
-    from toolkit.sensitivity.analysis import frozen
     from toolkit.sensitivity.certificate.certificate import certify as compare
+    from toolkit.sensitivity.preparation import frozen
 
     described = read(scene, changes, quiet)
     names = design_of(described, variables)
@@ -146,7 +146,7 @@ def refuse_no_picture(path: Path) -> None:
     InputError
         Its name ends otherwise, or its folder does not exist.
     """
-    from toolkit.render.probe import require
+    from toolkit.render.packages import require
 
     require("matplotlib")
     if path.suffix not in (".png", ".svg"):

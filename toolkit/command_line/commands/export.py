@@ -41,10 +41,10 @@ def export(
 
 
 def _export_paraview(results: Results, folder: Path, models: Path | None) -> Path:
-    from toolkit.render.probe import require
+    from toolkit.render.packages import require
 
-    require("pyvista")
-    from toolkit.render.paraview import export_paraview
+    require("pyvista", "matplotlib")
+    from toolkit.render.paraview.export import export_paraview
     from toolkit.results.restore import restore_solution
 
     return export_paraview(restore_solution(results, models), folder)

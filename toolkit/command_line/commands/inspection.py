@@ -127,7 +127,7 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.foundation.files.outside_files import outside_files
-    from toolkit.sensitivity.analysis import responses_of
+    from toolkit.sensitivity.preparation import responses_of
 
     outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}

@@ -32,7 +32,7 @@ def report(
     quiet: Quiet = False,
 ) -> None:
     """Write a page with figures, tables and numbers about a scene or its results."""
-    from toolkit.render.probe import require
+    from toolkit.render.packages import require
 
     require("matplotlib")
     from toolkit.report.write import write_report
@@ -84,13 +84,14 @@ def _from_results(file: Path, models: Path | None) -> Material:
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
-    from toolkit.sensitivity.analysis import direct
+    from toolkit.sensitivity.clock import repeated
+    from toolkit.sensitivity.direct import direct
 
     scene, text = read(file, changes, quiet), text_of(file)
     refuse_space(scene.dimension, file)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(scene, names, "transient", progress)
+        found = direct(scene, names, "transient", progress, repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

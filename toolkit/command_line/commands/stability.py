@@ -47,7 +47,7 @@ def stability(
     from toolkit.studies.stability.verdict import Limits
 
     if output is not None:
-        from toolkit.render.probe import require
+        from toolkit.render.packages import require
 
         require("matplotlib")
         prepare_folder(output)

@@ -89,7 +89,7 @@ def tradeoff(
 def _model_verdict(scene: Scene) -> Verdict:
     """What speaks against the model itself, which no setting of the solver mends: of the motion with the scene's own settings."""
     from toolkit.foundation.verdict import Caution, Verdict
-    from toolkit.sensitivity.analysis import prepare, solve
+    from toolkit.sensitivity.preparation import prepare, solve
     from toolkit.validity.bodies.physics import excessive_speeds, large_deformations
 
     try:
@@ -110,7 +110,7 @@ def _keep(found: Tradeoff, record: dict[str, Any], folder: Path, quiet: bool) ->
 
 
 def _draw(found: Tradeoff, folder: Path, quiet: bool) -> list[Path]:
-    from toolkit.render.probe import RenderError, require
+    from toolkit.render.packages import RenderError, require
 
     if len(found.failed) == len(found.settings):
         return []

@@ -12,8 +12,8 @@ from toolkit.command_line.printed.printing import WIDE, finite_or_none, table
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
-    from toolkit.sensitivity.analysis import Result
     from toolkit.sensitivity.certificate.fresh_models import FreshGradients
+    from toolkit.sensitivity.result import Result
 
 
 def built_afresh(scene: Scene, names: list[str], kind: Kind, quiet: bool) -> FreshGradients | None:

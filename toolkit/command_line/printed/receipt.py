@@ -11,19 +11,20 @@ from toolkit.command_line.printed.printing import WIDE, table
 from toolkit.foundation.errors import ToolkitError
 
 if TYPE_CHECKING:
+    from toolkit.door.model import Model
     from toolkit.scene.scene import Scene
-    from toolkit.system.system import System
 
 
-def compiled(scene: Scene, keep_all: bool) -> System:
+def compiled(scene: Scene, keep_all: bool) -> Model:
     """The scene with what it needs, or with everything put back."""
+    from toolkit.door.model import Model, compile_model
+
     if not keep_all:
-        from toolkit.sensitivity.analysis import prepare
-
-        return prepare(scene)
+        return compile_model(scene)
     from toolkit.receipt.everything import prepare_everything
+    from toolkit.sensitivity.compiled import Compiled
 
-    return prepare_everything(scene)
+    return Model(Compiled.of(prepare_everything(scene)))
 
 
 def receipt_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:

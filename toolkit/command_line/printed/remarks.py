@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.analysis import Result
+    from toolkit.sensitivity.result import Result
 
 
 def accuracy(result: Result) -> list[str]:
@@ -67,8 +67,9 @@ def remarks(result: Result) -> list[str]:
         if left_out:
             lines.append(f"Left out, because they need a motion: {', '.join(left_out)}.")
     whole = solution.system.n_x > 0 and not result.gradients
-    price = f"{solution.newton_iterations} Newton iterations, {1e3 * result.wall_primal:.1f} ms "
-    price += "with everything kept" if whole else "without gradients"
-    if result.gradients:
+    price = f"{solution.newton_iterations} Newton iterations"
+    if result.wall_primal is not None:
+        price += f", {1e3 * result.wall_primal:.1f} ms {'with everything kept' if whole else 'without gradients'}"
+    if result.gradients and result.wall_sensitivity is not None:
         price += f", {1e3 * result.wall_sensitivity:.1f} ms more for gradients (method {result.method})"
     return [*lines, f"{price}.", *([f"Gradients by {result.reason}"] if result.reason else [])]

@@ -12,10 +12,7 @@ from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_js
 from toolkit.command_line.printed.remarks import remarks
 
 if TYPE_CHECKING:
-    from toolkit.sensitivity.analysis import Result
-
-MOST_COLUMNS = 8
-"""More design variables than this stand one below the other."""
+    from toolkit.sensitivity.result import Result
 
 
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
@@ -77,32 +74,13 @@ def path_record(result: Result) -> dict[str, Any]:
 
 def print_tables(result: Result) -> None:
     """Values and gradients as tables."""
-    console = Console(width=WIDE, highlight=False)
-    values = table("response", "value", "unit")
-    for name, value in result.values.items():
-        values.add_row(name, f"{value:.6g}", result.units[name])
-    console.print(values)
-    variables = next(iter(result.gradients.values()), {})
-    if variables:
-        wide = len(variables) > MOST_COLUMNS
-        of, by = [_in_unit(name, result.units[name]) for name in result.gradients], _variables_in_units(result, list(variables))
-        gradients = table("gradient by", *(of if wide else by))
-        for name, label in zip(variables if wide else result.gradients, by if wide else of, strict=True):
-            slopes = [each[name] for each in result.gradients.values()] if wide else result.gradients[name].values()
-            gradients.add_row(label, *(f"{slope:.6g}" for slope in slopes))
-        console.print(gradients)
+    from toolkit.results.short_tables import table_of_gradients, table_of_values
 
-
-def _in_unit(name: str, unit: str) -> str:
-    return f"{name}, {unit}" if unit else name
-
-
-def _variables_in_units(result: Result, names: list[str]) -> list[str]:
-    """Design variables with their units: a gradient is in that of its response over that of its variable."""
-    from toolkit.scene_file.gradient_units import variable_unit
-
-    scene = result.solution.system.scene
-    return [_in_unit(name, variable_unit(scene, scene.path_of(scene.design.get(name, name)))) for name in names]
+    for found in filter(None, (table_of_values(result), table_of_gradients(result))):
+        shown = table(*found.columns)
+        for row in found.rows:
+            shown.add_row(*row)
+        Console(width=WIDE, highlight=False).print(shown)
 
 
 def print_frequencies(frequencies: list[float]) -> None:

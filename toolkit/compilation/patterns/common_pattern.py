@@ -35,7 +35,7 @@ def _spread(tables: list, owner: int) -> None:
         names = [
             name for name in SHARED if name in part._fields and np.ndim(getattr(part, name))
         ]  # not the mass of a floating body
-        spread = {name: _placed(getattr(part, name), place, len(union)) for name in names}
+        spread = {name: placed(getattr(part, name), place, len(union)) for name in names}
         table[owner] = part._replace(row=union // size, column=union % size, **spread)
 
 
@@ -45,10 +45,11 @@ def _widen(tables: list, owner: int) -> None:
     union = np.unique(np.concatenate([part.columns for part in parts]))
     for table, part in zip(tables, parts, strict=True):
         place = np.searchsorted(union, part.columns)
-        table[owner] = part._replace(columns=union, shape=_placed(part.shape, place, len(union)))
+        table[owner] = part._replace(columns=union, shape=placed(part.shape, place, len(union)))
 
 
-def _placed(values: np.ndarray, place: np.ndarray, size: int) -> np.ndarray:
+def placed(values: np.ndarray, place: np.ndarray, size: int) -> np.ndarray:
+    """Values at places of an array of a size that is zero elsewhere."""
     wide = np.zeros((size, *np.shape(values)[1:]), np.asarray(values).dtype)
     wide[place] = values
     return wide

@@ -15,6 +15,12 @@ class Pattern:
     indices: np.ndarray
     keys: np.ndarray  # row * n + column, ascending
 
+    @classmethod
+    def of(cls, indptr: np.ndarray, indices: np.ndarray) -> Pattern:
+        """That of compressed rows."""
+        n = len(indptr) - 1
+        return cls(indptr, indices, np.repeat(np.arange(n), np.diff(indptr)) * n + indices)
+
     def find(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Places of the entries (row, column), flattened; -1 where the pattern has none."""
         n = len(self.indptr) - 1

@@ -33,6 +33,8 @@ def touched(
     curve_variable: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Row and variable of every such entry, ordered by row."""
+    if not n_x:
+        return ints([]), ints([])
     pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
     pairs += _by_floating(floating)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
@@ -43,7 +45,7 @@ def touched(
             rows = np.concatenate([own, *(markers.coordinate[markers.start[m] : markers.start[m + 1]] for m in part.marker[k])])
             pairs.append((np.repeat(rows, len(variables)), np.tile(variables, len(rows))))
     keys = np.unique(np.concatenate([rows * n_x + variables for rows, variables in pairs]))
-    return keys // max(n_x, 1), keys % max(n_x, 1)
+    return keys // n_x, keys % n_x
 
 
 def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray, np.ndarray]]:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.units import unit
-from toolkit.render.settings import drawing_settings
+from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.responses.stress.stress import stress_components
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
@@ -34,38 +34,9 @@ def shape_errors(solution: Solution, body: str) -> np.ndarray | None:
     return np.linalg.norm(position - shape.target, axis=2)
 
 
-Panels = list[tuple[str, dict[str, np.ndarray]]]
-"""Of each panel its label with the unit, and name -> values over time."""
-
-
-def draw_curves(solution: Solution, path: Path, width: int) -> None:
-    """Write the curves as one picture with a panel per quantity."""
-    draw_panels(solution, _stress_panels(solution) + _shape_panels(solution) + _rotation_panels(solution), path, width)
-
-
-def draw_panels(solution: Solution, panels: Panels, path: Path, width: int) -> None:
-    """Write panels of curves over the times of a solution below each other."""
-    with drawing_settings({}):
-        _draw_panels(solution, panels, path, width)
-
-
-def _draw_panels(solution: Solution, panels: Panels, path: Path, width: int) -> None:
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(10, 0.8 + 2.6 * len(panels)), dpi=width / 10, layout="constrained")
-    FigureCanvasAgg(figure)
-    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
-    for axis, (label, curves) in zip(axes, panels, strict=True):
-        for (name, values), style in zip(curves.items(), ("-", "--", "-.", ":") * len(curves), strict=False):
-            axis.plot(solution.times, values, style, marker=".", label=name)
-        axis.set_ylabel(label)
-        axis.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
-        axis.grid(alpha=0.3)
-        axis.legend(loc="upper left", bbox_to_anchor=(1.0, 1.0), frameon=False)
-    axes[-1].set_xlabel(f"time in {unit(solution.system.scene.units, 'time')}")
-    axes[-1].set_xlim(solution.times[0], solution.times[-1])
-    figure.savefig(path, format="png")
+def curves_figure(solution: Solution) -> Figure:
+    """The curves, a panel per quantity."""
+    return draw_panels(solution, _stress_panels(solution) + _shape_panels(solution) + _rotation_panels(solution))
 
 
 def _flexible(solution: Solution) -> list[str]:
@@ -94,16 +65,3 @@ def _rotation_panels(solution: Solution) -> Panels:
     framed = [name for name, body in scene.bodies.items() if body.has_frame]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
     return [(f"rotation in {unit(scene.units, 'angle')}", merged(curves))] if curves else []
-
-
-def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same curves, each drawn once: those that coincide, to a millionth of the largest value, share a name."""
-    near = 1e-6 * max(np.abs(values).max() for values in curves.values())
-    groups: list[list[str]] = []
-    for name, values in curves.items():
-        same = [group for group in groups if np.allclose(curves[group[0]], values, rtol=0, atol=near)]
-        if same:
-            same[0].append(name)
-        else:
-            groups.append([name])
-    return {", ".join(group): curves[group[0]] for group in groups}

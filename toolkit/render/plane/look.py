@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.colors import Normalize
 
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
+from toolkit.render.round_numbers import round_up
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
@@ -39,8 +41,14 @@ class Look:
 
     @property
     def extent(self) -> float:
-        """Size of what is drawn, which sizes of dots and tubes follow."""
+        """Size of what is drawn, which digits follow."""
         return float(np.ptp(self.points, axis=0).max()) or 1.0
+
+    @property
+    def colors(self) -> Normalize:
+        """Stress to colours."""
+        limit = self.stress_limit or 1.0
+        return Normalize(-limit, limit)
 
 
 def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
@@ -62,17 +70,8 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     )
 
 
-def round_up(value: float) -> float:
-    """The next number with a short decimal form that can be halved; zero stays zero."""
-    if value == 0:
-        return 0.0
-    power = 10.0 ** np.floor(np.log10(value))
-    return float(next(power * digit for digit in (1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10) if power * digit >= value))
-
-
 def _drawn_points(moment: Configuration) -> list[np.ndarray]:
-    lines = [segment for body in moment.scene.bodies for segment in moment.segments(body)]
-    return [*lines, *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
+    return [*moment.rods(), *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
 
 
 def _thickness(scene: Scene, body: str) -> float:

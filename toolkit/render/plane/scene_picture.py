@@ -1,71 +1,108 @@
-"""Pictures of a scene in the plane: one instant with its detail, or several instants beside each other."""
+"""Figures of a planar scene: one instant with its detail, or several instants beside each other."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from toolkit.foundation.units import unit
-from toolkit.render import parts
-from toolkit.render.canvas import canvas
-from toolkit.render.layout import COLUMNS, color_bar, explain, head_line, overview_places
-from toolkit.render.panel import FRAME, INK, Panel, Place, Window
+from toolkit.render.colors import FRAME, INK
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import shape_errors, stress_range
 from toolkit.render.plane.look import Look
-from toolkit.render.plane.scene_drawing import TARGET, UNDEFORMED, draw_scene, drawn_thickness
-from toolkit.render.plane.skin_shape import drawn_model
+from toolkit.render.plane.names import write_names
+from toolkit.render.plane.parts import outlines
+from toolkit.render.plane.scene_drawing import draw_scene
+from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
+from toolkit.render.round_numbers import even
+from toolkit.render.sheet import SIGNED, WIDE, sheet
 
-_MARGIN = 0.07
-"""Round what is drawn, relative to its extent."""
+COLUMNS, _TALLEST = 2, 5.0
+"""Panels beside each other in an overview; height of a panel at most, in inches."""
+_LINE = 0.22
+"""Height of a line of letters, in inches."""
+_BROAD = 8.0
+"""Width in inches from which a legend stands in one line."""
+_FRAME_MARGIN = 0.02
+"""Round the frame of the detail at least, relative to the main window."""
 
 
-def draw_instant(moment: Configuration, look: Look, path: Path, width: int) -> None:
+def instant_figure(moment: Configuration, look: Look, width: float = WIDE) -> Figure:
     """One instant: the scene, and beside it the detail where it moves most."""
-    letters, height = width // 70, width // 2
-    foot = 9 * letters if look.thickness else 5 * letters
-    tall = height - foot - 3 * letters
-    split = round(0.64 * width) if look.detail is not None else width
-    place: Place = (4 * letters, foot, split - 5 * letters, tall)
-    beside: Place = (split + 4 * letters, foot, width - split - 5 * letters, tall)
-    windows = instant_windows(look, place[2] / tall, beside[2] / tall)
-    titles = [",  ".join(caption(moment, look)), "detail (frame on the left)"]
-    with canvas(path, width, height, len(windows)) as plotter:
-        panels = [Panel(plotter, k + 1, (place, beside)[k], letters, window) for k, window in enumerate(windows)]
-        for panel, title in zip(panels, titles, strict=False):
-            actor = _draw_panel(panel, title, moment, look)
-            panel.ticks(0, f"x, y in {unit(moment.scene.units, 'length')}")
-        if len(panels) > 1:
-            panels[0].draw(parts.line(panels[1].window.outline), color=FRAME)
-        _legend(panels, look, moment, actor)
+    corners = instant_windows(look)
+    ratios = [aspect(each) for each in corners]
+    height = min((width - 0.9 * len(corners)) / sum(ratios), _TALLEST)
+    with sheet(height + _room(look, 1, width), 1, len(corners), width, width_ratios=ratios) as (figure, axes):
+        if look.detail is not None:
+            axes[0, 1].set_title("detail (frame on the left)", loc="left")
+        _fill(figure, axes, [moment] * len(corners), corners, look)
+        if look.detail is not None:
+            low, high = shown(axes[0, 1])
+            axes[0, 0].add_patch(Rectangle(low, *(high - low), fill=False, edgecolor=FRAME))
+    return figure
 
 
-def instant_windows(look: Look, aspect: float, detail_aspect: float) -> list[Window]:
-    """The main window, and that of the detail if there is one; the main window holds the frame of the detail."""
-    main = Window.around(look.points, aspect, _MARGIN)
+def instant_windows(look: Look) -> list[np.ndarray]:
+    """Corners of the main window, and of the detail if there is one; the main window holds the frame of the detail."""
+    main = window(look.points)
     if look.detail is None:
         return [main]
-    detail = Window.around(look.detail, detail_aspect, 0.0)
-    return [Window.around(np.vstack([main.outline, detail.outline]), aspect, 0.01), detail]
+    margin = _FRAME_MARGIN * np.ptp(main, axis=0).max() * np.array([[-1], [1]])
+    return [np.array([np.minimum(main, look.detail + margin)[0], np.maximum(main, look.detail + margin)[1]]), look.detail]
 
 
-def draw_overview(moments: Sequence[Configuration], look: Look, path: Path, width: int) -> None:
-    """Several instants in one picture, two beside each other; numbers of ticks along its left and lower edge."""
-    letters = width // 60
-    places, height = overview_places(len(moments), width, 9 * letters if look.thickness else 4 * letters)
-    window = Window.around(look.points, places[0][2] / places[0][3], _MARGIN)
-    with canvas(path, width, height, len(moments)) as plotter:
-        panels = [Panel(plotter, k + 1, place, letters, window) for k, place in enumerate(places)]
-        for panel, moment in zip(panels, moments, strict=True):
-            words = caption(moment, look)
-            title = "\n".join(",  ".join(line) for line in (words[:2], words[2:]) if line)
-            actor = _draw_panel(panel, title, moment, look)
-            outer = [panel.number + COLUMNS > len(moments), panel.place[0] == places[0][0]]
-            panel.ticks(0, f"x, y in {unit(moment.scene.units, 'length')}", np.flatnonzero(outer).tolist())
-        _legend(panels, look, moments[0], actor)
+def overview_figure(moments: Sequence[Configuration], look: Look, width: float = WIDE, columns: int = COLUMNS) -> Figure:
+    """Several instants; numbers of ticks along the lower and left edge."""
+    columns, corners = min(columns, len(moments)), window(look.points)
+    rows = -(-len(moments) // columns)
+    height = min(panel_height(corners, width / columns), _TALLEST)
+    with sheet(rows * height + _room(look, rows, width), rows, columns, width) as (figure, axes):
+        _fill(figure, axes, moments, [corners] * len(moments), look)
+    return figure
+
+
+def _room(look: Look, rows: int, width: float) -> float:
+    """Height in inches of titles above rows of panels, and of ticks, colour bar and legend below."""
+    lines = (1 + bool(look.thickness)) * rows + 2.5
+    if look.stress_limit:
+        lines += 2.5
+    if look.thickness:
+        lines += 1.5 if width > _BROAD else 3.5
+    return lines * _LINE
+
+
+def _fill(figure: Figure, axes: np.ndarray, moments: Sequence[Configuration], corners: list[np.ndarray], look: Look) -> None:
+    """Draw a moment into each of the axes, in its window, with what explains it, and names where there is room."""
+    windows = dict(zip(axes.flat, corners, strict=False))
+    for panel, moment in zip(windows, moments, strict=True):
+        words = caption(moment, look)
+        title = "\n".join(",  ".join(line) for line in (words[:2], words[2:]) if line)
+        panel.set_title(panel.get_title("left") or title, loc="left")
+    for empty in list(axes.flat)[len(windows) :]:
+        empty.remove()
+    if look.stress_limit:
+        color_bar(figure, list(windows), look.colors, f"stress in {unit(moments[0].scene.units, 'stress')}")
+    if entries := meanings(corners, look, moments[0]):
+        figure.legend(handles=entries, loc="outside lower center", ncols=len(entries) if figure.get_figwidth() > _BROAD else 1)
+    open_windows(figure, moments[0], windows, axes.shape[1] if all(each is corners[0] for each in corners) else 0)
+    for panel, moment in zip(windows, moments, strict=True):
+        draw_scene(panel, moment, look)
+        write_names(panel, moment)
+
+
+def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str) -> None:
+    """What the colours of bands mean, below the axes."""
+    bar = figure.colorbar(
+        ScalarMappable(colors, SIGNED), ax=axes, location="bottom", label=label, aspect=50, shrink=0.7, pad=0.02
+    )
+    bar.set_ticks(np.linspace(colors.vmin or 0.0, colors.vmax or 0.0, 5).tolist())
 
 
 def caption(moment: Configuration, look: Look) -> list[str]:
@@ -83,38 +120,18 @@ def caption(moment: Configuration, look: Look) -> list[str]:
     return words
 
 
-def even(value: float, finest: float) -> str:
-    """A number with as many decimals as it takes to show `finest`, however large it is itself; in powers of ten if those are many."""
-    decimals = max(0, -int(np.floor(np.log10(finest))))
-    return f"{round(value, decimals) + 0.0:.{decimals}f}" if decimals < 6 and finest < 1e3 else f"{value:.2e}"
+def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
+    """Entries of a legend for the contours that are drawn."""
+    meant = {label: (color, dashes) for body in look.thickness for label, _, color, dashes, _ in outlines(moment, body)}
+    return [Line2D([], [], color=color, linestyle=dashes, label=label) for label, (color, dashes) in meant.items()]
 
 
-def _draw_panel(panel: Panel, title: str, moment: Configuration, look: Look) -> Any:
-    """Open the panel, draw the scene and write a title above; returns the actor with the stress, or None."""
-    panel.open()
-    actor = draw_scene(panel, moment, look)
-    head_line(panel, title)
-    return actor
-
-
-def _legend(panels: Sequence[Panel], look: Look, moment: Configuration, actor: Any) -> None:
-    """Colour bar at the lower left, meaning of the lines at the lower right."""
-    if actor is None:
-        return
-    plotter, letters = panels[0].plotter, panels[0].letter
-    if look.stress_limit:
-        color_bar(plotter, actor, f"stress in {unit(moment.scene.units, 'stress')}", letters)
-    explain(plotter, meanings(panels, look, moment), letters)
-
-
-def meanings(panels: Sequence[Panel], look: Look, moment: Configuration) -> list[tuple[str, str]]:
-    """What lines and bands are, with their colours; only what is drawn, and a word where skins are thicker than they are."""
-    meshes = [drawn_model(moment, body).mesh for body in look.thickness]
-    entries = [("— undeformed", UNDEFORMED, "outline"), ("– – target", TARGET, "target_outline")]
-    found = [(text, color) for text, color, part in entries if any(len(getattr(mesh, part)) > 1 for mesh in meshes)]
-    stress = ", stress of outer and inner fibre" if look.stress_limit else ""
-    found.append((f"deformed{stress}", INK))
-    thick = [any(drawn_thickness(panel, true) > true for true in look.thickness.values()) for panel in panels]
+def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -> list[Line2D]:
+    """What lines and bands are; only what is drawn, and a word where skins are thicker than they are."""
+    if not look.thickness:
+        return []
+    words = ["deformed, stress of outer and inner fibre" if look.stress_limit else "deformed"]
+    thick = [any(drawn_thickness(true, corners) > true for true in look.thickness.values()) for corners in windows]
     if any(thick):
-        found.append(("thickness not to scale" if all(thick) else "thickness to scale in the detail only", INK))
-    return found
+        words.append("thickness not to scale" if all(thick) else "thickness to scale in the detail only")
+    return [*contour_keys(look, moment), Line2D([], [], color=INK, linewidth=4, alpha=0.3, label="; ".join(words))]

@@ -25,9 +25,9 @@ class Symbol(NamedTuple):
     direction: np.ndarray = _ALONG_X
 
     def lines(self, size: float) -> list[np.ndarray]:
-        """Its polylines, each (n, 2)."""
+        """Its polylines round its point, each (n, 2)."""
         c, s = self.direction
-        return [self.point + size * corners @ np.array([[c, s], [-s, c]]) for corners in _LINES[self.kind]]
+        return [size * corners @ np.array([[c, s], [-s, c]]) for corners in _LINES[self.kind]]
 
 
 def symbols(configuration: Configuration) -> list[Symbol]:

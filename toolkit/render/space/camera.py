@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.render.panel import Window
-
 ANGLE = np.deg2rad(25.0)
 """From the lower to the upper edge of a picture in perspective."""
 ISOMETRIC = np.array([[1.0, 1.0, 0.0], [-1.0, 1.0, 2.0], [1.0, -1.0, 1.0]]) / np.sqrt([[2.0], [6.0], [3.0]])
@@ -49,9 +47,9 @@ class Camera:
         reach = 0.6 * float(np.linalg.norm(np.ptp(seen, axis=0))) or 0.5
         middle = (seen.min(axis=0) + seen.max(axis=0)) / 2
         seen = np.vstack([seen, middle + _LEAST * reach * np.vstack([np.eye(3), -np.eye(3)])])
-        window = Window.around(seen[:, :2], aspect, margin)
+        size = _framed(np.ptp(seen[:, :2], axis=0), aspect, margin)
         if not perspective:
-            return cls(middle @ ISOMETRIC, window.size, 5 * reach, reach, False)
+            return cls(middle @ ISOMETRIC, size, 5 * reach, reach, False)
         beside, height = np.abs(seen - middle), np.tan(ANGLE / 2)
         need = np.maximum(beside[:, 0] / aspect, beside[:, 1]) * (1 + 2 * margin) / height
         distance = max(float(np.max(seen[:, 2] - middle[2] + need)), 1.5 * reach)
@@ -98,3 +96,9 @@ class Camera:
     def _along_sight(self, points: np.ndarray, shift: float, factor: float) -> np.ndarray:
         """Moved by a length in parallel projection, in perspective to a multiple of the distance from the eye."""
         return self.eye + (points - self.eye) * factor if self.perspective else points + shift * ISOMETRIC[2]
+
+
+def _framed(extent: np.ndarray, aspect: float, margin: float) -> np.ndarray:
+    """Width and height (2,) of the smallest rectangle of an aspect round an extent (2,), with a margin relative to that."""
+    size = extent + 2 * margin * max(extent.max(), 1e-12)
+    return np.maximum(size, [size[1] * aspect, size[0] / aspect])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
+from matplotlib.figure import Figure
 
 from toolkit.foundation.units import unit
-from toolkit.render.plane.curves import Panels, draw_panels, merged
+from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.von_mises import point_stress
@@ -21,11 +20,11 @@ def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, flo
     return float(values.min(initial=0)), float(values.max(initial=0))
 
 
-def draw_spatial_curves(solution: Solution, path: Path, width: int) -> None:
-    """Write the curves as one picture with a panel per quantity."""
+def spatial_curves_figure(solution: Solution) -> Figure:
+    """The curves, a panel per quantity."""
     moments = [SpatialConfiguration(solution, step) for step in range(len(solution.times))]
     panels = _stress_panels(solution, moments) + _motion_panels(solution, moments) + _rotation_panels(solution, moments)
-    draw_panels(solution, panels, path, width)
+    return draw_panels(solution, panels)
 
 
 def _stress_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:

@@ -8,19 +8,20 @@ import numpy as np
 
 from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.render.colors import ROD, SUPPORT, UNDEFORMED
+from toolkit.render.label_places import Name, beside
 from toolkit.render.moment import names_by_place
-from toolkit.render.panel import strokes
-from toolkit.render.plane.labels import write_beside
-from toolkit.render.plane.scene_drawing import COLORS, ROD, SUPPORT, UNDEFORMED
+from toolkit.render.sheet import SIGNED, UNSIGNED
 from toolkit.render.space import parts
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.configuration import BOX_EDGES, SpatialConfiguration
 from toolkit.render.space.look import ARROW, SpatialLook, rod_radius
-from toolkit.render.space.panel import AXES, SpatialPanel
+from toolkit.render.space.plotter.lettering import strokes
+from toolkit.render.space.plotter.panel import AXES, SpatialPanel
 from toolkit.render.space.symbols import spatial_symbols
 
-JOINT, UNTOLD, EQUIVALENT = "#3a3f47", "#c8cdd4", "viridis"
+JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
 _SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 """Light that leaves colours readable."""
@@ -81,7 +82,7 @@ def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
     """The flexible bodies with their stress, what is clamped in the colour of supports."""
     actor, limit = None, look.stress_limit or 1.0
     colors: dict[str, Any] = (
-        {"cmap": COLORS, "clim": (-limit, limit)} if look.signed else {"cmap": EQUIVALENT, "clim": (0.0, limit)}
+        {"cmap": SIGNED, "clim": (-limit, limit)} if look.signed else {"cmap": UNSIGNED, "clim": (0.0, limit)}
     )
     for body in look.bodies:
         shape = body_shape(moment, body)
@@ -147,9 +148,11 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
-    named = [(panel.pixel(point), name) for point, name in names_by_place(moment, look.radius / 2)]
-    panel.plotter.subplot(0, panel.number)
-    for point, place in write_beside(panel, named, [], panel.covered(), _REACHES):
+    named = names_by_place(moment, look.radius / 2)
+    names = [Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in named]
+    for (text, point, _), place in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
+        panel.write(text, place)
         way = place - point
         if np.linalg.norm(way) > _LEAD * panel.letter:
+            panel.plotter.subplot(0, panel.number)
             strokes(panel.plotter, [np.array([point, place - panel.letter * way / np.linalg.norm(way)])], UNDEFORMED, 1.0)

@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.render.plane.look import round_up
+from toolkit.render.round_numbers import round_up
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.camera import ISOMETRIC
@@ -107,9 +107,8 @@ def outermost(points: np.ndarray) -> np.ndarray:
 def _drawn_points(moment: SpatialConfiguration) -> list[np.ndarray]:
     """Of rigid bodies, joints and links."""
     scene = moment.scene
-    lines = [segment for body in scene.bodies for segment in moment.segments(body)]
     joints = [joint for joint in scene.joints.values() if isinstance(joint, SpatialJoint)]
-    return [*lines, *(moment.ends(each) for each in [*joints, *moment.links()])]
+    return [*moment.rods(), *(moment.ends(each) for each in [*joints, *moment.links()])]
 
 
 def rod_radius(moment: SpatialConfiguration, body: str, least: float) -> float:

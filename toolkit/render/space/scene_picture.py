@@ -10,18 +10,17 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.render.canvas import canvas
-from toolkit.render.layout import color_bar, explain, head_line, overview_places
-from toolkit.render.panel import INK, Place
-from toolkit.render.plane.scene_drawing import UNDEFORMED
-from toolkit.render.plane.scene_picture import even
+from toolkit.render.colors import INK, UNDEFORMED
+from toolkit.render.round_numbers import even
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.camera import Camera
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
 from toolkit.render.space.drawing import LOADS, draw_spatial_scene, has_moved
 from toolkit.render.space.look import SpatialLook
-from toolkit.render.space.panel import SpatialPanel
+from toolkit.render.space.plotter.canvas import canvas
+from toolkit.render.space.plotter.layout import color_bar, explain, head_line, overview_places
+from toolkit.render.space.plotter.panel import Place, SpatialPanel
 
 _MARGIN = 0.08
 """Round what is drawn, relative to its extent; symbols stand a little beyond it."""

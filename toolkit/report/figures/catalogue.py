@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from toolkit.report.drawing import Drawing
 from toolkit.report.figures.certificate import certificate
 from toolkit.report.figures.error_sensitivity import error_sensitivity
 from toolkit.report.figures.load_curves import load_curves
@@ -13,7 +14,6 @@ from toolkit.report.figures.skin_error import skin_error
 from toolkit.report.figures.stress_motion import stress_motion
 from toolkit.report.figures.stress_sensitivity import stress_sensitivity
 from toolkit.report.material import Material
-from toolkit.report.sheet import Drawing
 
 FIGURES: tuple[Callable[[Material], list[Drawing]], ...] = (
     load_curves,

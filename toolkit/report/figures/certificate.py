@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from toolkit.report.certificate_drawing import certificate_drawing
+from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
-from toolkit.report.sheet import Drawing
 
 
 def certificate(material: Material) -> list[Drawing]:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from toolkit.foundation.units import unit
+from toolkit.render.sheet import sheet, style
+from toolkit.report.drawing import Drawing
 from toolkit.report.figures.skin_error import mark_points, targeted
 from toolkit.report.material import Material
-from toolkit.report.sheet import Drawing, sheet, style
 from toolkit.scene_file.gradient_units import per, variable_unit
 
 

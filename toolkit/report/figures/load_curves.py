@@ -8,8 +8,9 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.loads.planar.torque import Torque
+from toolkit.render.sheet import sheet, style
+from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
-from toolkit.report.sheet import Drawing, sheet, style
 
 
 def load_curves(material: Material) -> list[Drawing]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.render.sheet import sheet, style
+from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
-from toolkit.report.sheet import Drawing, sheet, style
 
 
 def monitor_curves(material: Material) -> list[Drawing]:

@@ -8,9 +8,12 @@ from matplotlib.axes import Axes
 
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.units import unit
+from toolkit.render.colors import UNDEFORMED
+from toolkit.render.plane.parts import draw_line, draw_outlines
+from toolkit.render.plane.window import open_windows, panel_height, window
+from toolkit.render.sheet import COLORS, NARROW, sheet
+from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
-from toolkit.report.shape_panel import UNDEFORMED, draw_line, draw_outlines, equal_axes, panel_height, window
-from toolkit.report.sheet import COLORS, Drawing, sheet
 from toolkit.system.flexible_bodies import flexible_body
 
 
@@ -29,15 +32,11 @@ def _one(material: Material, body: str) -> Drawing:
     error = fields.shape_error[-1]
     rms = (error**2).mean() ** 0.5
     last = material.moment(-1)
-    corners = window([material.moment(0), last], [body])
-    height = panel_height(corners)
+    corners = window(material.look.points)
+    height = panel_height(corners, NARROW)
     with sheet(height + 3.4, 2, height_ratios=(height, 2.2)) as (figure, axes):
         shapes, along = axes[:, 0]
-        draw_outlines(shapes, last, body)
-        draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")
-        equal_axes(shapes, last, corners)
         shapes.set_title("shapes at the end", loc="left")
-        shapes.legend(loc="center right")
         along.plot(fields.arc_length, error, "o-", color=COLORS[0], markersize=3.5)
         along.axhline(rms, color=COLORS[1], linestyle="--", label=f"root mean square {rms:.4g} {length}")
         along.set_ylim(bottom=0, top=1.25 * error.max() or 1.0)
@@ -46,6 +45,10 @@ def _one(material: Material, body: str) -> Drawing:
         along.set_title(f"distance to the target, largest {error.max():.4g} {length}", loc="left")
         mark_points(along, material, body)
         along.legend(loc="lower center")
+        open_windows(figure, last, {shapes: corners})
+        draw_outlines(shapes, last, body)
+        draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")
+        shapes.legend(loc="center right")
     caption = f"Distance of the nodes of {body} to the target, at the end of the motion. Compare figure 8 of the paper."
     return Drawing(f"skin_error_{body}", f"Shape of {body} and distance to the target", caption, figure)
 

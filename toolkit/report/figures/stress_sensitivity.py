@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
 
 from toolkit.foundation.units import unit
+from toolkit.render.plane.parts import draw_band
+from toolkit.render.plane.scene_picture import color_bar
 from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
-from toolkit.report.figures.stress_motion import BAND, stress
+from toolkit.render.plane.window import open_windows, panel_height, window
+from toolkit.render.round_numbers import round_up
+from toolkit.render.sheet import NARROW, SIGNED, sheet
+from toolkit.report.drawing import Drawing
+from toolkit.report.figures.stress_motion import stress
 from toolkit.report.material import Material
-from toolkit.report.shape_panel import draw_band, equal_axes, panel_height, window
-from toolkit.report.sheet import SIGNED, Drawing, sheet, symmetric
 from toolkit.scene_file.gradient_units import per, variable_unit
 
 
@@ -24,19 +29,19 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
     label = per(stress(material), variable_unit(material.scene, path))
     derivative = material.results.bodies[body].dstress[:, :, x]
     fibres = np.array([fibre_values(drawn_model(moment, body), row) for row in derivative])  # (n_t, n_e, POINTS, 2)
-    colors = symmetric([fibres])
-    corners = window([material.moment(0), moment], [body])
-    heights = [panel_height(corners), 2.0][: 1 + material.moving]
+    limit = round_up(float(np.nanmax(np.abs(fibres)))) or 1.0
+    colors = Normalize(-limit, limit)
+    corners = window(material.look.points)
+    heights = [panel_height(corners, NARROW), 2.0][: 1 + material.moving]
     with sheet(sum(heights) + 1.6, len(heights), height_ratios=heights) as (figure, axes):
         above = axes[0, 0]
-        band = draw_band(above, moment, body, fibres[-1], colors, BAND * material.scene.size)
-        equal_axes(above, moment, corners)
         peak = fibres[-1].ravel()[np.nanargmax(np.abs(fibres[-1]))]
         above.set_title(f"at the end; largest {peak:.4g} {label}", loc="left")
         if material.moving:
             _over_time(axes[1, 0], material, body, fibres[..., 0], colors)
-        bar = figure.colorbar(band, ax=axes, label=f"d stress / d {variable} in {label}", location="bottom", aspect=40, pad=0.02)
-        bar.ax.locator_params(nbins=5)
+        color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}")
+        open_windows(figure, moment, {above: corners})
+        draw_band(above, moment, body, fibres[-1], colors, material.look.thickness[body])
     caption = f"How the stress of {body} changes with {variable} ({path}). Compare figure 9 of the paper."
     return Drawing(f"stress_sensitivity_{body}_{variable}", f"Sensitivity of the stress to {variable}", caption, figure)
 

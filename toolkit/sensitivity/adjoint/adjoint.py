@@ -2,7 +2,7 @@
 
     f = f(q_n, v_n, lam_n, x),   df/dx = f_x + sum over steps of mu_n^T R_x + (start's part)
 
-Worth it where variables are many and responses few; `sensitivity.analysis` and the command line offer it as a method.
+Worth it where variables are many and responses few; `sensitivity.methods` and the command line offer it as a method.
 """
 
 from __future__ import annotations
@@ -20,20 +20,11 @@ from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, sweep, transposition
 from toolkit.sensitivity.adjoint.checkpointed import checkpointed_adjoint, fits
-from toolkit.sensitivity.analysis import (
-    Kind,
-    Progress,
-    Result,
-    by_name,
-    check_kind,
-    check_names,
-    moving,
-    prepare,
-    repeated,
-    responses_of,
-    result,
-    timed,
-)
+from toolkit.sensitivity.clock import Clock, Progress, once
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.evaluation import by_name
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
+from toolkit.sensitivity.result import Result, result
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
@@ -43,37 +34,52 @@ from toolkit.system.system import System
 NO_BACKWARD_RUN = 'stabilised index 2 (solver.formulation = "ggl") has no backward run'
 
 
-def adjoint(
-    scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, system: System | None = None
-) -> Result:
-    """Responses with gradients by the discrete adjoint; parameters and errors as `sensitivity.analysis.direct`.
+def adjoint(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+    """Responses with gradients by the discrete adjoint; parameters and errors as `sensitivity.direct.direct`.
 
     A run whose states exceed `solver.memory` is computed twice, in windows between checkpoints.
+
+    Raises
+    ------
+    NeedsDirectError
+        The formulation has no backward run, or a response needs derivatives of the states.
     """
     check_kind(kind)
     check_names(design)
+    return by_adjoint(Compiled(scene, tuple(design)), kind, progress, clock)
+
+
+def by_adjoint(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
+    """The same of a compiled scene."""
+    scene = compiled.scene
     if not has_adjoint(scene, kind):
         raise NeedsDirectError(NO_BACKWARD_RUN)
-    primal_system = prepare(scene)
-    if kind == "transient" and not fits(scene, primal_system):
-        return replace(checkpointed_adjoint(scene, design, progress), repeat=partial(_again_in_windows, scene, design))
-    primal, solution = timed(primal_system, kind, progress)
-    compiled = system or prepare(scene, design)
-    extra, (found, gradient) = repeated(lambda told: adjoint_gradients(compiled, solution, told), progress)
-    values = {name: partials.value for name, partials in found.items()}
-    repeat = partial(again_backwards, primal_system, compiled)
-    return result(scene, solution, values, by_name(compiled.design, found, gradient.T), "adjoint", primal, extra, repeat)
+    if kind == "transient" and not fits(scene, compiled.primal):
+        return replace(checkpointed_adjoint(compiled, progress), repeat=partial(_again_in_windows, scene, compiled.names))
+    primal, solution = clock(partial(solve, compiled.primal, kind), progress)
+    extra, (found, gradient) = clock(partial(adjoint_gradients, compiled.full, solution), progress)
+    values, gradients = _named(compiled.full, found, gradient)
+    repeat = partial(again_backwards, compiled.primal, compiled.full)
+    return result(scene, solution, values, gradients, "adjoint", primal, extra, repeat)
 
 
 def again_backwards(primal: System, system: System, options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """Values of a motion and gradients by the adjoint with other options, of a scene compiled without and with design variables."""
-    found, gradient = adjoint_gradients(system, simulate(primal, options))
+    return _named(system, *adjoint_gradients(system, simulate(primal, options)))
+
+
+def _named(
+    system: System, found: dict[str, Partials], gradient: np.ndarray
+) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values, and gradients (n_x, n_r), by the names of responses and variables."""
     return {name: partials.value for name, partials in found.items()}, by_name(system.design, found, gradient.T)
 
 
-def _again_in_windows(scene: Scene, design: list[str], options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+def _again_in_windows(
+    scene: Scene, design: tuple[str, ...], options: RunOptions
+) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
     """The same where the states of the motion may not fit into memory."""
-    found = adjoint(scene.model_copy(update={"solver": options}), design, "transient")
+    found = adjoint(scene.model_copy(update={"solver": options}), list(design), "transient")
     return found.values, found.gradients
 
 
@@ -107,7 +113,7 @@ def adjoint_gradients(
     options = solution.options or system.scene.solver
     if moving(solution) and options.formulation == "ggl":
         raise NeedsDirectError(NO_BACKWARD_RUN)
-    if solution.own_start:
+    if moving(solution) and solution.own_start:
         raise NeedsDirectError("the run has a start of its own, whose derivatives are unknown to the adjoint")
     seen = replace(solution, system=system)
     found = {name: response.partials(seen) for name, response in responses_of(system.scene, moving(solution)).items()}

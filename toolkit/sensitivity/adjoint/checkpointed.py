@@ -17,7 +17,10 @@ from toolkit.responses.response import Partials, Response
 from toolkit.responses.windows import combine, steps_seen
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.backward_sweep import begin_sweep, end_sweep, sweep
-from toolkit.sensitivity.analysis import Progress, Result, by_name, prepare, responses_of, result
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.evaluation import by_name
+from toolkit.sensitivity.preparation import Progress, responses_of
+from toolkit.sensitivity.result import Result, result
 from toolkit.solvers.transient.run import Run, prepare_run
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
@@ -46,7 +49,7 @@ class Forwards(NamedTuple):
     weights: dict[str, dict[int, float]]  # response -> window -> derivative of the response by that of the window
 
 
-def checkpointed_adjoint(scene: Scene, design: list[str], progress: Progress | None = None) -> Result:
+def checkpointed_adjoint(compiled: Compiled, progress: Progress | None = None) -> Result:
     """Responses with gradients of a transient run, in the memory of about sqrt(n_t) states; the run is computed twice.
 
     Raises
@@ -57,18 +60,18 @@ def checkpointed_adjoint(scene: Scene, design: list[str], progress: Progress | N
     tell = progress or (lambda *_: None)
     begun = clock.perf_counter()
     with watched_compilation() as first:
-        forwards = run_forwards(scene, tell)
+        forwards = run_forwards(compiled.primal, tell)
     turned = clock.perf_counter()
     with watched_compilation() as second:
-        system = prepare(scene, design)
-        gradients = by_name(system.design, forwards.values, run_backwards(scene, system, forwards, tell).T)
+        system = compiled.full
+        gradients = by_name(system.design, forwards.values, run_backwards(system, forwards, tell).T)
     primal, extra = turned - begun - first.seconds, clock.perf_counter() - turned - second.seconds
-    return result(scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
+    return result(compiled.scene, forwards.solution, forwards.values, gradients, "adjoint", primal, extra)
 
 
-def run_forwards(scene: Scene, tell: Progress) -> Forwards:
+def run_forwards(system: System, tell: Progress) -> Forwards:
     """All windows in turn, and the responses from their values."""
-    run, responses = prepare_run(prepare(scene)), responses_of(scene)
+    run, responses = prepare_run(system), responses_of(system.scene)
     bounds, kept, drift = window_bounds(len(run.times)), list[Checkpoint](), 0.0
     parts: dict[str, dict[int, Any]] = {name: {} for name in responses}
     for j, window in enumerate(solve_windows(run, bounds, kept)):
@@ -83,9 +86,9 @@ def run_forwards(scene: Scene, tell: Progress) -> Forwards:
     return Forwards(run, bounds, kept, window, checkpoint_states(run, bounds, kept, drift), values, weights)
 
 
-def run_backwards(scene: Scene, system: System, forwards: Forwards, tell: Progress) -> np.ndarray:
+def run_backwards(system: System, forwards: Forwards, tell: Progress) -> np.ndarray:
     """Gradients (n_x, n_r) of a system with design variables."""
-    run, bounds, responses = forwards.run, forwards.bounds, responses_of(scene)
+    run, bounds, responses = forwards.run, forwards.bounds, responses_of(system.scene)
     state = begin_sweep(system, run.options, run.times, len(responses))
     for j in reversed(range(len(bounds) - 1)):
         last_one = j == len(bounds) - 2

@@ -10,7 +10,6 @@ from toolkit.foundation.errors import InputError, ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.analysis import Kind, Progress, Result, by_name, direct, frozen
 from toolkit.sensitivity.certificate.differences import (
     SETTLED,
     Quotient,
@@ -23,7 +22,11 @@ from toolkit.sensitivity.certificate.differences import (
     taylor_rates,
 )
 from toolkit.sensitivity.certificate.round_off import Gradients, round_off
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import Kind, Progress, frozen
+from toolkit.sensitivity.result import Result
 
 MOST_DIGITS = 16.0
 TINY = float(np.finfo(float).tiny)

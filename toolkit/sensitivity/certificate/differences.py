@@ -12,8 +12,11 @@ import numpy as np
 
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result, direct, frozen, values_of
 from toolkit.sensitivity.certificate.round_off import can_move
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.evaluation import values_of
+from toolkit.sensitivity.preparation import Kind, frozen
+from toolkit.sensitivity.result import Result
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)

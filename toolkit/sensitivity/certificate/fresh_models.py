@@ -20,8 +20,10 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.design import DesignVariable
 from toolkit.responses.stress.stress import model_parameter
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.analysis import Kind, Result, values_of
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all, given_values, is_built_from, source, with_model
+from toolkit.sensitivity.evaluation import values_of
+from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.result import Result
 from toolkit.sensitivity.sizes import typical_size
 
 RELATIVE_STEP = 1e-3

@@ -12,7 +12,9 @@ from toolkit.compilation.quantities import evaluate_quantities
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
-from toolkit.sensitivity.analysis import Kind, Result, by_name, frozen, prepare, responses_of, solve
+from toolkit.sensitivity.evaluation import by_name
+from toolkit.sensitivity.preparation import Kind, frozen, prepare, responses_of, solve
+from toolkit.sensitivity.result import Result
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
 
 Gradients = dict[str, dict[str, float]]

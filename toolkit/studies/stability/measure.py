@@ -14,8 +14,9 @@ from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import by_name, evaluate_with_gradients, prepare
+from toolkit.sensitivity.evaluation import by_name, evaluate_with_gradients
 from toolkit.sensitivity.numerical import typical_size
+from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.motion.created_energy import created_energy

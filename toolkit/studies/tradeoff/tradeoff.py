@@ -10,7 +10,7 @@ from statistics import median
 
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import responses_of
+from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.processes import Progress
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.judged import Judged, cheapest, judge

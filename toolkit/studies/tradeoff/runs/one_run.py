@@ -9,18 +9,18 @@ from typing import Any
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
-from toolkit.sensitivity.analysis import by_name, evaluate_responses, evaluate_with_gradients, prepare, solve
 from toolkit.sensitivity.choice import choose
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.evaluation import by_name, evaluate_responses, evaluate_with_gradients
+from toolkit.sensitivity.preparation import solve
 from toolkit.system.solution import Solution
-from toolkit.system.system import System
 
 
 @dataclass(frozen=True)
-class Compiled:
-    """A scene without and with its design variables, and the method for its gradients: "direct", "adjoint", or "" for none."""
+class Ready:
+    """A compiled scene, and the method for its gradients: "direct", "adjoint", or "" for none."""
 
-    plain: System
-    system: System
+    compiled: Compiled
     method: str
 
 
@@ -34,26 +34,21 @@ class Found:
     seconds: float
 
 
-def compiled(scene: Scene, names: list[str], method: str = "") -> Compiled:
+def ready_to_run(scene: Scene, names: list[str], method: str = "") -> Ready:
     """A scene ready to run; by default with the method for gradients that is estimated to be the cheaper one."""
-    plain = prepare(scene)
-    if not names:
-        return Compiled(plain, plain, "")
-    if method:
-        return Compiled(plain, prepare(scene, names), method)
-    choice = choose(scene, names, "transient")
-    return Compiled(plain, choice.system or prepare(scene, names), choice.method)
+    compiled = Compiled(scene, tuple(names))
+    return Ready(compiled, (method or choose(compiled, "transient").method) if names else "")
 
 
-def values_once(ready: Compiled) -> Found:
+def values_once(ready: Ready) -> Found:
     """One run to the values alone."""
     begun = clock.perf_counter()
-    solution = solve(ready.plain, "transient")
+    solution = solve(ready.compiled.primal, "transient")
     values = evaluate_responses(solution)
     return Found(values, {}, solution, clock.perf_counter() - begun)
 
 
-def gradients_once(ready: Compiled) -> tuple[Found, str]:
+def gradients_once(ready: Ready) -> tuple[Found, str]:
     """One run to values and gradients, and the method that could do it: the adjoint may turn out to need the direct one."""
     if not ready.method:
         return values_once(ready), ""
@@ -65,17 +60,17 @@ def gradients_once(ready: Compiled) -> tuple[Found, str]:
         return _direct(ready), "direct"
 
 
-def _direct(ready: Compiled) -> Found:
+def _direct(ready: Ready) -> Found:
     begun = clock.perf_counter()
-    solution = solve(ready.system, "transient")
+    solution = solve(ready.compiled.full, "transient")
     values, gradients = evaluate_with_gradients(solution)
     return Found(values, gradients, solution, clock.perf_counter() - begun)
 
 
-def _adjoint(ready: Compiled) -> Found:
+def _adjoint(ready: Ready) -> Found:
     begun = clock.perf_counter()
-    solution = solve(ready.plain, "transient")
-    found, gradient = adjoint_gradients(ready.system, solution)
+    solution = solve(ready.compiled.primal, "transient")
+    found, gradient = adjoint_gradients(ready.compiled.full, solution)
     seconds = clock.perf_counter() - begun
     values = {name: partials.value for name, partials in found.items()}
-    return Found(values, by_name(ready.system.design, found, gradient.T), solution, seconds)
+    return Found(values, by_name(ready.compiled.full.design, found, gradient.T), solution, seconds)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from toolkit.studies.processes import Progress
-from toolkit.studies.tradeoff.runs.one_run import Compiled, compiled, gradients_once, values_once
+from toolkit.studies.tradeoff.runs.one_run import Ready, gradients_once, ready_to_run, values_once
 from toolkit.studies.tradeoff.runs.worker import Case
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting
@@ -21,11 +21,11 @@ def timed(case: Case, settings: Sequence[Setting], records: Sequence[Record], re
     at = {case.key(setting): setting for setting in settings}
     lacking = {key: repeats - len(record.whole) for key, record in found.items() if not record.failure}
     total, done = sum(max(n, 0) for n in lacking.values()), 0
-    ready: dict[str, Compiled] = {}
+    ready: dict[str, Ready] = {}
     for turn in range(max(lacking.values(), default=0)):
         for key in [key for key, n in lacking.items() if n > turn]:
             if key not in ready:
-                ready[key] = compiled(case.scene_of(at[key]), list(case.names), found[key].method)
+                ready[key] = ready_to_run(case.scene_of(at[key]), list(case.names), found[key].method)
                 values_once(ready[key]), gradients_once(ready[key])
             found[key] = _once_more(ready[key], found[key])
             store.keep(found[key])
@@ -34,7 +34,7 @@ def timed(case: Case, settings: Sequence[Setting], records: Sequence[Record], re
     return [found[case.key(setting)].model_copy(update={"labels": setting.labels}) for setting in settings]
 
 
-def _once_more(ready: Compiled, record: Record) -> Record:
+def _once_more(ready: Ready, record: Record) -> Record:
     primal = values_once(ready).seconds
     whole = gradients_once(ready)[0].seconds if ready.method else primal
     return record.model_copy(update={"primal": [*record.primal, primal], "whole": [*record.whole, whole]})

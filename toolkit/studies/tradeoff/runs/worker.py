@@ -9,10 +9,10 @@ from typing import Any
 from toolkit.foundation.errors import ToolkitError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.analysis import result
 from toolkit.sensitivity.certificate.rebuilt_bodies import rebuildable, with_model
+from toolkit.sensitivity.result import result
 from toolkit.sensitivity.sizes import variable_sizes
-from toolkit.studies.tradeoff.runs.one_run import compiled, gradients_once
+from toolkit.studies.tradeoff.runs.one_run import gradients_once, ready_to_run
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting, with_options
 from toolkit.studies.tradeoff.settings.skin_models import build, model_file
@@ -88,7 +88,7 @@ def _run(case: Case, setting: Setting, record: Record) -> Record:
     for body in model_bodies(scene, setting):
         build(scene, body, setting.skin, model_file(case.models, case.identity, body, setting.skin))
     scene = case.scene_of(setting)
-    found, method = gradients_once(compiled(scene, list(case.names)))
+    found, method = gradients_once(ready_to_run(scene, list(case.names)))
     solution = found.solution
     outcome = result(scene, solution, found.values, found.gradients, method, 0.0, 0.0)
     facts: dict[str, Any] = {

@@ -1,4 +1,4 @@
-"""Whether this machine can draw: tried out in a process of its own, because a missing OpenGL library ends a process by a crash."""
+"""Whether this machine can draw space: tried out in a process of its own, because a missing OpenGL library ends a process by a crash."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ import subprocess
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from importlib.util import find_spec
 
-from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.processes.own_process import command
 from toolkit.foundation.processes.own_process import environment as own_environment
+from toolkit.render.packages import RenderError, require
 
 VARIABLE = "VTK_DEFAULT_OPENGL_WINDOW"
 LIBRARIES = {"vtkEGLRenderWindow": "libEGL.so.1", "vtkOSOpenGLRenderWindow": "libOSMesa.so.8"}
@@ -31,10 +30,6 @@ sys.exit(None if image.min() < image.max() else "the picture is empty")
 _PATIENCE = 120  # s; a first import of a cold installation takes several seconds
 
 
-class RenderError(ToolkitError, RuntimeError):
-    """Pictures cannot be drawn on this machine; the message says what to install."""
-
-
 def drawing_environment() -> dict[str, str]:
     """Environment variables under which a picture can be drawn here, found by drawing one in a subprocess.
 
@@ -43,7 +38,7 @@ def drawing_environment() -> dict[str, str]:
     RenderError
         pyvista is not installed, or no OpenGL library works; names the packages that bring them.
     """
-    require("pyvista", "matplotlib")
+    require("pyvista")
     failures = []
     for environment in _candidates():
         problem = _trial(environment)
@@ -51,16 +46,9 @@ def drawing_environment() -> dict[str, str]:
             return environment
         failures.append(problem)
     raise RenderError(
-        f"pictures need OpenGL, and a trial picture failed ({'; '.join(failures)}). "
+        f"pictures of space need OpenGL, and a trial picture failed ({'; '.join(failures)}). "
         f"On Debian and Ubuntu install it with: apt-get install {PACKAGES}. Everything else works without it."
     )
-
-
-def require(*modules: str) -> None:
-    """Refuse to go on without a package that pictures need."""
-    for module in modules:
-        if find_spec(module) is None:
-            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")
 
 
 def _candidates() -> list[dict[str, str]]:
@@ -90,7 +78,7 @@ def _trial(environment: Mapping[str, str]) -> str | None:
 
 @contextmanager
 def drawing() -> Iterator[None]:
-    """Context in which pictures can be drawn: the environment that works, for this process and for this long only."""
+    """Context in which space can be drawn: the environment that works, for this process and for this long only."""
     environment = drawing_environment()
     os.environ.update(environment)
     try:

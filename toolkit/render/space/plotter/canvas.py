@@ -9,10 +9,12 @@ from typing import Any
 
 import pyvista
 
+from toolkit.foundation.files.replaced_file import replaced
+
 
 @contextmanager
 def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
-    """A plotter whose renderer 0 is the whole white sheet and the others are panels on it; written to the path at the end."""
+    """A plotter whose renderer 0 is the whole white sheet and the others are panels on it; written at the end, in one stroke."""
     plotter: Any = pyvista.Plotter(off_screen=True, window_size=[width, height], shape=(1, panels + 1), border=False)
     try:
         plotter.subplot(0, 0)
@@ -21,6 +23,7 @@ def canvas(path: Path, width: int, height: int, panels: int) -> Iterator[Any]:
         plotter.enable_anti_aliasing("msaa", multi_samples=8)
         yield plotter
         plotter.render()  # what was drawn after somebody has looked at the sheet
-        plotter.screenshot(str(path), return_img=False)
+        with replaced(path) as temporary:
+            plotter.screenshot(str(temporary), return_img=False)
     finally:
         plotter.close()

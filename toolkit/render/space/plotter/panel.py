@@ -7,24 +7,37 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.render.panel import INK, Pane, letter, strokes, tick_step
+from toolkit.render.colors import FRAME, INK
+from toolkit.render.round_numbers import tick_step
 from toolkit.render.space.camera import ANGLE, ISOMETRIC, Camera
+from toolkit.render.space.plotter.lettering import letter, strokes
 
+Place = tuple[int, int, int, int]
+"""Left, bottom, width, height in pixels of the canvas."""
 AXES = {"x": "#c0392b", "y": "#1e8449", "z": "#2456a4"}
 _PAPER, _GRID = 200, 4
 """Brightness from which a pixel is free for letters, so that faint shapes are; and the distance of the pixels that are looked at."""
 
 
 @dataclass(frozen=True)
-class SpatialPanel(Pane):
-    """What a camera sees, shown in a rectangle of the canvas."""
+class SpatialPanel:
+    """What a camera sees, shown in a rectangle of pixels of the canvas by renderer `number` of the plotter."""
 
+    plotter: Any
+    number: int
+    place: Place
+    letter: int  # size of letters in pixels
     camera: Camera
 
     def open(self) -> None:
-        """Put the renderer in its place and the camera before the scene."""
-        self.clear()
-        camera, plotter = self.camera, self.plotter
+        """Put the renderer in its place, white and framed, and the camera before the scene."""
+        camera, plotter, (left, bottom, wide, high) = self.camera, self.plotter, self.place
+        width, height = plotter.window_size
+        plotter.subplot(0, self.number)
+        renderer = plotter.renderers[self.number]
+        renderer.viewport = (left / width, bottom / height, (left + wide) / width, (bottom + high) / height)
+        plotter.set_background("white", all_renderers=False)
+        renderer.add_border(FRAME, 2)
         if camera.perspective:
             plotter.disable_parallel_projection()
         else:
@@ -42,6 +55,17 @@ class SpatialPanel(Pane):
     def pixel(self, points: np.ndarray) -> np.ndarray:
         """Place of points (..., 3) in the panel, in pixels from its lower left corner, (..., 2)."""
         return self.camera.seen(points) * self.scale
+
+    def draw(self, mesh: Any, **style: Any) -> Any:
+        """Add a mesh to the panel, without moving the view; `line_width` is that of a picture 1600 pixels wide.
+
+        A mesh without points is nothing to draw, as the tube along a body of two points at one place; some versions of pyvista refuse it.
+        """
+        if not mesh.n_points:
+            return None
+        self.plotter.subplot(0, self.number)
+        style["line_width"] = style.get("line_width", 1) * self.letter / 22
+        return self.plotter.add_mesh(mesh, reset_camera=False, show_scalar_bar=False, render=False, **style)
 
     def draw_nearer(self, mesh: Any, shift: float, **style: Any) -> Any:
         """Add a mesh that covers what is behind it and up to a length before it."""

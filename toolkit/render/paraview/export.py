@@ -12,10 +12,10 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
-from toolkit.render.mechanism_lines import mechanism
+from toolkit.render.paraview.mechanism_lines import mechanism
+from toolkit.render.paraview.skin_mesh import skin_mesh
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
-from toolkit.render.plane.skin_mesh import skin_mesh
 from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import safe_name
@@ -26,7 +26,7 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     """Write one PVD file, to be opened in ParaView, and the VTP files that it lists.
 
     Every flexible body with a mesh is a band as thick as it is (2 % of the scene if its thickness is unknown), with point data
-    "stress in <unit>" and "stress by <variable>". Rigid bodies are lines. In space it is its surface, see `spatial.series`.
+    "stress in <unit>" and "stress by <variable>". Rigid bodies are lines. In space it is its surface, see `spatial_meshes`.
 
     Returns
     -------
@@ -65,7 +65,7 @@ def _vtp(mesh: Any) -> bytes:
 
 
 def _spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
-    from toolkit.render.space.series import spatial_meshes
+    from toolkit.render.paraview.spatial_meshes import spatial_meshes
 
     return spatial_meshes(solution)
 
@@ -86,7 +86,7 @@ def _band(moment: Configuration, body: str, thickness: float, stress: np.ndarray
     shape, label = skin_shape(moment, body), f"stress in {unit(moment.scene.units, 'stress')}"
     if shape is None:
         return None
-    mesh = skin_mesh(shape, thickness, label, 0.0)
+    mesh = skin_mesh(shape, thickness, label)
     for x, variable in enumerate(moment.solution.system.design.names):
         values = fibre_values(drawn_model(moment, body), dstress[moment.step, :, x])
         mesh.point_data[f"stress by {variable}"] = np.repeat(values.ravel(), 2)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
-from toolkit.render.mechanism_lines import mechanism
+from toolkit.render.paraview.mechanism_lines import mechanism
 from toolkit.render.space import parts
 from toolkit.render.space.body_shape import at_points, body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration

@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.render.panel import INK, Pane, Place, letter
+from toolkit.render.colors import INK
+from toolkit.render.space.plotter.lettering import letter
+from toolkit.render.space.plotter.panel import Place, SpatialPanel
 
 COLUMNS = 2
 """Panels beside each other in an overview."""
@@ -25,7 +27,7 @@ def overview_places(count: int, width: int, foot: int) -> tuple[list[Place], int
     return places, foot + rows * (tall + head)
 
 
-def head_line(pane: Pane, title: str) -> None:
+def head_line(pane: SpatialPanel, title: str) -> None:
     """A title above the panel."""
     pane.plotter.subplot(0, 0)
     above = np.array([pane.place[0], pane.place[1] + pane.place[3] + 0.7 * pane.letter])

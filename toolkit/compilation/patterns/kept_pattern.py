@@ -1,0 +1,77 @@
+"""Numbers of a scene on the entries that the same scene had at other numbers, if these are enough."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from toolkit.compilation.patterns.common_pattern import SHARED, placed
+from toolkit.compilation.quantities import Quantities
+
+GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
+
+
+class NewEntryError(Exception):
+    """Something is not zero any more where the pattern has no entry."""
+
+
+def renew(old: Quantities, new: Quantities, entries: Quantities) -> tuple[Quantities, set[str]]:
+    """The old numbers with the new ones in their places, and the groups that differ.
+
+    Parameters
+    ----------
+    old
+        All numbers of a scene, or all derivatives by one variable.
+    new
+        Some of them, of the same scene at other numbers.
+    entries
+        Numbers on the entries that are there: the values of the old scene.
+
+    Raises
+    ------
+    NewEntryError
+        There is no place for one of the new numbers.
+    """
+    parts: dict[str, Any] = {}
+    changed = set() if np.array_equal(old.gravity, new.gravity) else {"gravity"}
+    for group in GROUPS:
+        before, after = getattr(old, group), getattr(new, group)
+        found = {owner: _on(part, getattr(entries, group)[owner]) for owner, part in after.items()}
+        parts[group] = dict(sorted({**before, **found}.items())) if found.keys() - before.keys() else {**before, **found}
+        if any(owner not in before or not _equal(before[owner], part) for owner, part in found.items()):
+            changed.add(group)
+    return Quantities(**parts, gravity=new.gravity), changed
+
+
+def _on(part: Any, known: Any) -> Any:
+    """The part on the entries of a known one."""
+    fields = getattr(part, "_fields", ())
+    if "row" in fields and np.array_equal(part.row, known.row) and np.array_equal(part.column, known.column):
+        return part
+    if "row" in fields:
+        size = 1 + max(int(max(each.row.max(initial=0), each.column.max(initial=0))) for each in (part, known))
+        place = _places(known.row * size + known.column, part.row * size + part.column)
+        shared = [name for name in SHARED if name in fields and np.ndim(getattr(part, name))]
+        return part._replace(
+            row=known.row, column=known.column, **{name: placed(getattr(part, name), place, len(known.row)) for name in shared}
+        )
+    if "columns" in fields and not np.array_equal(part.columns, known.columns):
+        place = _places(known.columns, part.columns)
+        return part._replace(columns=known.columns, shape=placed(part.shape, place, len(known.columns)))
+    return part
+
+
+def _places(known: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """Where the wanted keys are among the known ones, which ascend."""
+    found = np.searchsorted(known, wanted)
+    if (not len(known) and len(wanted)) or not np.array_equal(known[found.clip(max=len(known) - 1)], wanted):
+        raise NewEntryError
+    return found
+
+
+def _equal(one: Any, other: Any) -> bool:
+    if isinstance(one, tuple):
+        return len(one) == len(other) and all(map(_equal, one, other))
+    return np.array_equal(one, other) if isinstance(one, np.ndarray | float | complex) else bool(one == other)

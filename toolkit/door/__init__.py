@@ -1,0 +1,1 @@
+"""The door: what a user imports from `toolkit`, and what the commands use too."""

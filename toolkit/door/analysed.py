@@ -1,0 +1,85 @@
+"""One analysis of a compiled scene, whatever gradients and start are asked for."""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.transient import simulate
+from toolkit.description.run_options import RunOptions
+from toolkit.door.run import Run
+from toolkit.foundation.errors import InputError
+from toolkit.sensitivity.clock import Progress, once, repeated
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.direct import evaluated, values_alone
+from toolkit.sensitivity.method_names import METHODS
+from toolkit.sensitivity.methods import by_method
+from toolkit.sensitivity.preparation import Kind, check_kind
+from toolkit.system.system import System
+
+
+def analysed(
+    compiled: Compiled,
+    kind: Kind,
+    gradients: bool | str = False,
+    start: Run | None = None,
+    progress: Progress | None = None,
+    timed: bool = False,
+    keep_states: bool = False,
+) -> Run:
+    """A run; arguments as of `Model.run`.
+
+    Raises
+    ------
+    InputError
+        There is no such analysis or method, or nothing to differentiate by; and all that the analysis raises.
+    """
+    check_kind(kind)
+    check_method(gradients)
+    if gradients and not compiled.names:
+        raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")
+    if start is not None:
+        return _from_start(compiled, kind, gradients, start, progress)
+    clock = repeated if timed else once
+    if not gradients:
+        return Run.of(values_alone(compiled, kind, progress, clock))
+    return Run.of(by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock))
+
+
+def check_method(gradients: bool | str) -> None:
+    """Refuse a method for gradients that does not exist.
+
+    Raises
+    ------
+    InputError
+        It is neither a truth value nor a name of a method.
+    """
+    if not isinstance(gradients, bool) and gradients not in METHODS:
+        raise InputError(f"there is no method {gradients!r} for gradients. Write True, False, or one of: {', '.join(METHODS)}.")
+
+
+def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Run, progress: Progress | None) -> Run:
+    """A run that begins in the last state of another one."""
+    if gradients not in (False, True, "direct"):
+        raise InputError(
+            f"gradients of a run with a start are found by direct differentiation, not {gradients!r}. Write gradients=True."
+        )
+    if not isinstance(start, Run):
+        raise InputError(f"start must be a run that an analysis has returned, not {type(start).__name__}.")
+    system, known = (compiled.full if gradients else compiled.primal), start.solution
+    if known.system.numbering.names != system.numbering.names:
+        raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
+    if kind == "static":
+        return Run.of(evaluated(compiled.scene, solve_statics(system, progress=progress, start=known), bool(gradients)))
+    q, v = known.q[-1], known.v[-1]
+    solution = simulate(system, q=q, v=v, progress=progress)
+    repeat = partial(_again_from, system, q, v, bool(gradients))
+    return Run.of(evaluated(compiled.scene, solution, bool(gradients), repeat))
+
+
+def _again_from(system: System, q: np.ndarray, v: np.ndarray, gradients: bool, options: RunOptions) -> tuple[Any, Any]:
+    found = evaluated(system.scene, simulate(system, options, q, v), gradients)
+    return found.values, found.gradients

@@ -1,0 +1,301 @@
+"""A scene that is compiled once and analysed many times, at its own numbers or at others."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.undeformed import undeformed as at_rest
+from toolkit.door.analysed import analysed, check_method
+from toolkit.door.outcome import Outcome, outcomes
+from toolkit.door.run import Run
+from toolkit.foundation.verdict import Verdict
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.clock import Progress
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+
+
+def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
+    """Make a scene ready to be analysed.
+
+    Parameters
+    ----------
+    scene
+        What `read_scene` has returned, or a scene made in Python.
+    variables
+        Design variables that gradients are wanted by: short names that the scene declares, or paths of its numbers. The numbers of an
+        analysis can be changed whether they are variables or not.
+
+    Returns
+    -------
+    model
+        The compiled scene; what an analysis needs is compiled when it is first asked for.
+
+    Raises
+    ------
+    InputError
+        A variable is unknown; lists those that are possible.
+
+    Examples
+    --------
+    >>> model = ffrf.compile(ffrf.read_scene("wing.toml"), variables=["t_w"])
+    >>> model.statics({"t_w": 1.6}, gradients=True).gradients["max_stress"]["t_w"]
+    """
+    check_names(variables)
+    compiled = Compiled(scene, tuple(variables))
+    _ = compiled.design  # refuses unknown names now, not when the first gradient is wanted
+    return Model(compiled)
+
+
+class Model:
+    """A compiled scene with its design variables; `compile` makes one.
+
+    Every analysis takes other numbers by short name or path, and renews only what they touch. Nothing is measured twice: an analysis solves
+    the scene once.
+
+    Parameters
+    ----------
+    compiled
+        The scene, compiled with and without its variables as far as that was needed.
+    """
+
+    def __init__(self, compiled: Compiled) -> None:
+        self._compiled = compiled
+
+    @property
+    def scene(self) -> Scene:
+        """The scene at its own numbers."""
+        return self._compiled.scene
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """Design variables and their values in the scene."""
+        return dict(self._compiled.design.values)
+
+    def at(self, numbers: Mapping[str, float]) -> Model:
+        """The model at other numbers.
+
+        Parameters
+        ----------
+        numbers
+            Short name or path of a number of points, bodies, joints, loads or of the solver -> its value.
+
+        Returns
+        -------
+        model
+            Another model, which shares what the numbers do not touch. Where a number was zero, and what it brings to life is in no place
+            that is known yet, the scene is compiled anew.
+
+        Raises
+        ------
+        InputError
+            There is no such number, or its value cannot be meant.
+        """
+        if not numbers:
+            return self
+        return Model(self._compiled.at(numbers))
+
+    def simulate(
+        self,
+        numbers: Mapping[str, float] | None = None,
+        *,
+        gradients: bool | str = False,
+        start: Run | None = None,
+        progress: Progress | None = None,
+        timed: bool = False,
+    ) -> Run:
+        """Integrate the scene over time.
+
+        Parameters
+        ----------
+        numbers
+            Other numbers for this run, see `at`.
+        gradients
+            Whether gradients by the model's variables are wanted; or the method: "direct", "adjoint", "auto" (the cheaper one of these),
+            "complex-step", "forward-difference", "central-difference".
+        start
+            A run whose last state the motion begins in, with its velocities; it does not depend on the design then.
+        progress
+            Called with the steps done and the steps in all.
+        timed
+            Whether to repeat a short run until its price is known, without gradients and with them: `Run.wall_primal` and
+            `Run.wall_sensitivity` in s.
+
+        Returns
+        -------
+        run
+            Values, gradients, verdict and states.
+
+        Raises
+        ------
+        InputError
+            A number or a word is wrong.
+        ConvergenceError, SingularSystemError
+            The motion cannot be integrated; names time, equation and remedy.
+        """
+        return self.run("transient", numbers, gradients=gradients, start=start, progress=progress, timed=timed)
+
+    def statics(
+        self,
+        numbers: Mapping[str, float] | None = None,
+        *,
+        gradients: bool | str = False,
+        start: Run | None = None,
+        progress: Progress | None = None,
+        timed: bool = False,
+    ) -> Run:
+        """Find the equilibrium under the loads at the end time, along the path from the unloaded state.
+
+        Parameters
+        ----------
+        numbers, gradients, progress, timed
+            As of `simulate`.
+        start
+            An equilibrium of the same scene at other numbers, to begin in: saves the way from the unloaded state where a stable equilibrium
+            is close by, and says so in the verdict.
+
+        Returns
+        -------
+        run
+            Values of the responses that a state at rest has, gradients, verdict and the state.
+
+        Raises
+        ------
+        InputError
+            A number or a word is wrong.
+        LimitPointError, BifurcationError
+            The path turns back before the full load (snap-through), or becomes unstable (buckling).
+        ConvergenceError, SingularSystemError
+            There is no equilibrium, or something is free to move.
+        """
+        return self.run("static", numbers, gradients=gradients, start=start, progress=progress, timed=timed)
+
+    def modes(
+        self,
+        numbers: Mapping[str, float] | None = None,
+        *,
+        count: int = 10,
+        undeformed: bool = False,
+        progress: Progress | None = None,
+    ) -> Modes:
+        """Eigenfrequencies and mode shapes about the equilibrium under the loads at the end time.
+
+        Parameters
+        ----------
+        numbers
+            Other numbers, see `at`.
+        count
+            How many, from the lowest.
+        undeformed
+            About the given positions instead, for example of a free body.
+        progress
+            Called with the load steps done and the load steps in all.
+
+        Returns
+        -------
+        modes
+            `frequencies` in 1/time, ascending, `shapes` (n_q, count), and `verdict`.
+
+        Raises
+        ------
+        InputError, ConvergenceError, SingularSystemError
+            As `statics`; or nothing can move.
+        """
+        system = self.at(numbers or {})._compiled.primal
+        state = at_rest(system) if undeformed else solve(system, "static", progress)
+        found = solve_modes(state, count)
+        return found._replace(verdict=Verdict.of([*found.verdict.warnings, *state.verdict.warnings]))
+
+    def map(
+        self,
+        designs: Sequence[Mapping[str, float]],
+        analysis: str = "transient",
+        *,
+        gradients: bool | str = False,
+        processes: int = 1,
+        judged: bool = True,
+        progress: Progress | None = None,
+    ) -> list[Outcome]:
+        """Analyse many designs; a failure is data with its reason.
+
+        Parameters
+        ----------
+        designs
+            Numbers of each design, see `at`.
+        analysis
+            "transient" (or "simulate"), or "static" (or "statics").
+        gradients
+            As of `simulate`.
+        processes
+            How many designs are analysed at once, each in a process of its own; a script that asks for more than one needs
+            `if __name__ == "__main__":`.
+        judged
+            Whether every outcome has a verdict, at the price of up to a few more runs each.
+        progress
+            Called with the designs done and the designs in all.
+
+        Returns
+        -------
+        outcomes
+            In the order of the designs.
+
+        Raises
+        ------
+        InputError
+            There is no such analysis or method.
+        """
+        kind = kind_of(analysis)
+        check_method(gradients)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, progress)
+
+    def run(
+        self,
+        analysis: Kind,
+        numbers: Mapping[str, float] | None = None,
+        *,
+        gradients: bool | str = False,
+        start: Run | None = None,
+        progress: Progress | None = None,
+        timed: bool = False,
+        keep_states: bool = False,
+    ) -> Run:
+        """`simulate` or `statics`, by a word.
+
+        Parameters
+        ----------
+        analysis
+            "transient" or "static".
+        numbers, gradients, start, progress, timed
+            As of `simulate`.
+        keep_states
+            Whether `gradients="auto"` shall provide derivatives of all states too.
+
+        Returns
+        -------
+        run
+            As of `simulate`.
+
+        Raises
+        ------
+        InputError
+            There is no such analysis; and all that `simulate` and `statics` raise.
+        """
+        return analysed(self.at(numbers or {})._compiled, analysis, gradients, start, progress, timed, keep_states)
+
+    def __repr__(self) -> str:
+        variables = ", ".join(f"{name} = {value:g}" for name, value in self.variables.items())
+        return f"<Model: {len(self.scene.bodies)} bodies, {len(self.scene.joints)} joints; variables: {variables or 'none'}>"
+
+
+def kind_of(analysis: str) -> Kind:
+    """The kind of an analysis by its word, or by the name of the method that does it.
+
+    Raises
+    ------
+    InputError
+        There is no such analysis.
+    """
+    found = {"simulate": "transient", "statics": "static"}.get(analysis, analysis)
+    check_kind(found)
+    return "static" if found == "static" else "transient"

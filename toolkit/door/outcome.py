@@ -1,0 +1,105 @@
+"""What becomes of one design among many: numbers, or the reason why there are none."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from toolkit.door.analysed import analysed
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Verdict
+from toolkit.sensitivity.clock import Progress
+from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.preparation import Kind
+from toolkit.studies.processes import side_by_side
+
+PIECES = 4
+"""Pieces of work of every process: few, because each compiles the scene, and more than one, because designs differ in their price."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """One design of `Model.map`.
+
+    Attributes
+    ----------
+    numbers
+        The design.
+    values
+        Response -> its value; empty if the analysis failed.
+    gradients
+        Response -> variable -> derivative; empty if it failed, or if none were asked for.
+    verdict
+        Whether the numbers can be trusted; None if it failed, or if no verdict was asked for.
+    error
+        Why it failed, in the words of the error; empty if it did not.
+    """
+
+    numbers: Mapping[str, float]
+    values: Mapping[str, float] = field(default_factory=dict)
+    gradients: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    verdict: Verdict | None = None
+    error: str = ""
+
+    @property
+    def failed(self) -> bool:
+        """Whether the analysis of this design raised an error."""
+        return bool(self.error)
+
+
+class Task(NamedTuple):
+    """Designs that one process analyses after each other."""
+
+    scene: Any
+    names: tuple[str, ...]
+    designs: list[Mapping[str, float]]
+    kind: Kind
+    gradients: bool | str
+    judged: bool
+
+
+def outcomes(
+    compiled: Compiled,
+    designs: Sequence[Mapping[str, float]],
+    kind: Kind,
+    gradients: bool | str,
+    judged: bool,
+    processes: int,
+    progress: Progress | None,
+) -> list[Outcome]:
+    """Outcomes of all designs in their order; arguments as of `Model.map`."""
+    if processes <= 1:
+        return [
+            _told(progress, k, len(designs), _outcome(compiled, design, kind, gradients, judged))
+            for k, design in enumerate(designs, 1)
+        ]
+    size = -(-len(designs) // (PIECES * processes)) or 1
+    starts = range(0, len(designs), size)
+    tasks = {k: Task(compiled.scene, compiled.names, list(designs[k : k + size]), kind, gradients, judged) for k in starts}
+    found: dict[int, list[Outcome]] = {}
+    for k, piece in side_by_side(analyse, tasks, processes, "Ask for fewer processes."):
+        found[k] = piece
+        if progress:
+            progress(sum(map(len, found.values())), len(designs))
+    return [outcome for k in starts for outcome in found[k]]
+
+
+def analyse(task: Task) -> list[Outcome]:
+    """What a process does."""
+    compiled = Compiled(task.scene, task.names)
+    return [_outcome(compiled, design, task.kind, task.gradients, task.judged) for design in task.designs]
+
+
+def _outcome(compiled: Compiled, numbers: Mapping[str, float], kind: Kind, gradients: bool | str, judged: bool) -> Outcome:
+    try:
+        run = analysed(compiled.at(numbers), kind, gradients)
+        return Outcome(dict(numbers), run.values, run.gradients, run.verdict if judged else None)
+    except ToolkitError as error:
+        return Outcome(dict(numbers), error=str(error))
+
+
+def _told(progress: Progress | None, done: int, total: int, outcome: Outcome) -> Outcome:
+    if progress:
+        progress(done, total)
+    return outcome

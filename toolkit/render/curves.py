@@ -1,0 +1,42 @@
+"""Curves over the times of a solution: panels below each other, what coincides drawn once."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from toolkit.foundation.units import unit
+from toolkit.render.sheet import WIDE, sheet, style
+from toolkit.system.solution import Solution
+
+Panels = list[tuple[str, dict[str, np.ndarray]]]
+"""Of each panel its label with the unit, and name -> values over time."""
+
+
+def draw_panels(solution: Solution, panels: Panels) -> Figure:
+    """A panel per quantity."""
+    with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
+        for panel, (label, curves) in zip(axes[:, 0], panels, strict=True):
+            for number, (name, values) in enumerate(curves.items()):
+                panel.plot(solution.times, values, marker="." if len(values) < 100 else None, label=name, **style(number))
+            panel.set_ylabel(label)
+            panel.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
+            words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0)).get_texts()
+            for word in words:
+                word.set_parse_math(False)  # a dollar in a name starts no formula
+        axes[-1, 0].set_xlabel(f"time in {unit(solution.system.scene.units, 'time')}")
+        axes[-1, 0].set_xlim(solution.times[0], solution.times[-1])
+    return figure
+
+
+def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same curves, each drawn once: those that coincide, to a millionth of the largest value, share a name."""
+    near = 1e-6 * max(np.abs(values).max() for values in curves.values())
+    groups: list[list[str]] = []
+    for name, values in curves.items():
+        same = [group for group in groups if np.allclose(curves[group[0]], values, rtol=0, atol=near)]
+        if same:
+            same[0].append(name)
+        else:
+            groups.append([name])
+    return {", ".join(group): curves[group[0]] for group in groups}

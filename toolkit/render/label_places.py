@@ -1,0 +1,108 @@
+"""Where names of points cover nothing: at the freest of the places round their point."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+_DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
+_ENOUGH = 0.4  # of a letter's height: more clearance than this is not better
+_NEARNESS = 0.1  # clearance that a label gives up to be one length nearer to its point
+_SPACING = 0.3  # letters between points that stand for a line
+_SAME = 4  # decimals up to which places are told apart: round-off decides nothing
+Reaches = tuple[float, ...]
+_NEAR: Reaches = (0.4, 0.7, 1.1, 1.6, 2.2)
+_NOWHERE = np.zeros((0, 2))
+
+
+class Name(NamedTuple):
+    """A text that is to stand beside a point, and half of its width and height."""
+
+    text: str
+    point: np.ndarray  # (2,)
+    half: np.ndarray  # (2,)
+
+
+def beside(
+    names: list[Name],
+    lines: list[np.ndarray],
+    letter: float,
+    size: np.ndarray,
+    spots: np.ndarray = _NOWHERE,
+    reaches: Reaches = _NEAR,
+) -> list[tuple[Name, np.ndarray]]:
+    """Names of the points inside of a panel of a size, with the centres of their places off polylines (n, 2) and spots (m, 2).
+
+    All lengths are pixels or points of print, counted from the panel's lower left corner.
+    """
+
+    def inside(points: np.ndarray) -> np.ndarray:
+        return np.all((points >= 0) & (points <= size), axis=-1)
+
+    shown = [name for name in names if inside(name.point)]
+    every = np.vstack([spots, *(_dense(points, _SPACING * letter) for points in [*lines, *(name.point[None] for name in names)])])
+    return list(zip(shown, label_places(shown, every[inside(every)], letter, size, reaches), strict=True))
+
+
+def label_places(
+    names: list[Name], obstacles: np.ndarray, letter: float, size: np.ndarray, reaches: Reaches = _NEAR
+) -> list[np.ndarray]:
+    """Centres (2,) of labels.
+
+    Parameters
+    ----------
+    obstacles : (m, 2)
+        Points that should stay visible, densely along lines.
+    letter : float
+        Height of a letter.
+    size : (2,)
+        Of the panel; labels stay inside.
+    reaches : tuple of float
+        Gaps between a point and its label that are tried, in letters.
+    """
+    places: list[np.ndarray] = []
+    for name in names:
+        candidates = [candidate for reach in reaches for candidate in _around(name, reach * letter)]
+        free = [
+            min(
+                _clearance(candidate, name.half, obstacles),
+                _label_clearance(candidate, name.half, places, names),
+                _ENOUGH * letter,
+            )
+            - 100 * _outside(candidate, name.half, size)
+            - _NEARNESS * np.hypot(*(candidate - name.point))
+            for candidate in candidates
+        ]
+        places.append(candidates[int(np.argmax(np.round(free, _SAME)))])
+    return places
+
+
+def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
+    """Points along a polyline at most a spacing apart."""
+    if len(points) < 2:
+        return points
+    counts = np.ceil(np.hypot(*np.diff(points, axis=0).T) / spacing).astype(int).clip(1)
+    pairs = zip(points[:-1], points[1:], counts, strict=True)
+    return np.vstack([*(np.linspace(start, end, n, endpoint=False) for start, end, n in pairs), points[-1:]])
+
+
+def _around(name: Name, gap: float) -> list[np.ndarray]:
+    """Centres of a label whose edge is about `gap` from its point, in all directions."""
+    return [name.point + (name.half + gap) * np.array([np.cos(angle), np.sin(angle)]) for angle in _DIRECTIONS]
+
+
+def _clearance(centre: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> float:
+    """Distance from a box to the nearest obstacle; negative by the depth if one is inside."""
+    outside = np.abs(obstacles - centre) - half
+    distance = np.hypot(*np.maximum(outside, 0).T) + np.minimum(outside.max(axis=1), 0)
+    return float(distance.min(initial=np.inf))
+
+
+def _label_clearance(centre: np.ndarray, half: np.ndarray, places: list[np.ndarray], names: list[Name]) -> float:
+    pairs = zip(places, names, strict=False)  # those that have their place already
+    return min((_clearance(centre, half + other.half, place[None]) for place, other in pairs), default=np.inf)
+
+
+def _outside(centre: np.ndarray, half: np.ndarray, size: np.ndarray) -> float:
+    return float(np.maximum(np.maximum(half - centre, centre + half - size), 0).sum())

@@ -1,0 +1,18 @@
+"""What pictures need of this machine."""
+
+from __future__ import annotations
+
+from importlib.util import find_spec
+
+from toolkit.foundation.errors import ToolkitError
+
+
+class RenderError(ToolkitError, RuntimeError):
+    """Pictures cannot be drawn on this machine; the message says what to install."""
+
+
+def require(*modules: str) -> None:
+    """Refuse to go on without a package that pictures need."""
+    for module in modules:
+        if find_spec(module) is None:
+            raise RenderError(f"pictures need {module}, which is not installed. Install: pip install 'ffrf-toolkit[render]'.")

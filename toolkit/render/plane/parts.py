@@ -1,0 +1,96 @@
+"""The parts of a planar scene in axes of matplotlib: skins coloured by a field, outlines, rods, joints and supports."""
+
+from __future__ import annotations
+
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Normalize
+
+from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import drawn_model, skin_shape
+from toolkit.render.plane.symbols import symbols
+from toolkit.render.plane.window import drawn_thickness, figure_of, shown
+from toolkit.render.sheet import SIGNED
+
+Dashes = Literal["-", "--"]
+_SYMBOL = 6.5 / 72
+"""Size of drawing symbols in inches, whatever the scale is."""
+_UNTOLD, _EDGE = "#c8cdd4", "#5d6f8a"
+"""Where nothing is known of a field; the edge of a rod."""
+_ROD, _SKIN, _OUTLINE, _TARGET, _LINE, _SUPPORT, _PIN = 1.5, 2.0, 2.2, 2.4, 2.3, 3.0, 3.2
+"""What covers what."""
+
+
+def draw_band(axes: Axes, moment: Configuration, body: str, fibres: np.ndarray, colors: Normalize, thickness: float) -> None:
+    """A skin as two bands, outer and inner fibre, coloured by values (n_e, POINTS, 2); thicker than it is, if it could not be seen.
+
+    Every value has a piece of its own, round its point, so that the extremes of the values are seen.
+    """
+    shape = skin_shape(moment, body)
+    if shape is None:
+        return
+    outer = shape.fibres(drawn_thickness(thickness, shown(axes)))  # (n_e, POINTS, fibre, 2)
+    edge, middle = (_pieces(points) for points in (outer, np.broadcast_to(shape.line[:, :, None], outer.shape)))
+    corners = np.stack([edge[:, :-1], edge[:, 1:], middle[:, 1:], middle[:, :-1]], axis=3)  # (n_e, POINTS, fibre, 4, 2)
+    look: Any = {"cmap": colormaps[SIGNED].with_extremes(bad=_UNTOLD), "norm": colors, "edgecolors": "face", "linewidths": 0.2}
+    axes.add_collection(PolyCollection(list(corners.reshape(-1, 4, 2)), array=fibres.ravel(), zorder=_SKIN, **look))
+    edges = list(np.moveaxis(outer, 2, 0).reshape(-1, outer.shape[1], 2))
+    axes.add_collection(LineCollection(edges, colors=INK, linewidths=0.4, zorder=_SKIN))
+
+
+def _pieces(points: np.ndarray) -> np.ndarray:
+    """Borders (n_e, POINTS + 1, ...) of the pieces of a line that belong to its points: the middles between them, and both ends."""
+    return np.concatenate([points[:, :1], (points[:, 1:] + points[:, :-1]) / 2, points[:, -1:]], axis=1)
+
+
+def draw_outlines(axes: Axes, moment: Configuration, body: str) -> None:
+    """The undeformed and the target contour in the place of the body."""
+    for label, points, color, dashes, order in outlines(moment, body):
+        axes.plot(*points.T, dashes, color=color, linewidth=1.2, label=label, zorder=order)
+
+
+def outlines(moment: Configuration, body: str) -> list[tuple[str, np.ndarray, str, Dashes, float]]:
+    """Of the contours that a body has: what it is, points (n, 2), colour, dashes and height."""
+    mesh = drawn_model(moment, body).mesh
+    if mesh is None:
+        return []
+    every: tuple[tuple[str, np.ndarray, str, Dashes, float], ...] = (
+        ("undeformed", mesh.outline, UNDEFORMED, "-", _OUTLINE),
+        ("target", mesh.target_outline, TARGET, "--", _TARGET),
+    )
+    return [
+        (label, moment.place(body, line), color, dashes, order) for label, line, color, dashes, order in every if len(line) > 1
+    ]
+
+
+def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> None:
+    """The middle line of a skin."""
+    shape = skin_shape(moment, body)
+    if shape is not None:
+        axes.plot(*shape.line.reshape(-1, 2).T, zorder=_LINE, **style)
+
+
+def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0) -> None:
+    """Rigid bodies as thick lines with edges, springs and distance joints as thin ones."""
+    rods = [ends for ends in moment.rods() for _ in ("edge", "inside")]
+    links = [moment.ends(each) for each in moment.links()]
+    axes.add_collection(LineCollection(links, colors=color, linewidths=1.5, zorder=_ROD))
+    look: Any = {"colors": (edge, color), "linewidths": (width + 1.0, width)}
+    axes.add_collection(LineCollection(rods, capstyle="round", zorder=_ROD, **look))
+
+
+def draw_symbols(axes: Axes, moment: Configuration) -> None:
+    """Pins as circles, everything else as lines, all of one size on paper."""
+    for symbol in symbols(moment):
+        pin = symbol.kind == "pin"
+        kind: Any = PolyCollection if pin else LineCollection
+        look: Any = {"facecolors": "white", "edgecolors": INK, "zorder": _PIN} if pin else {"colors": SUPPORT, "zorder": _SUPPORT}
+        place = {"offsets": [symbol.point], "offset_transform": axes.transData}
+        drawn = kind(symbol.lines(_SYMBOL), linewidths=1.3, capstyle="round", gid=symbol.kind, **look, **place)
+        drawn.set_transform(figure_of(axes).dpi_scale_trans)
+        axes.add_collection(drawn)

@@ -1,0 +1,79 @@
+"""Sheets that figures are drawn on: letters of one size on all of them, one file for the same numbers on every machine."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib import rc_context, rcdefaults, rcParams
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from toolkit.foundation.files.replaced_file import write_whole
+
+NARROW, WIDE = 5.6, 10.0
+"""Inches: a figure that is read on a telephone (of 400 pixels, where a letter of 10 points is still 9 pixels high), and a picture."""
+SIGNED, UNSIGNED = "coolwarm", "viridis"
+"""Colour maps that colour-blind people can read: from minus to plus the same value, and from zero up."""
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Okabe and Ito's colours, told apart by all kinds of colour vision."""
+STYLES = ("-", "--", "-.", ":")
+_SETTINGS: Any = {
+    "font.size": 10, "axes.titlesize": 10, "legend.fontsize": 9, "legend.frameon": False, "axes.grid": True, "grid.alpha": 0.3,
+    "svg.hashsalt": "ffrf-toolkit", "lines.linewidth": 1.6,
+}  # fmt: skip
+_UNDATED: dict[str, Any] = {"png": {"Software": None}, "svg": {"Date": None}, "pdf": {"CreationDate": None}}
+"""Format -> what a file leaves out, so that the same numbers give the same file."""
+
+
+@contextmanager
+def _settings() -> Iterator[None]:
+    """matplotlib's settings and ours, never those of a file `matplotlibrc` in the current folder, which can start LaTeX."""
+    with rc_context():
+        rcdefaults()
+        rcParams.update(_SETTINGS)
+        yield
+
+
+@contextmanager
+def sheet(
+    height: float, rows: int = 1, columns: int = 1, width: float = NARROW, **options: Any
+) -> Iterator[tuple[Figure, np.ndarray]]:
+    """A figure of a height and width in inches, and its axes (rows, columns); options as for `Figure.subplots`."""
+    with _settings():
+        figure = Figure(figsize=(width, height), layout="constrained")
+        FigureCanvasAgg(figure)
+        yield figure, figure.subplots(rows, columns, squeeze=False, **options)
+
+
+def settle(figure: Figure, fit: Callable[[], None] = lambda: None) -> None:
+    """Lay a figure out for good, so that what is drawn from now on knows its scale; `fit` may adapt limits to the room there is."""
+    for _ in range(3):  # numbers of ticks that a round has made narrower or wider
+        figure.draw_without_rendering()
+        fit()
+    figure.set_layout_engine("none")
+
+
+def write_figure(figure: Figure, path: Path, dots: float) -> None:
+    """Write a figure in one stroke, as PNG, SVG or PDF by the name's end; pixels have that many dots per inch."""
+    kind, file = path.suffix[1:], BytesIO()
+    with _settings():
+        figure.savefig(file, format=kind, dpi=dots, metadata=_UNDATED[kind])
+    write_whole(path, file.getvalue())
+
+
+def style(number: int) -> dict[str, Any]:
+    """Colour and dashes of the n-th curve; dashes tell curves apart where colours cannot."""
+    return {"color": COLORS[number % len(COLORS)], "linestyle": STYLES[number % len(STYLES)]}
+
+
+def symmetric(values: Sequence[np.ndarray] | np.ndarray) -> Normalize:
+    """Colours from minus to plus the largest finite value."""
+    flat = np.concatenate([np.ravel(each) for each in values]) if len(values) else np.zeros(1)
+    limit = float(np.abs(flat[np.isfinite(flat)]).max(initial=0.0)) or 1.0
+    return Normalize(-limit, limit)

@@ -1,0 +1,1 @@
+"""The sheet of VTK that space is drawn on: panels, letters, layout."""

@@ -1,0 +1,71 @@
+"""Scenes at other numbers, which are checked as if they stood in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from numbers import Real
+from typing import Any
+
+from pydantic import ValidationError
+
+from toolkit.description.description import Description
+from toolkit.description.validation_messages import messages
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+
+
+def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, list[str]]:
+    """A copy of a scene at other numbers, and their paths.
+
+    Parameters
+    ----------
+    scene
+        The scene.
+    numbers
+        Short name or path of each number -> its value.
+
+    Raises
+    ------
+    InputError
+        There is no such number, or its value cannot be meant: the same words as for a scene file.
+    """
+    if not isinstance(numbers, Mapping):
+        raise InputError(f'numbers are given by name, as in {{"points.A.x": 73.0}}, not as {type(numbers).__name__}.')
+    paths: list[str] = []
+    for name, value in numbers.items():
+        if isinstance(value, bool) or not isinstance(value, Real):
+            raise InputError(f"{name} = {value!r} is no number. Give a real one.")
+        path = scene.path_of(scene.design.get(name, name))
+        if path in paths:
+            raise InputError(f"{name!r} is the same number as another one that is given, {path}. Give it once.")
+        paths.append(path)
+        scene = scene.with_number(path, float(value))
+    for path in paths:
+        _check(scene, path)
+    return scene, paths
+
+
+def _check(scene: Scene, path: str) -> None:
+    """Validate all records between the scene and one of its numbers, the innermost first."""
+    keys: list[str] = path.split(".")
+    found: list[tuple[str, Description]] = []
+    owner: Any = scene
+    for depth, key in enumerate(keys, 1):
+        owner = (
+            getattr(owner, key, None)
+            if isinstance(owner, Description)
+            else owner.get(key)
+            if isinstance(owner, Mapping)
+            else None
+        )
+        if isinstance(owner, Description):
+            found.append((".".join(keys[:depth]), owner))
+    problems: list[str] = []
+    for where, record in reversed(found):
+        given = {**dict(record), **(record.model_extra or {})}
+        try:
+            type(record).model_validate(given)
+        except ValidationError as error:
+            problems += messages(error, type(record), given, where, {})
+    if problems:
+        raise InputError("\n".join(dict.fromkeys(problems)))

@@ -1,0 +1,145 @@
+"""What an analysis returns: values and gradients of the responses, with the verdict whether to trust them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.folded_rotations import folded_rotations
+from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.errors.force_cautions import force_cautions
+from toolkit.sensitivity.errors.step_cautions import step_cautions
+from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
+from toolkit.sensitivity.preparation import moving, responses_of
+from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.system.solution import Solution
+from toolkit.validity.judge import cautions, measures
+from toolkit.validity.motion.motion import SUSPICIOUS
+
+UNIMPORTANT = 0.02
+"""A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
+compared with such a change instead of with itself."""
+
+
+@dataclass(frozen=True)
+class Result:
+    """Values, units and gradients of the responses.
+
+    Attributes
+    ----------
+    values
+        Response -> its value.
+    units
+        Response -> label of its unit.
+    gradients
+        Response -> variable -> derivative; empty if none were asked for.
+    method
+        How gradients were found: "direct", "adjoint", a numerical method, or "none".
+    solution
+        The run that the numbers come from.
+    wall_primal, wall_sensitivity
+        Time of a run without gradients, and what these cost more, in s; None where nobody measured it, because that takes a run without
+        gradients beside the one with them.
+    reason
+        Why the method was chosen, if nobody named one.
+    repeat
+        The same analysis with other options, which `verdict` needs.
+    """
+
+    values: dict[str, Any]
+    units: dict[str, str]
+    gradients: dict[str, dict[str, float]]
+    method: str
+    solution: Solution
+    wall_primal: float | None
+    wall_sensitivity: float | None
+    reason: str = ""
+    repeat: Repeat | None = field(default=None, compare=False)
+
+    @cached_property
+    def measures(self) -> dict[str, Any]:
+        """What the states tell about how exactly they were found, see `toolkit.validity.judge.measures`."""
+        return measures(self.solution)
+
+    @cached_property
+    def step_error(self) -> StepError | None:
+        """Estimated errors by the length of the steps, measured by the same run with steps of another length when it is first asked for."""
+        scene, solution = self.solution.system.scene, self.solution
+        if self.repeat is None or not moving(solution) or not self.values:
+            return None
+        balance, responses = self.measures["energy_balance"], responses_of(scene)
+        suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
+        scales = {name: magnitude_that_counts(each, solution, self.values[name]) for name, each in responses.items()}
+        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
+
+    def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
+        """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
+        scene, solution = self.solution.system.scene, self.solution
+        sizes, found = variable_sizes(scene, self) if self.gradients else {}, {}
+        for f, response in responses_of(scene).items() if sizes else ():
+            largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
+            found[f] = {x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()}
+        return found
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run."""
+        if self.repeat is None or not moving(self.solution) or not self.values:
+            found = self.solution.verdict
+            return Verdict.of([*found.warnings, *self._undefined()], found.measures)
+        measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
+        about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
+        if self.step_error is not None:
+            estimated = {
+                "how": self.step_error.how,
+                "relative_to": "the largest magnitude in the motion",
+                "responses": self.step_error.values,
+                "gradients": self.step_error.gradients,
+            }
+            measured["estimated_error"] = {**measured["estimated_error"], **estimated}
+        about_forces = force_cautions(self.solution, measured["force_noise"])
+        about_responses = (*about_forces, *about_steps, *folded_rotations(self.solution), *self._undefined())
+        return Verdict.of([*cautions(self.solution, measured), *about_responses], measured)
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """All that whoever reads the numbers has to know, doubts first."""
+        return self.verdict.warnings
+
+    def _undefined(self) -> Iterator[Caution]:
+        """Values and derivatives that do not exist at this design."""
+        numbers = {f"the value of {name}": value for name, value in self.values.items()}
+        numbers |= {f"the derivative of {f} by {x}": slope for f, slopes in self.gradients.items() for x, slope in slopes.items()}
+        for what, number in numbers.items():
+            if not np.isfinite(number):
+                yield Caution("undefined", f"{what} does not exist at this design; it is nan, in JSON null.", doubt=False)
+
+
+def result(
+    scene: Scene,
+    solution: Solution,
+    values: dict[str, Any],
+    gradients: dict[str, dict[str, float]],
+    method: str,
+    primal: float | None,
+    extra: float | None,
+    repeat: Repeat | None = None,
+) -> Result:
+    """A result with the units of its responses; arguments as the fields of `Result`."""
+    units = {name: response.unit(scene.units) for name, response in responses_of(scene, moving(solution)).items()}
+    return Result(
+        {name: float(np.real(value)) for name, value in values.items()},
+        units,
+        gradients,
+        method,
+        solution,
+        primal,
+        extra,
+        repeat=repeat,
+    )

@@ -1,0 +1,61 @@
+"""A compiled scene at other numbers: pattern, elimination order, numbering and functions stay; what the numbers touch is made anew."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from toolkit.compilation.checks import check_numbers
+from toolkit.compilation.dependence import GROUPS, affected_by
+from toolkit.compilation.numbering import weights
+from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
+from toolkit.compilation.plan import Kept, build_plan
+from toolkit.compilation.quantities import derivatives, evaluate_quantities
+from toolkit.description.design import Design
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
+
+
+def renewed(system: System, scene: Scene, paths: list[str]) -> System:
+    """The system of a scene that differs from a compiled one in the numbers at some paths, and in nothing else.
+
+    Whatever `compile_scene` would make of it gives the same results to round-off: an entry that has become zero stays in the pattern. A
+    number that is not zero any more where nothing was before brings a new pattern, and the scene is compiled as if for the first time; so
+    is one whose redundant joints are left out, because other numbers may make other ones redundant.
+
+    Parameters
+    ----------
+    system
+        The compiled scene at its old numbers.
+    scene
+        The scene at its new ones.
+    paths
+        Where they differ.
+
+    Raises
+    ------
+    InputError
+        As `compile_scene`.
+    """
+    paths = [path for path in paths if path.split(".")[0] in GROUPS]
+    if not paths:  # numbers of the solver and of responses stand in the scene alone
+        return replace(system, scene=scene)
+    names = list(system.design.names)
+    if not system.compiled or scene.solver.redundant == "least-squares":
+        return compile_scene(scene, names, system.numbering.seen)
+    check_numbers(scene)
+    numbering, variables = system.numbering, [each.path for each in system.design]
+    affected = affected_by(scene, numbering.markers, paths, numbering.users)
+    old = [system.values, *system.derivatives]
+    new = [evaluate_quantities(scene, numbering, affected), *derivatives(scene, numbering, variables, affected)]
+    try:
+        pairs = [renew(*pair, entries=system.values) for pair in zip(old, new, strict=True)]
+    except NewEntryError:
+        return compile_scene(scene, names, numbering.seen)
+    (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))
+    sizes = weights(scene) if affected.items or affected.markers else system.weights
+    changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
+    plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
+    design = Design(tuple(replace(each, value=float(np.real(scene.number(each.path)))) for each in system.design))
+    return replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
