@@ -19,6 +19,7 @@ from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.skin_shape import SkinShape, drawn_model, fibre_values, skin_shape
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import safe_name
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
 
 
@@ -32,9 +33,7 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     -------
     path of `results.pvd` in the folder, which is made if it does not exist
     """
-    return write_series(
-        solution, directory, _spatial_meshes(solution) if solution.system.scene.dimension == 3 else _meshes(solution)
-    )
+    return write_series(solution, directory, _MESHES[solution.system.scene.space](solution))
 
 
 def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, Any]]) -> Path:
@@ -113,3 +112,6 @@ def skin_mesh(shape: SkinShape, thickness: float, name: str) -> Any:
     mesh = pyvista.PolyData(lifted(edges.reshape(-1, 2)), faces=faces.ravel())
     mesh.point_data[name] = np.repeat(shape.stress.ravel(), 2)
     return mesh
+
+
+_MESHES = {PLANE: _meshes, SPACE: _spatial_meshes}
