@@ -10,10 +10,9 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
-from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point

@@ -258,6 +258,13 @@ def test_render_refuses_a_file_as_its_folder_before_it_simulates(tmp_path):
     assert "cannot be made a folder" in refused("render", SCENE, "--output", str(occupied))
 
 
+def test_render_refuses_a_format_that_there_is_not_before_it_simulates(tmp_path):
+    assert "no pictures of format 'jpeg'. Take one of png, svg, pdf" in refused(
+        "render", SCENE, "--format", "jpeg", "--output", str(tmp_path / "new")
+    )
+    assert not (tmp_path / "new").exists()
+
+
 def test_help_and_start_import_nothing_heavy():
     heavy = {"numba", "scipy", "h5py", "pyvista", "matplotlib", "gmsh", "preprocessing"}
     code = f"import sys, toolkit.command_line.cli; print(*sorted({heavy} & set(sys.modules)))"

@@ -18,6 +18,7 @@ from tests.any_scene import (  # noqa: F401  (they run on the scenes of this mod
 )
 from tests.cases import CASES, SINE, Case, write_models
 from toolkit.analyses.transient import simulate
+from toolkit.bodies.body import Body
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.compilation.arrays.component_arrays import families
 from toolkit.conformance.check import check_joint, check_load, check_scene
@@ -232,13 +233,16 @@ def test_a_joint_that_does_not_say_what_its_rows_measure_cannot_be_created():
     assert "test-unmeasured" not in kinds_of(2)["joints"]
 
 
-@pytest.mark.parametrize("base", [Joint, Load])
-def test_a_component_of_no_space_cannot_be_created(base):
-    body = {"kind": "test-nowhere", "formula": parabola, "__module__": __name__}
-    with pytest.raises(
-        TypeError, match="Nowhere belongs neither to the plane nor to space: derive it from PlanarJoint, SpatialJoint"
-    ):
+@pytest.mark.parametrize(
+    ("base", "right"),
+    [(Joint, "PlanarJoint or SpatialJoint"), (Load, "PlanarLoad or SpatialLoad"), (Body, "PlanarBody or SpatialBody")],
+    ids=["joint", "load", "body"],
+)
+def test_a_component_of_no_space_cannot_be_created(base, right):
+    body = {"kind": "test-nowhere", "__module__": __name__} | ({} if base is Body else {"formula": parabola})
+    with pytest.raises(TypeError, match=f"Nowhere belongs neither to the plane nor to space: derive it from {right}"):
         type("Nowhere", (base,), body)
+    assert "test-nowhere" not in base.kinds
 
 
 def with_row(name: str, row: str, quantity: str) -> type:

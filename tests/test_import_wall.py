@@ -77,9 +77,9 @@ def test_components_of_the_plane_and_of_space_do_not_know_each_other_and_what_th
             assert [found for found in imports(path) if spaces(found) & others] == [], name
 
 
-def test_nobody_asks_which_dimension_a_scene_has_but_the_one_record_and_what_reads_and_draws_files():
+def test_nobody_asks_which_dimension_a_scene_has_but_the_one_record_and_what_reads_models():
     asked = re.compile(r"dimension\s*[!=]=\s*[0-9]")
-    others = {name: path for name, path in TOOLKIT.items() if not belongs(name, ("toolkit.render", "toolkit.reduced_model"))}
+    others = {name: path for name, path in TOOLKIT.items() if not belongs(name, ("toolkit.reduced_model",))}
     assert [name for name, path in others.items() if asked.search(path.read_text(encoding="utf-8"))] == []
 
 

@@ -10,9 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.spatial.test_frames import AREA, RHO, SECOND, E, Z, beam, elastic_frequencies
-from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.command_line.cli import app

@@ -27,7 +27,6 @@ from toolkit.render.curves import merged
 from toolkit.render.label_places import Name, label_places
 from toolkit.render.moment import names_by_place
 from toolkit.render.packages import RenderError
-from toolkit.render.paraview.skin_mesh import skin_mesh
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import shape_errors, stress_range
@@ -197,6 +196,9 @@ def test_every_stress_point_is_drawn_in_its_colour_at_its_place(wing, figures):
 
 
 def test_bands_for_paraview_have_the_range_of_the_response(wing):
+    pytest.importorskip("pyvista")
+    from toolkit.render.paraview.export import skin_mesh
+
     drawn = skin_mesh(skin_shape(Configuration(wing, 4), "skin"), 1.5, "stress").point_data["stress"]
     stress = stress_field(wing, "skin")[0][-1]
     np.testing.assert_allclose([drawn.min(), drawn.max()], [stress.min(), stress.max()], rtol=1e-12)  # interpolation
@@ -434,6 +436,21 @@ def test_a_window_holds_all_points_with_a_margin_and_is_never_a_slit():
 def test_ticks_and_limits_of_colours_are_round_numbers():
     assert [tick_step(least) for least in (0.9, 1.1, 13.0, 0.03)] == pytest.approx([1, 2, 20, 0.05])
     assert [round_up(value) for value in (0.0, 56.8, 1.1e-3)] == pytest.approx([0, 60, 1.2e-3])
+
+
+def test_a_planar_scene_is_drawn_where_vtk_cannot_be_imported(tmp_path):
+    code = (
+        "import sys; sys.modules['pyvista'] = sys.modules['vtkmodules'] = None\n"
+        "from tests.test_render import pendulum\n"
+        "from toolkit.render.pictures import refuse_what_cannot_be_drawn, render_solution\n"
+        "from toolkit.render.view import View\n"
+        "solution = pendulum(1)\n"
+        "refuse_what_cannot_be_drawn(solution.system.scene, View())\n"
+        f"print(len(render_solution(solution, {str(tmp_path)!r}, animate=True)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=SCENE.parents[2], capture_output=True, text=True, check=False)
+    assert done.stdout == "5\n", done.stderr
+    assert {file.suffix for file in tmp_path.iterdir()} == {".png", ".gif"}
 
 
 def test_a_picture_is_as_wide_as_asked_for(figures, tmp_path):

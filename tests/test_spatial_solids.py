@@ -9,7 +9,6 @@ from scipy.spatial.transform import Rotation
 
 from preprocessing.assembly.solids.elasticity import solid_matrices
 from preprocessing.assembly.solids.elements import element_blocks, points_of
-from preprocessing.assembly.solids.lame import lame_factors
 from preprocessing.assembly.solids.stress import COMPONENTS, stress_rows
 from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.nested_dissection import dissected
@@ -18,7 +17,7 @@ from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.recipes.solids.body_file import read_body_file
 from preprocessing.recipes.solids.build_body import build_body
-from preprocessing.recipes.solids.discrete_body import discrete_body
+from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
 from preprocessing.recipes.solids.node_sets import spread_of
 from tests.solid_bodies import (
     DENSITY,

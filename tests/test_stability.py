@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -17,12 +18,15 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
+from toolkit.description.description import Number
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
+from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.planar.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.motion import Displacement, Rotation
@@ -172,6 +176,24 @@ def test_factors_multiply_what_their_map_is_about():
         for (k,), scene in found.scenes.items():
             assert scene.number(path) == pytest.approx(axis.values[k] * wing.number(path), rel=1e-15)
         assert found.scenes[axis.own,] == wing
+
+
+class Thruster(PointForce):
+    """A user's own load, which says itself what it is proportional to."""
+
+    kind = ""
+    proportional = ("thrust",)
+    thrust: Annotated[Number, Quantity("force")] = 3.0
+
+
+def test_a_load_of_a_user_is_mapped_by_what_it_says_that_it_is_proportional_to():
+    wing = read_scene(WING)
+    own = wing.model_copy(update={"loads": {**wing.loads, "push": Thruster(body="body2", point="B", force=(1.0, 0.0))}})
+    found = load_map(own)
+    for (k,), scene in found.scenes.items():
+        by = found.axes[0].values[k]
+        paths = ("drive.torque", "push.thrust", "push.force.x")
+        assert [scene.number(f"loads.{path}") for path in paths] == pytest.approx([4200.0 * by, 3.0 * by, 1.0], rel=1e-15)
 
 
 def test_thickness_and_modulus_are_mapped_as_far_as_asked():

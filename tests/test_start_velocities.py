@@ -11,9 +11,9 @@ import pytest
 from preprocessing.elements.section import Section
 from tests.beam_models import save_beam
 from tests.starts import derivatives_agree, started
+from toolkit.analyses.modes import undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep

@@ -22,12 +22,12 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.studies.toml_fragment import toml_table
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.accuracy import errors
 from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.richardson import limit
 from toolkit.studies.tradeoff.pareto import pareto
+from toolkit.studies.tradeoff.recommendation import toml_table
 from toolkit.studies.tradeoff.runs import pool
 from toolkit.studies.tradeoff.settings.axes import SOLVER_AXES, available, read_axes
 from toolkit.studies.tradeoff.settings.grid import grid

@@ -5,8 +5,13 @@
 # their teeth. Forces, accelerations and sensitivities are made from that by the program, if it comes with its derivatives, in
 # one function, which is compiled. Its arguments z are x, y, angle of body a (0, 1, 2), x, y, angle of body b (3, 4, 5), then
 # the joint's parameters (6, ...): here n.
+#
+# What numbers measure stands beside them: `rows` names each row of phi and says whether it is a length or an angle, and the ratio
+# is a pure number. Units of gradients and scenes in other units follow from that.
 
 # %%
+from typing import Annotated
+
 import toolkit as ffrf
 from toolkit import extend, plane
 
@@ -25,7 +30,7 @@ class Gears(extend.PlanarJoint):
     kind = "gears"
     formula = gear_law
     points: tuple[str, str]
-    ratio: float
+    ratio: Annotated[extend.Number, extend.Quantity("none")]
 
     @property
     def grips(self):

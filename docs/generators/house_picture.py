@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from html import escape
 from itertools import accumulate, pairwise
 
@@ -102,7 +101,7 @@ def picture() -> str:
     where = places(found)
     wide = max(x + _width(each) / 2 for each, (x, _) in where.items()) - GAP / 2 + EDGE
     high = max(y for _, y in where.values()) + HIGH / 2 + EDGE
-    lines = [line for path in ways(found).values() for line in _arrow([where[each] for each in path])]
+    lines = [_arrow([where[each] for each in path]) for path in ways(found).values()]
     boxes = [_box(name, where[name]) for name in found]
     head = '<defs><marker id="head" viewBox="0 0 8 8" refX="7" refY="4" markerWidth="7" markerHeight="7" orient="auto">'
     defined = f'{head}<path class="head" d="M0,0L8,4L0,8Z"/></marker></defs>'
@@ -110,15 +109,14 @@ def picture() -> str:
     return f'<div class="house"><svg xmlns="http://www.w3.org/2000/svg" {size}>{defined}{"".join([*lines, *boxes])}</svg></div>'
 
 
-def _arrow(points: list[Place]) -> Iterator[str]:
-    """A line from the lower edge of a box through the bends to the upper edge of another."""
-    (x, y), (end, below) = points[0], points[-1]
-    stops = [(x, y + HIGH / 2), *points[1:-1], (end, below - HIGH / 2)]
-    curve = f"M{stops[0][0]:.1f},{stops[0][1]:.1f}"
-    for (a, b), (c, d) in pairwise(stops):
-        half = (b + d) / 2
-        curve += f"C{a:.1f},{half:.1f} {c:.1f},{half:.1f} {c:.1f},{d:.1f}"
-    yield f'<path class="arrow" d="{curve}" marker-end="url(#head)"/>'
+def _arrow(points: list[Place]) -> str:
+    """A line from the lower edge of a box through the bends, upright beside other boxes, to the upper edge of another."""
+    (x, y), half = points[0], HIGH / 2
+    curve = f"M{x:.1f},{y + half:.1f}"
+    for (a, b), (c, d) in pairwise(points):
+        middle = (b + d) / 2
+        curve += f"V{b + half:.1f}C{a:.1f},{middle:.1f} {c:.1f},{middle:.1f} {c:.1f},{d - half:.1f}"
+    return f'<path class="arrow" d="{curve}" marker-end="url(#head)"/>'
 
 
 def _box(name: str, place: Place) -> str:

@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.transient import simulate
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions

@@ -9,10 +9,9 @@ import pytest
 from scipy.linalg import eig
 
 from tests.spatial.scenes import at, save_frame
-from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.analyses.undeformed import undeformed
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.point import BodyPoint

@@ -20,10 +20,11 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.responses.forces.joint_force import COMPONENTS, JointForce
+from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import SPACE
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.redundant_joints import joint_terms
 from toolkit.system.solution import Solution
@@ -127,7 +128,7 @@ def test_no_other_forces_that_balance_the_door_have_a_smaller_sum_of_squares(ope
     G = np.column_stack([wrenches(opened, column) for column in free.T])
     least = wrenches(opened) - G @ np.linalg.lstsq(G, wrenches(opened), rcond=None)[0]
     scale = np.repeat([scene.size, 1.0], 3)
-    ours = [JointForce(joint=j, component=c) for j in scene.joints for c in COMPONENTS[3]]
+    ours = [JointForce(joint=j, component=c) for j in scene.joints for c in SPACE.wrench]
     found = np.array([force.partials(opened).value for force in ours]) * np.tile(scale, 2)
     np.testing.assert_allclose(found, least, atol=1e-7 * np.abs(least).max())  # the constraints hold to 1e-8
 
@@ -140,7 +141,7 @@ def test_joint_forces_do_not_depend_on_how_the_hinges_are_written(opened, change
     lower = scene.joints["lower"].model_copy(update=update)
     solution = simulate(compile_scene(scene.model_copy(update={"joints": {**scene.joints, "lower": lower}})))
     sign = 1 if change == "tilted" else -1
-    for c in COMPONENTS[3]:
+    for c in SPACE.wrench:
         for joint, by in (("lower", sign), ("upper", 1)):
             force = JointForce(joint=joint, component=c)
             assert force.partials(solution).value == pytest.approx(by * force.partials(opened).value, abs=1e-6)  # of 150 N

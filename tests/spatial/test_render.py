@@ -255,6 +255,31 @@ def test_axes_of_a_joint_turn_with_the_body_that_carries_them(folder):
     np.testing.assert_array_equal(slider.point, scene.position("E"))  # where the ground has it
 
 
+class Drawer(Prismatic):
+    """A user's own slide."""
+
+    kind = ""
+
+
+class Vague(Drawer):
+    """One that nobody can draw."""
+
+    symbol = "cloud"
+
+
+def test_a_joint_says_itself_what_it_is_drawn_as(folder):
+    from toolkit.render.space.symbols import spatial_symbols
+
+    scene = gallows(folder)
+    drawn = {}
+    for kind in (Drawer, Vague):
+        joint = kind(bodies=("ground", "rod"), point="E", axis=(0.0, 0.0, 2.0))
+        drawn[kind] = SpatialConfiguration(rest(scene.model_copy(update={"joints": {"slide": joint}}), 0), 0)
+    assert "slider" in [symbol.kind for symbol in spatial_symbols(drawn[Drawer])]
+    with pytest.raises(InputError, match=r"Vague has the symbol 'cloud', which nobody can draw; take one of: .*hinge"):
+        spatial_symbols(drawn[Vague])
+
+
 def test_arrows_are_the_loads_of_the_moment(folder):
     solution = rest(gallows(folder), 1)
     where = solution.coordinates("rod").start

@@ -16,6 +16,7 @@ from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import advance, check_drift
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.transient.run import Run, empty_history
+from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST
 from toolkit.system.solution import Solution
 from toolkit.validity.judge import judge
 
@@ -81,10 +82,10 @@ def selected(run: Run, states: tuple[np.ndarray, ...], steps: range | list[int],
         run.times[steps],
         states,
         drift=drift,
-        correction=float(run.outcome.correction[1]),
+        correction=float(run.outcome.correction[LARGEST]),
         local_error=run.largest_local_error,
         options=run.options,
-        newton_iterations=int(run.outcome.counts[4]),
+        newton_iterations=int(run.outcome.counts[ALL_ITERATIONS]),
         run_times=run.times,
         judge=judge,
     )

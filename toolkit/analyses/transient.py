@@ -18,7 +18,7 @@ from toolkit.solvers.static.passed_limits import refuse_passed_limits
 from toolkit.solvers.transient.adaptive import advance_adaptively
 from toolkit.solvers.transient.newton import CONVERGED
 from toolkit.solvers.transient.run import Run, allocate_history, failure, prepare_run, take_steps
-from toolkit.solvers.transient.step_memory import History
+from toolkit.solvers.transient.step_memory import ALL_ITERATIONS, LARGEST, STATUS, History
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.physics import speed_limits
@@ -78,11 +78,11 @@ def simulate(
         run.times,
         history[:6],
         drift=check_drift(run, history.q, 0),
-        correction=float(run.outcome.correction[1]),
+        correction=float(run.outcome.correction[LARGEST]),
         local_error=run.largest_local_error,
         options=run.options,
         own_start=q is not None or v is not None,
-        newton_iterations=int(run.outcome.counts[4]),
+        newton_iterations=int(run.outcome.counts[ALL_ITERATIONS]),
         wall={"run": clock.perf_counter() - begun - compiled.seconds},
         judge=judge,
     )
@@ -113,7 +113,7 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
     for low in range(0, count, PIECE):
         high = min(low + PIECE, count)
         take_steps(run, history, curves, first + low == 0, low, high)
-        if run.outcome.counts[0] != CONVERGED:
+        if run.outcome.counts[STATUS] != CONVERGED:
             raise failure(run)
         if progress:
             progress(first + high, total)

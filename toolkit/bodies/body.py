@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
-from toolkit.description.description import Registered
+from toolkit.description.description import InSpace
 from toolkit.reduced_model.model import ReducedModel
 
 QUATERNION = 4
@@ -42,9 +42,10 @@ class ConstantNumbers(NamedTuple):
     force: np.ndarray  # (size,)
 
 
-class Body(Registered):
+class Body(InSpace):
     """Base of all bodies. Coordinates are those of the origin of its frame, then those of its orientation, then the elastic ones."""
 
+    siblings: ClassVar[str] = "PlanarBody or SpatialBody"
     proportional: ClassVar[tuple[str, ...]] = ()
     """Fields that mass and moments of inertia are proportional to, of a body that does not deform."""
 

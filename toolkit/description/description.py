@@ -81,6 +81,19 @@ class Registered(Description):
                 vars(base)["kinds"][cls.kind] = cls
 
 
+class InSpace(Registered):
+    """Base of what belongs to the plane or to space: a neutral base promises nothing of either, and no kind is neutral."""
+
+    siblings: ClassVar[str] = ""
+    """Bases of the plane and of space that a new kind is derived from."""
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if cls.kind and not cls.dimension:
+            raise TypeError(f"{cls.__name__} belongs neither to the plane nor to space: derive it from {cls.siblings}.")
+        super().__pydantic_init_subclass__(**kwargs)
+
+
 def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
     """Paths and values of all numbers below a value that sits at `path`."""
     if isinstance(value, (float, complex)):

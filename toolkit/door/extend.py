@@ -1,8 +1,10 @@
-"""What joints, loads and responses of one's own are made from, and the checks of their derivatives."""
+"""What joints, loads and responses of one's own are made from, numbers with what they measure, and the checks of derivatives."""
 
 from __future__ import annotations
 
 from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.description.description import NotNegative, Number, Positive
+from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.spatial.joint import SpatialJoint
@@ -13,9 +15,13 @@ from toolkit.responses.response import Partials, Response
 
 __all__ = [
     "Instant",
+    "NotNegative",
+    "Number",
     "Partials",
     "PlanarJoint",
     "PlanarLoad",
+    "Positive",
+    "Quantity",
     "Response",
     "SpatialJoint",
     "SpatialLoad",

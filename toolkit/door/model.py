@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from toolkit.analyses.modes import Modes, solve_modes
-from toolkit.analyses.undeformed import undeformed as at_rest
+from toolkit.analyses.modes import undeformed as at_rest
 from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
 from toolkit.door.run import Run

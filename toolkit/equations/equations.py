@@ -97,14 +97,14 @@ def allocate_terms(plan: Plan, dtype: type) -> Terms:
 def allocate_work(plan: Plan, dtype: type) -> Work:
     """Scratch memory."""
     return Work(
-        plan.markers.state(dtype),
-        np.zeros((3, 3), dtype),
-        np.zeros(plan.n, dtype),
-        np.zeros(1, np.int64),
-        np.zeros((2, plan.n), dtype),
-        plan.joints.work(dtype),
-        load_work(len(plan.markers.pose), dtype),
-        plan.floating.work(dtype),
+        markers=plan.markers.state(dtype),
+        scratch=np.zeros((3, 3), dtype),
+        rest=np.zeros(plan.n, dtype),
+        rough=np.zeros(1, np.int64),
+        halves=np.zeros((2, plan.n), dtype),
+        joint=plan.joints.work(dtype),
+        load=load_work(len(plan.markers.pose), dtype),
+        floating=plan.floating.work(dtype),
     )
 
 

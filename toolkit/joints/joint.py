@@ -24,6 +24,7 @@ class Joint(Component):
         Names of bodies a and b; `ground` is always there.
     """
 
+    siblings: ClassVar[str] = "PlanarJoint or SpatialJoint"
     curved: ClassVar[bool] = True
     """Whether the rows have second derivatives by the poses."""
 

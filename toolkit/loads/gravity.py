@@ -18,4 +18,6 @@ class UniformGravity(AnyLoad):
         g_x, g_y, in space g_z, in length/time^2.
     """
 
+    proportional = ("acceleration",)
+
     acceleration: Annotated[tuple[Number, ...], Quantity("length/time^2")]

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
-from toolkit.description.description import Registered
+from typing import ClassVar
+
+from toolkit.description.description import InSpace
 from toolkit.markers.component import Component
 
 
-class AnyLoad(Registered):
+class AnyLoad(InSpace):
     """What acts on bodies: loads on markers, and those on whole bodies and surfaces."""
+
+    siblings: ClassVar[str] = "PlanarLoad or SpatialLoad"
+    proportional: ClassVar[tuple[str, ...]] = ()
+    """Fields that it is proportional to, so that a load as large again is one of twice their numbers; none of a spring."""
 
 
 class Load(AnyLoad, Component):

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numba.core.registry import CPUDispatcher
 
-from toolkit.description.description import Registered
+from toolkit.description.description import InSpace
 from toolkit.description.profile import Curve
 
 Place = str | tuple[str, str]
@@ -27,7 +27,7 @@ class Skeleton(Protocol):
         """Undeformed global position of a point, shape (d,)."""
 
 
-class Component(Registered):
+class Component(InSpace):
     """Base of joints and loads.
 
     `formula` is the compiled law of this kind with all its derivatives; a subclass without one cannot be created. Its parameters
@@ -73,10 +73,5 @@ class Component(Registered):
             raise TypeError(
                 f"{cls.__name__} has no `{cls.stated_by}`: state the law and all its derivatives as one compiled function, "
                 "as the neighbouring files do; a derivative that nobody wrote must not pass for zero."
-            )
-        if cls.kind and not cls.dimension:
-            raise TypeError(
-                f"{cls.__name__} belongs neither to the plane nor to space: derive it from PlanarJoint, SpatialJoint, PlanarLoad or "
-                "SpatialLoad, as the neighbouring files do."
             )
         super().__pydantic_init_subclass__(**kwargs)

@@ -10,6 +10,7 @@ _DIRECTIONS = np.deg2rad(np.arange(0, 360, 22.5))
 _ENOUGH = 0.4  # of a letter's height: more clearance than this is not better
 _NEARNESS = 0.1  # clearance that a label gives up to be one length nearer to its point
 _SPACING = 0.3  # letters between points that stand for a line
+_FINE = 2  # places per length at which what is drawn is seen
 _SAME = 4  # decimals up to which places are told apart: round-off decides nothing
 Reaches = tuple[float, ...]
 _NEAR: Reaches = (0.4, 0.7, 1.1, 1.6, 2.2)
@@ -42,7 +43,8 @@ def beside(
 
     shown = [name for name in names if inside(name.point)]
     every = np.vstack([spots, *(_dense(points, _SPACING * letter) for points in [*lines, *(name.point[None] for name in names)])])
-    return list(zip(shown, label_places(shown, every[inside(every)], letter, size, reaches), strict=True))
+    seen = np.unique(np.round(_FINE * every[inside(every)]), axis=0) / _FINE
+    return list(zip(shown, label_places(shown, seen, letter, size, reaches), strict=True))
 
 
 def label_places(

@@ -15,6 +15,7 @@ from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
 from toolkit.render.view import View
 from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
 
 _INSTANTS = 4
@@ -62,8 +63,8 @@ def render_solution(
     steps = chosen_steps(solution, instants)
     directory = Path(directory)
     require("matplotlib")
-    with drawing() if solution.system.scene.dimension == 3 else nullcontext():
-        artist = _artist(solution, view)
+    with drawing() if solution.system.scene.space.camera else nullcontext():
+        artist = _ARTISTS[solution.system.scene.space](solution, view)
         directory.mkdir(parents=True, exist_ok=True)
         shown = spread(solution.steps, MOST_FRAMES) if animate else []
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
@@ -89,7 +90,7 @@ def refuse_what_cannot_be_drawn(scene: Scene, view: View) -> None:
     """Refuse a scene or a machine that has no such pictures, before the long work begins; raises as `render_solution`."""
     view.check(scene)
     require("matplotlib")
-    if scene.dimension == 3:
+    if scene.space.camera:
         drawing_environment()
 
 
@@ -103,24 +104,29 @@ class _Artist(NamedTuple):
     curves: Callable[..., None]
 
 
-def _artist(solution: Solution, view: View) -> _Artist:
+def _page(figure: Callable[..., Any]) -> Callable[..., None]:
+    """The function of a figure as one that writes it to a path, so many pixels wide."""
     from toolkit.render.sheet import WIDE, write_figure
 
-    def page(figure: Callable[..., Any]) -> Callable[..., None]:
-        """The function of a figure as one that writes it to a path, so many pixels wide."""
-        return lambda *arguments: write_figure(figure(*arguments[:-2]), arguments[-2], arguments[-1] / WIDE)
+    return lambda *arguments: write_figure(figure(*arguments[:-2]), arguments[-2], arguments[-1] / WIDE)
 
-    if solution.system.scene.dimension == 3:
-        from toolkit.render.space.configuration import SpatialConfiguration
-        from toolkit.render.space.curves import spatial_curves_figure
-        from toolkit.render.space.look import choose_spatial_look
-        from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
 
-        return _Artist(
-            lambda step: SpatialConfiguration(solution, step),
-            lambda steps: choose_spatial_look(solution, steps, view),
-            draw_spatial_instant, draw_spatial_overview, page(spatial_curves_figure),
-        )  # fmt: skip
+def _artist_of_space(solution: Solution, view: View) -> _Artist:
+    from toolkit.render.space.configuration import SpatialConfiguration
+    from toolkit.render.space.curves import spatial_curves_figure
+    from toolkit.render.space.look import choose_spatial_look
+    from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
+
+    return _Artist(
+        lambda step: SpatialConfiguration(solution, step),
+        lambda steps: choose_spatial_look(solution, steps, view),
+        draw_spatial_instant,
+        draw_spatial_overview,
+        _page(spatial_curves_figure),
+    )
+
+
+def _artist_of_the_plane(solution: Solution, _view: View) -> _Artist:
     from toolkit.render.plane.configuration import Configuration
     from toolkit.render.plane.curves import curves_figure
     from toolkit.render.plane.look import choose_look
@@ -129,10 +135,13 @@ def _artist(solution: Solution, view: View) -> _Artist:
     return _Artist(
         lambda step: Configuration(solution, step),
         lambda steps: choose_look(solution, steps),
-        page(instant_figure),
-        page(overview_figure),
-        page(curves_figure),
+        _page(instant_figure),
+        _page(overview_figure),
+        _page(curves_figure),
     )
+
+
+_ARTISTS = {PLANE: _artist_of_the_plane, SPACE: _artist_of_space}
 
 
 def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[int]:

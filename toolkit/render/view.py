@@ -38,7 +38,7 @@ class View:
         """
         if self.format not in FORMATS:
             raise InputError(f"there are no pictures of format {self.format!r}. Take one of {', '.join(FORMATS)}.")
-        if scene.dimension == 2 and (self.perspective or self.triads):
+        if not scene.space.camera and (self.perspective or self.triads):
             raise InputError("perspective and triads belong to pictures of space, and this scene is planar: leave them out.")
-        if scene.dimension == 3 and self.format != "png":
+        if scene.space.camera and self.format != "png":
             raise InputError(f"pictures of space consist of pixels and cannot be written as {self.format}: leave the format out.")

@@ -46,6 +46,8 @@ class Space:
         Whether a rotation is one angle, of any number of turns; else it is about an axis that has to be said, and known to half a turn.
     turning_elements
         Whether the preprocessing has finite elements that turn, which a flexible body can be compared with.
+    camera
+        Whether its pictures are what a camera sees, in pixels; else they are lines and may be vectors.
     reported
         Whether the figures of a report can show it.
     wrench
@@ -65,6 +67,7 @@ class Space:
     constant_rigid_mass: bool
     rotations_add: bool
     turning_elements: bool
+    camera: bool
     reported: bool
     wrench: tuple[str, ...]
     joint_rows: int
@@ -82,6 +85,7 @@ PLANE = Space(
     constant_rigid_mass=True,
     rotations_add=True,
     turning_elements=True,
+    camera=False,
     reported=True,
     wrench=("x", "y", "torque"),
     joint_rows=ROWS,
@@ -98,6 +102,7 @@ SPACE = Space(
     constant_rigid_mass=False,
     rotations_add=False,
     turning_elements=False,
+    camera=True,
     reported=False,
     wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
     joint_rows=SPATIAL_ROWS,

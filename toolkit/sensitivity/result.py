@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -11,9 +11,9 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.folded_rotations import folded_rotations
+from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.errors.force_cautions import force_cautions
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
 from toolkit.sensitivity.preparation import moving, responses_of
@@ -21,6 +21,7 @@ from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
+from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
 
 UNIMPORTANT = 0.02
 """A derivative that changes its response by less than this part of its magnitude, where the variable changes by all of its size, is
@@ -143,3 +144,14 @@ def result(
         extra,
         repeat=repeat,
     )
+
+
+def force_cautions(solution: Solution, noise: Mapping[str, Any]) -> Iterator[Caution]:
+    """A doubt where a response is such a force, at the time that it asks for; otherwise a remark. The noise is that of `force_noise`."""
+    scene = solution.system.scene
+    if not noise or noise["size"] <= NOISY:
+        return
+    joints = noise_of_joints(solution)
+    asked = {name: each for name, each in scene.responses.items() if isinstance(each, JointForce)}
+    noisy = [name for name, each in asked.items() if noise_at(joints[each.joint], each.step(solution)) > NOISY]
+    yield from noisy_forces(solution.options or scene.solver, noise, noisy)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -12,7 +13,6 @@ from scipy import sparse
 from preprocessing.assembly.assembly import Parts
 from preprocessing.assembly.solids.elasticity import SolidMatrices, solid_matrices
 from preprocessing.assembly.solids.elements import ElementBlock, element_blocks
-from preprocessing.assembly.solids.lame import lame_factors
 from preprocessing.assembly.solids.parts import element_parts, finished_parts, parameters_of
 from preprocessing.assembly.solids.stress import Rows, stress_rows
 from preprocessing.basis.solids.ties import Tie
@@ -133,3 +133,16 @@ def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) 
             f"there are {rows} rows instead of {wanted}. Give six for each point, xx, yy, zz, yz, xz and xy, in the order of the surface's "
             "nodes if there is a mesh."
         )
+
+
+def lame_factors(poisson_ratio: Any, state: str) -> tuple[Any, Any]:
+    """lambda / E and mu / E; real, or complex for a complex step in nu.
+
+        mu / E = 1 / (2 (1 + nu)),   lambda / E = nu / ((1 + nu) (1 - 2 nu)), or nu / (1 - nu^2) in plane stress
+
+    The first form of lambda is that of space and of plane strain; the second makes the stress across the plane vanish.
+    """
+    shear = 1 / (2 * (1 + poisson_ratio))
+    if state == "plane-stress":
+        return poisson_ratio / (1 - poisson_ratio**2), shear
+    return poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio)), shear

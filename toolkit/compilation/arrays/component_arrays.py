@@ -43,19 +43,19 @@ def marker_arrays(
     frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, *_ in numbering.markers]
     shapes = [part.shape for part in values.markers.values()]
     return Markers(
-        (0, 1, 2),
-        None,
-        (0, 1, 2),
-        ints([frames]),
-        np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
-        starts([len(c) for c in columns]),
-        ints(columns),
-        np.concatenate([np.zeros((0, 3)), *shapes]).astype(dtype),
-        starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
-        ints([[x for _, x, _ in active]]),
-        np.array([part.point for _, _, part in active], float).reshape(-1, 3),
-        starts([len(part.shape) for _, _, part in active])[:-1],
-        np.concatenate([np.zeros((0, 3)), *(part.shape for _, _, part in active)]),
+        plane=(0, 1, 2),
+        frames=None,
+        pose=(0, 1, 2),
+        frame=ints([frames]),
+        point=np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
+        start=starts([len(c) for c in columns]),
+        coordinate=ints(columns),
+        shape=np.concatenate([np.zeros((0, 3)), *shapes]).astype(dtype),
+        design_start=starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
+        design_variable=ints([[x for _, x, _ in active]]),
+        design_point=np.array([part.point for _, _, part in active], float).reshape(-1, 3),
+        design_shape_start=starts([len(part.shape) for _, _, part in active])[:-1],
+        design_shape=np.concatenate([np.zeros((0, 3)), *(part.shape for _, _, part in active)]),
     )
 
 
@@ -87,20 +87,20 @@ def joint_arrays(
         positions.append(np.concatenate(places))
     flat = [change for pairs in changes for change in pairs]
     return Joints(
-        ints([[known.index(joint.law()) for joint in joints]]),
-        ints([[int(joint.curved) for joint in joints]]),
-        np.array(markers, np.int64).reshape(-1, 2),
-        ints([[numbering.row[name] for name in scene.joints]]),
-        ints([[len(joint.row_names) for joint in joints]]),
-        np.array(list(values.joints.values()), dtype).reshape(-1, JOINT_ARGUMENTS - 6),
-        curve_numbers(joints, 0),
-        designed(markers, derivatives, changes, curve_numbers(joints, 0)),
-        starts([len(pairs) for pairs in changes]),
-        ints([[x for x, _, _ in flat]]),
-        ints([[p for _, p, _ in flat]]),
-        np.array([value for _, _, value in flat], float),
-        starts([len(places) for places in positions])[:-1],
-        ints(positions),
+        family=ints([[known.index(joint.law()) for joint in joints]]),
+        curved=ints([[int(joint.curved) for joint in joints]]),
+        marker=np.array(markers, np.int64).reshape(-1, 2),
+        row=ints([[numbering.row[name] for name in scene.joints]]),
+        n_rows=ints([[len(joint.row_names) for joint in joints]]),
+        parameter=np.array(list(values.joints.values()), dtype).reshape(-1, JOINT_ARGUMENTS - 6),
+        curve=curve_numbers(joints, 0),
+        designed=designed(markers, derivatives, changes, curve_numbers(joints, 0)),
+        design_start=starts([len(pairs) for pairs in changes]),
+        design_variable=ints([[x for x, _, _ in flat]]),
+        design_parameter=ints([[p for _, p, _ in flat]]),
+        design_value=np.array([value for _, _, value in flat], float),
+        position_start=starts([len(places) for places in positions])[:-1],
+        position=ints(positions),
     )
 
 
@@ -122,17 +122,17 @@ def load_arrays(
     positions = [pattern.find(*block(local, local)) for local, _ in both]
     before = sum(joint.time_curve is not None for joint in scene.joints.values())
     return Loads(
-        ints([[known.index(load.law()) for load in loads]]),
-        np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
-        np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
-        curve_numbers(loads, before),
-        designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
-        starts([len(pairs) for pairs in changes]),
-        ints([[x for x, _, _ in flat]]),
-        ints([[p for _, p, _ in flat]]),
-        np.array([value for _, _, value in flat], float),
-        starts([len(places) for places in positions])[:-1],
-        ints(positions),
+        family=ints([[known.index(load.law()) for load in loads]]),
+        marker=np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
+        parameter=np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
+        curve=curve_numbers(loads, before),
+        designed=designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
+        design_start=starts([len(pairs) for pairs in changes]),
+        design_variable=ints([[x for x, _, _ in flat]]),
+        design_parameter=ints([[p for _, p, _ in flat]]),
+        design_value=np.array([value for _, _, value in flat], float),
+        position_start=starts([len(places) for places in positions])[:-1],
+        position=ints(positions),
     )
 
 

@@ -40,7 +40,13 @@ def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern:
             four, length = at + np.arange(4), np.full(4, row)
             position[f] = np.concatenate([pattern.find(*pair) for pair in ((length, four), (four, length), (four, four))])
     axes = np.array([np.real(part.axis) for part in values.floating.values()], float).reshape(-1, 3)
-    return Frames(ints([first]), ints([[scene.bodies[name].turns for name in names]]), axes, ints([rows]), position)
+    return Frames(
+        first=ints([first]),
+        turns=ints([[scene.bodies[name].turns for name in names]]),
+        axis=axes,
+        row=ints([rows]),
+        position=position,
+    )
 
 
 def spatial_floating_part(
@@ -63,25 +69,25 @@ def spatial_floating_part(
         )
     empty: np.ndarray = np.zeros((0, 9), dtype)
     return SpatialFloating(
-        ints([[b for b, _, _ in blocks]]),
-        ints([[x for _, x, _ in blocks]]),
-        ints([[numbering.first[name] for name in names]]),
-        ints([[scene.bodies[name].moves for name in names]]),
-        ints([[scene.bodies[name].turns for name in names]]),
-        ints([[len(part.moment) - 1 for part in bodies]]),
-        np.array([part.mass for _, _, part in blocks], dtype),
-        starts([len(part.moment) for _, _, part in blocks])[:-1],
-        np.ascontiguousarray(np.concatenate([empty[:, :3], *(part.moment for _, _, part in blocks)]), dtype),
-        starts([len(bodies[b].row) for b, _, _ in blocks]),
-        ints([bodies[b].row for b, _, _ in blocks]),
-        ints([bodies[b].column for b, _, _ in blocks]),
-        np.ascontiguousarray(np.concatenate([empty, *(part.second for _, _, part in blocks)]), dtype),
-        ints(positions),
-        starts([len(border) for border in borders])[:-1],
-        ints(borders),
-        np.asarray(values.gravity).astype(dtype),
-        ints([falling]),
-        np.array([derivatives[x].gravity for x in falling], float).reshape(-1, 3),
+        block_body=ints([[b for b, _, _ in blocks]]),
+        block_variable=ints([[x for _, x, _ in blocks]]),
+        frame=ints([[numbering.first[name] for name in names]]),
+        moves=ints([[scene.bodies[name].moves for name in names]]),
+        turns=ints([[scene.bodies[name].turns for name in names]]),
+        n_f=ints([[len(part.moment) - 1 for part in bodies]]),
+        mass=np.array([part.mass for _, _, part in blocks], dtype),
+        moment_start=starts([len(part.moment) for _, _, part in blocks])[:-1],
+        moment=np.ascontiguousarray(np.concatenate([empty[:, :3], *(part.moment for _, _, part in blocks)]), dtype),
+        entry_start=starts([len(bodies[b].row) for b, _, _ in blocks]),
+        entry_row=ints([bodies[b].row for b, _, _ in blocks]),
+        entry_column=ints([bodies[b].column for b, _, _ in blocks]),
+        second=np.ascontiguousarray(np.concatenate([empty, *(part.second for _, _, part in blocks)]), dtype),
+        entry_position=ints(positions),
+        border_start=starts([len(border) for border in borders])[:-1],
+        border=ints(borders),
+        gravity=np.asarray(values.gravity).astype(dtype),
+        gravity_variable=ints([falling]),
+        design_gravity=np.array([derivatives[x].gravity for x in falling], float).reshape(-1, 3),
     )
 
 
@@ -105,23 +111,23 @@ def spatial_marker_arrays(
     bodies = [scene.body(body) for body, *_ in numbering.markers]
     parts, full = list(values.markers.values()), _with_axes(scene, numbering)
     return SpatialMarkers(
-        None,
-        frames,
-        tuple(range(POSE)),
-        ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
-        ints([[body.moves for body in bodies]]),
-        ints([[body.turns for body in bodies]]),
-        ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
-        ints([[POSE if m in full else 3 for m in range(len(parts))]]),
-        np.array([part.point for part in parts], dtype).reshape(-1, 15),
-        starts([len(c) for c in columns]),
-        ints(columns),
-        np.concatenate([np.zeros((0, 6)), *(part.shape for part in parts)]).astype(dtype),
-        starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
-        ints([[x for _, x, _ in active]]),
-        np.array([part.point for _, _, part in active], float).reshape(-1, 15),
-        starts([len(part.shape) for _, _, part in active])[:-1],
-        np.concatenate([np.zeros((0, 6)), *(part.shape for _, _, part in active)]),
+        plane=None,
+        frames=frames,
+        pose=tuple(range(POSE)),
+        frame=ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
+        moves=ints([[body.moves for body in bodies]]),
+        turns=ints([[body.turns for body in bodies]]),
+        bends=ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),
+        size=ints([[POSE if m in full else 3 for m in range(len(parts))]]),
+        point=np.array([part.point for part in parts], dtype).reshape(-1, 15),
+        start=starts([len(c) for c in columns]),
+        coordinate=ints(columns),
+        shape=np.concatenate([np.zeros((0, 6)), *(part.shape for part in parts)]).astype(dtype),
+        design_start=starts(np.bincount(ints([[m for m, _, _ in active]]), minlength=len(columns)).tolist()),
+        design_variable=ints([[x for _, x, _ in active]]),
+        design_point=np.array([part.point for _, _, part in active], float).reshape(-1, 15),
+        design_shape_start=starts([len(part.shape) for _, _, part in active])[:-1],
+        design_shape=np.concatenate([np.zeros((0, 6)), *(part.shape for _, _, part in active)]),
     )
 
 
@@ -158,24 +164,27 @@ def spatial_joint_arrays(
         positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
     forms = [form for each in rows for form in forms_of(each)]
     changes = parameter_changes([d.joints for d in derivatives], len(joints))
-    numbers: list[Any] = [
-        *_form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
-        *_felt(rows),
-        *_design(joints, rows, changes),
-    ]
     markers = [pair for _, pair in gripping]
-    gripped_by = [
-        np.array(markers, np.int64).reshape(-1, 2),
-        ints([[numbering.row[name] for name in scene.joints]]),
-        ints([[len(each) for each in rows]]),
-        curve_numbers(joints, 0),
-        designed(markers, derivatives, changes, curve_numbers(joints, 0)),
-        starts([len(forms_of(each)) for each in rows])[:-1],
-        np.array([[int(i < len(each) and each[i].sine is not None) for i in range(ROWS)] for each in rows], np.int64).reshape(
-            -1, ROWS
-        ),
-    ]
-    return SpatialJoints(*[*gripped_by, *numbers, starts([len(places) for places in positions])[:-1], ints(positions)])
+    return SpatialJoints(
+        marker=np.array(markers, np.int64).reshape(-1, 2),
+        row=ints([[numbering.row[name] for name in scene.joints]]),
+        n_rows=ints([[len(each) for each in rows]]),
+        curve=curve_numbers(joints, 0),
+        designed=designed(markers, derivatives, changes, curve_numbers(joints, 0)),
+        first_form=starts([len(forms_of(each)) for each in rows])[:-1],
+        is_angle=_angles(rows),
+        **_form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
+        **_felt(rows),
+        **_design(joints, rows, changes),
+        position_start=starts([len(places) for places in positions])[:-1],
+        position=ints(positions),
+    )
+
+
+def _angles(rows: list[tuple[Row, ...]]) -> np.ndarray:
+    """Which rows are angles, (n_joints, ROWS)."""
+    found = [[int(i < len(each) and each[i].sine is not None) for i in range(ROWS)] for each in rows]
+    return np.array(found, np.int64).reshape(-1, ROWS)
 
 
 def pressure_part(
@@ -194,40 +203,40 @@ def pressure_part(
     for body, at, n in zip(bodies, first, n_f, strict=True):
         positions.append(pattern.find(*block(at + np.arange(body.frame_size), at + np.arange(body.frame_size + n))))
     return Pressures(
-        ints([[k for k, _, _ in blocks]]),
-        ints([[x for _, x, _ in blocks]]),
-        ints([[before + k for k in range(len(loads))]]),
-        ints([[number.get(load.body, len(number)) for load in loads.values()]]),
-        ints([first]),
-        ints([[body.moves for body in bodies]]),
-        ints([[body.turns for body in bodies]]),
-        ints([n_f]),
-        np.array([part.force for _, _, part in blocks], dtype).reshape(-1, 3),
-        starts([len(part.moment) for _, _, part in blocks])[:-1],
-        np.concatenate([np.zeros((0, 9)), *(part.moment for _, _, part in blocks)]).astype(dtype),
-        starts([len(places) for places in positions])[:-1],
-        ints(positions),
+        block_load=ints([[k for k, _, _ in blocks]]),
+        block_variable=ints([[x for _, x, _ in blocks]]),
+        curve=ints([[before + k for k in range(len(loads))]]),
+        frame=ints([[number.get(load.body, len(number)) for load in loads.values()]]),
+        first=ints([first]),
+        moves=ints([[body.moves for body in bodies]]),
+        turns=ints([[body.turns for body in bodies]]),
+        n_f=ints([n_f]),
+        force=np.array([part.force for _, _, part in blocks], dtype).reshape(-1, 3),
+        start=starts([len(part.moment) for _, _, part in blocks])[:-1],
+        moment=np.concatenate([np.zeros((0, 9)), *(part.moment for _, _, part in blocks)]).astype(dtype),
+        position_start=starts([len(places) for places in positions])[:-1],
+        position=ints(positions),
     )
 
 
-def _form_numbers(forms: list[Form], numbers: np.ndarray, dtype: type) -> tuple[np.ndarray, ...]:
+def _form_numbers(forms: list[Form], numbers: np.ndarray, dtype: type) -> dict[str, np.ndarray]:
     """Constants, linear terms and pairs of all forms, their values taken from `row_numbers` of all joints."""
     lengths = [1 + len(form.linear) + len(form.pairs) for form in forms]
     first = starts(lengths)[:-1]
     linear = [first[k] + 1 + i for k, form in enumerate(forms) for i in range(len(form.linear))]
     pairs = [first[k] + 1 + len(form.linear) + i for k, form in enumerate(forms) for i in range(len(form.pairs))]
-    return (
-        numbers[first].astype(dtype),
-        starts([len(form.linear) for form in forms]),
-        ints([[place for form in forms for place, _ in form.linear]]),
-        numbers[ints([linear])].astype(dtype),
-        starts([len(form.pairs) for form in forms]),
-        np.array([pair[:2] for form in forms for pair in form.pairs], np.int64).reshape(-1, 2),
-        numbers[ints([pairs])].astype(dtype),
-    )
+    return {
+        "constant": numbers[first].astype(dtype),
+        "linear_start": starts([len(form.linear) for form in forms]),
+        "linear_place": ints([[place for form in forms for place, _ in form.linear]]),
+        "linear_value": numbers[ints([linear])].astype(dtype),
+        "pair_start": starts([len(form.pairs) for form in forms]),
+        "pair": np.array([pair[:2] for form in forms for pair in form.pairs], np.int64).reshape(-1, 2),
+        "pair_value": numbers[ints([pairs])].astype(dtype),
+    }
 
 
-def _felt(rows: list[tuple[Row, ...]]) -> tuple[np.ndarray, np.ndarray]:
+def _felt(rows: list[tuple[Row, ...]]) -> dict[str, np.ndarray]:
     """Vectors that every row feels, ROWS lists for every joint."""
     found: list[list[int]] = []
     for each in rows:
@@ -235,10 +244,10 @@ def _felt(rows: list[tuple[Row, ...]]) -> tuple[np.ndarray, np.ndarray]:
             forms = forms_of(each[i : i + 1])
             vectors = {place // 3 for form in forms for place, _ in form.linear}
             found.append(sorted(vectors | {vector for form in forms for pair in form.pairs for vector in pair[:2]}))
-    return starts([len(vectors) for vectors in found]), ints(found)
+    return {"block_start": starts([len(vectors) for vectors in found]), "block": ints(found)}
 
 
-def _design(joints: list[SpatialJoint], rows: list[tuple[Row, ...]], changes: list) -> tuple[np.ndarray, ...]:
+def _design(joints: list[SpatialJoint], rows: list[tuple[Row, ...]], changes: list) -> dict[str, np.ndarray]:
     """Start, variable, row, kind, place and derivative of every number of a row that a variable changes."""
     lengths, table, linear, pairs = [], [], 0, 0
     for joint, each, found in zip(joints, rows, changes, strict=True):
@@ -256,4 +265,12 @@ def _design(joints: list[SpatialJoint], rows: list[tuple[Row, ...]], changes: li
         lengths.append(len(found))
         table += [(x, *places[p], value) for x, p, value in found]
     columns: list[Any] = list(zip(*table, strict=True)) or [()] * 5
-    return (starts(lengths), *(ints([column]) for column in columns[:4]), np.array(columns[4], float))
+    variable, of_row, kind, place = (ints([column]) for column in columns[:4])
+    return {
+        "design_start": starts(lengths),
+        "design_variable": variable,
+        "design_row": of_row,
+        "design_kind": kind,
+        "design_place": place,
+        "design_value": np.array(columns[4], float),
+    }

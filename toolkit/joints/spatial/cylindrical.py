@@ -11,6 +11,7 @@ class Cylindrical(AxisJoint):
     """The point of body a slides along the axis fixed in body b, and turns about it."""
 
     kind = "cylindrical"
+    symbol = "sleeve"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Two normals and two rotations."""

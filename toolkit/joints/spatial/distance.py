@@ -15,6 +15,7 @@ class SpatialDistance(BetweenPoints, SpatialJoint):
     """
 
     kind = "distance"
+    symbol = ""
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
         """One direction."""

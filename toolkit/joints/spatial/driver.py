@@ -23,6 +23,7 @@ class SpatialAngleDriver(Driven, AxisJoint):
     """
 
     kind = "angle-driver"
+    symbol = ""
 
     curve: Annotated[Curve, Quantity("angle")]
 
@@ -41,6 +42,7 @@ class SpatialPositionDriver(Driven, AxisJoint):
     """
 
     kind = "position-driver"
+    symbol = ""
 
     curve: Annotated[Curve, Quantity("length")]
 

@@ -23,6 +23,8 @@ class SpatialJoint(Joint):
 
     dimension: ClassVar[int] = 3
     stated_by: ClassVar[str] = "constraint"
+    symbol: ClassVar[str] = "ball"
+    """What it is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another joint."""
 
     @abstractmethod
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:

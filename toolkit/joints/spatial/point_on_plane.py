@@ -11,6 +11,7 @@ class PointOnPlane(AxisJoint):
     """e_3b . (r_a - r_b) = 0: the point of body a stays in the plane through the point of body b, normal to the axis fixed in body b."""
 
     kind = "point-on-plane"
+    symbol = "plane"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The normal."""

@@ -11,6 +11,7 @@ class Prismatic(AxisJoint):
     """The point of body a slides along the axis fixed in body b, and no relative rotation is left."""
 
     kind = "prismatic"
+    symbol = "slider"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Two normals and three rotations."""

@@ -11,6 +11,7 @@ class SpatialRevolute(AxisJoint):
     """r_a = r_b and e_3a || e_3b: the bodies turn against each other about the axis alone."""
 
     kind = "revolute"
+    symbol = "hinge"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Three directions and two rotations."""

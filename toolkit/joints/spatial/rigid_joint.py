@@ -11,6 +11,7 @@ class SpatialRigidJoint(SpatialPointJoint):
     """r_a = r_b, and the axes of both markers stay parallel: both bodies move as one at the point."""
 
     kind = "rigid"
+    symbol = "weld"
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Three directions and three rotations."""

@@ -27,6 +27,7 @@ class Universal(SpatialPointJoint):
     """
 
     kind = "universal"
+    symbol = "cross"
 
     axes_of_cross: Annotated[tuple[Triple, Triple], Quantity("none")]
 

@@ -40,6 +40,7 @@ class PointForce(AppliedForce, PlanarLoad):
     """
 
     kind = "point-force"
+    proportional = ("force",)
     formula = point_force
 
     force: Annotated[Pair, Quantity("force")]

@@ -33,6 +33,7 @@ class Torque(AppliedTorque, PlanarLoad):
     """
 
     kind = "torque"
+    proportional = ("torque",)
     formula = torque
 
     torque: Annotated[Number, Quantity("torque")]

@@ -40,6 +40,7 @@ class SpatialPointForce(AppliedForce, SpatialLoad):
     """
 
     kind = "point-force"
+    proportional = ("force",)
     formula = spatial_point_force
 
     force: Annotated[Triple, Quantity("force")]

@@ -39,6 +39,7 @@ class Pressure(AnySpatialLoad):
     """
 
     kind = "pressure"
+    proportional = ("pressure",)
 
     body: str
     surface: str

@@ -58,6 +58,7 @@ class SpatialTorque(AppliedTorque, SpatialLoad):
     """
 
     kind = "torque"
+    proportional = ("torque",)
     formula = spatial_torque
 
     torque: Annotated[Triple, Quantity("torque")]

@@ -8,17 +8,18 @@ from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import pyvista
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
-from toolkit.render.paraview.mechanism_lines import mechanism
-from toolkit.render.paraview.skin_mesh import skin_mesh
+from toolkit.render.paraview.mechanism_lines import lifted, mechanism
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
-from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
+from toolkit.render.plane.skin_shape import SkinShape, drawn_model, fibre_values, skin_shape
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import safe_name
+from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
 
 
@@ -32,9 +33,7 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     -------
     path of `results.pvd` in the folder, which is made if it does not exist
     """
-    return write_series(
-        solution, directory, _spatial_meshes(solution) if solution.system.scene.dimension == 3 else _meshes(solution)
-    )
+    return write_series(solution, directory, _MESHES[solution.system.scene.space](solution))
 
 
 def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, Any]]) -> Path:
@@ -101,3 +100,18 @@ def _collection(entries: list[tuple[float, str, str]]) -> ElementTree.Element:
     for time, name, file in entries:
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part=str(parts.index(name)), name=name, file=file)
     return root
+
+
+def skin_mesh(shape: SkinShape, thickness: float, name: str) -> Any:
+    """The skin as two bands, middle line to outer and to inner fibre, each with the stress of its fibre as point data of that name."""
+    fibres = shape.fibres(thickness)
+    edges = np.stack([fibres, np.broadcast_to(shape.line[:, :, None], fibres.shape)], axis=3)  # (n_e, points, fibre, edge, 2)
+    n = np.arange(edges[..., 0].size).reshape(edges.shape[:4])
+    quads = np.stack([n[:, :-1, :, 0], n[:, 1:, :, 0], n[:, 1:, :, 1], n[:, :-1, :, 1]], axis=-1).reshape(-1, 4)
+    faces = np.column_stack([np.full(len(quads), 4), quads])
+    mesh = pyvista.PolyData(lifted(edges.reshape(-1, 2)), faces=faces.ravel())
+    mesh.point_data[name] = np.repeat(shape.stress.ravel(), 2)
+    return mesh
+
+
+_MESHES = {PLANE: _meshes, SPACE: _spatial_meshes}

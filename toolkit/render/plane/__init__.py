@@ -1,1 +1,1 @@
-"""Pictures of scenes in the plane."""
+"""Pictures of scenes in the plane, drawn by matplotlib; the report takes the same."""

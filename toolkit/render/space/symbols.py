@@ -9,27 +9,12 @@ import pyvista
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed
 from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.distance import SpatialDistance
-from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
-from toolkit.joints.spatial.point_on_plane import PointOnPlane
-from toolkit.joints.spatial.prismatic import Prismatic
-from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
-from toolkit.joints.spatial.universal import Universal
+from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
-
-KINDS: dict[type, str] = {
-    SpatialRevolute: "hinge",
-    Cylindrical: "sleeve",
-    Prismatic: "slider",
-    PointOnPlane: "plane",
-    Universal: "cross",
-    SpatialRigidJoint: "weld",
-}
-"""What stands for a kind of joint; any other is a ball. Drivers stand beside the joint that they move."""
 
 
 class SpatialSymbol(NamedTuple):
@@ -88,9 +73,12 @@ def _clamped_parts(shape: BodyShape) -> list[np.ndarray]:
 
 def _joint_symbols(moment: SpatialConfiguration, joint: Joint) -> list[SpatialSymbol]:
     """A symbol stands where body a is gripped; its axes are those of body b, which a slide's axis is fixed in."""
-    if isinstance(joint, (SpatialAngleDriver, SpatialPositionDriver, SpatialDistance)):
+    if not isinstance(joint, SpatialJoint) or not joint.symbol:
         return []
-    kind, grounded = KINDS.get(type(joint), "ball"), "ground" in joint.bodies
+    kind, grounded = joint.symbol, "ground" in joint.bodies
+    if kind not in _SURFACES:
+        known = listed(_SURFACES)
+        raise InputError(f"{type(joint).__name__} has the symbol {kind!r}, which nobody can draw; take one of: {known}.")
     point, base = moment.ends(joint)
     own = joint.axes
     before = np.eye(3) if own is None else np.real(own)

@@ -20,7 +20,7 @@ from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.transient.formulation import relaxed
 from toolkit.solvers.transient.newton import CONVERGED, EASY, REJECTED
 from toolkit.solvers.transient.run import Run, check_memory, empty_history, failure, take_steps
-from toolkit.solvers.transient.step_memory import History
+from toolkit.solvers.transient.step_memory import LAST_ERROR, LATE_ERROR, STATUS, STEP, History
 from toolkit.system.system import System
 
 SAFETY, SHRINK, RETRY, GROW, MOST = 0.8, 0.1, 0.25, 4.0, 50
@@ -51,14 +51,14 @@ def advance_adaptively(run: Run, start: State, progress: Callable[[int, int], No
         while times[-1] < stop:
             most = max(GRADE * (after - stop), (1 - 1 / GRADE) * (stop - times[-1]))
             done, piece, chunk = _attempt(run, tuple(item[-1] for item in chunks[-1]), times[-1], stop, min(h, most))
-            status, length = run.outcome.counts[0], piece.lengths[0]
+            status, length = run.outcome.counts[STATUS], piece.lengths[0]
             if done:
                 chunks.append(chunk)
                 times += piece.times[1 : done + 1].tolist()
                 run = run._replace(relaxation=piece.relaxation[done - 1 : done])
                 check_memory(run.system, options, len(times), start)
             if status in (REJECTED, EASY):
-                made = run.outcome.correction[2 if status == REJECTED else 3]
+                made = run.outcome.correction[LAST_ERROR if status == REJECTED else LATE_ERROR]
                 ratio = SAFETY * (allowed / max(made, allowed / GROW**4)) ** (1 / order)
                 found = length * np.clip(ratio, SHRINK, GROW)
                 h = min(options.step, max(h, found) if status == EASY else found)  # a step to a stop may be shorter than need be
@@ -88,7 +88,7 @@ def _attempt(run: Run, state: tuple, time: float, stop: float, h: float) -> tupl
         piece = piece._replace(control=piece.control._replace(easy_error=0.0))
     history = empty_history(run.system, count + 1, state)
     take_steps(piece, history, run.system.curves(times), time == 0, 0, count)
-    status, last = run.outcome.counts[:2]
+    status, last = run.outcome.counts[STATUS], run.outcome.counts[STEP]
     done = count if status == CONVERGED else int(last) + int(status == EASY)
     return done, piece, tuple(array[1 : done + 1] for array in history[:6])
 

@@ -11,6 +11,17 @@ from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, 
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
 from toolkit.solvers.transient.scheme import with_step
 from toolkit.solvers.transient.staggered import carries, carry_over, sensitivity_step
+from toolkit.solvers.transient.step_memory import (
+    ALL_ITERATIONS,
+    ITERATIONS,
+    LARGEST,
+    LARGEST_ERROR,
+    LAST,
+    LAST_ERROR,
+    LATE_ERROR,
+    STATUS,
+    STEP,
+)
 
 REUSED, SHARP = 1e-13, 1e-7
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
@@ -79,10 +90,10 @@ def strayed(plan, scheme, weights, history, step):
 @inner
 def judge(plan, scheme, weights, control, history, step, memory, outcome):
     """Whether a converged step is good enough: CONVERGED, REJECTED or JUMPED."""
-    outcome.correction[2] = local_error(plan, scheme, weights, history, step, memory)
+    outcome.correction[LAST_ERROR] = local_error(plan, scheme, weights, history, step, memory)
     if not scheme.inertia and strayed(plan, scheme, weights, history, step):
         return JUMPED
-    return CONVERGED if outcome.correction[2] <= control.largest_error else REJECTED
+    return CONVERGED if outcome.correction[LAST_ERROR] <= control.largest_error else REJECTED
 
 
 @inner
@@ -128,18 +139,20 @@ def integrate(
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia, False)
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
         foresee(plan, now, history, step, memory)
-        outcome.counts[1] = step
+        outcome.counts[STEP] = step
         if ggl is not None:
             begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
-        outcome.counts[0] = newton(evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome)
-        outcome.counts[4] += outcome.counts[2]
-        if outcome.counts[0] == CONVERGED:
-            outcome.counts[0] = judge(plan, now, weights, control, history, step, memory, outcome)
-        if outcome.counts[0] != CONVERGED:
+        outcome.counts[STATUS] = newton(
+            evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
+        )
+        outcome.counts[ALL_ITERATIONS] += outcome.counts[ITERATIONS]
+        if outcome.counts[STATUS] == CONVERGED:
+            outcome.counts[STATUS] = judge(plan, now, weights, control, history, step, memory, outcome)
+        if outcome.counts[STATUS] != CONVERGED:
             return
-        outcome.correction[1] = max(outcome.correction[0], outcome.correction[1])
-        outcome.correction[4] = max(outcome.correction[2], outcome.correction[4])
-        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[0], memory, ggl)
+        outcome.correction[LARGEST] = max(outcome.correction[LAST], outcome.correction[LARGEST])
+        outcome.correction[LARGEST_ERROR] = max(outcome.correction[LAST_ERROR], outcome.correction[LARGEST_ERROR])
+        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[LAST], memory, ggl)
         if plan.n_x > 0:
             if ggl is None:
                 sensitivity_step(plan, now, history, step, fresh, memory)
@@ -148,7 +161,7 @@ def integrate(
         advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
         if carries(scheme):
             carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])
-        outcome.correction[3] = max(outcome.correction[2], FADING * outcome.correction[3])
-        if outcome.correction[3] < control.easy_error:
-            outcome.counts[0] = EASY
+        outcome.correction[LATE_ERROR] = max(outcome.correction[LAST_ERROR], FADING * outcome.correction[LATE_ERROR])
+        if outcome.correction[LATE_ERROR] < control.easy_error:
+            outcome.counts[STATUS] = EASY
             return

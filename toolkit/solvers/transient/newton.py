@@ -8,6 +8,7 @@ from toolkit.foundation.kernel import copy, inner
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
+from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
@@ -75,7 +76,7 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
             size = weights[i] * abs(c_q * memory.correction[i].real)
             if not size <= largest:
                 largest, worst = size, i
-    outcome.counts[3], outcome.correction[0] = worst, largest
+    outcome.counts[AT_FAULT], outcome.correction[LAST] = worst, largest
 
 
 @inner
@@ -117,7 +118,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         for i in range(plan.n):
             total = scheme.weight_inertial * memory.terms.inertial[i] + scheme.weight_applied * memory.terms.applied[i]
             memory.residual[i] = total + memory.carried[i]
-        outcome.counts[2] = iteration + 1
+        outcome.counts[ITERATIONS] = iteration + 1
         if not kept:
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
@@ -126,13 +127,13 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         else:
             failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
-            outcome.counts[3] = failed
+            outcome.counts[AT_FAULT] = failed
             return SINGULAR if is_finite(memory.residual) else NOT_FINITE
-        before = outcome.correction[0]
+        before = outcome.correction[LAST]
         correct(plan, scheme, weights, memory, q, v, acc, outcome)
         if ggl is not None:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
-        size = outcome.correction[0]
+        size = outcome.correction[LAST]
         if kept and iteration > 0 and not size <= SLOW * before:
             if STILL * before < size <= ROUND_OFF:
                 return CONVERGED

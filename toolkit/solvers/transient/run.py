@@ -15,7 +15,7 @@ from toolkit.solvers.transient.generalized_alpha import integrate
 from toolkit.solvers.transient.ggl.ggl_step import Ggl, allocate_ggl
 from toolkit.solvers.transient.newton import JUMPED, NOT_CONVERGED, REJECTED, SINGULAR, Control
 from toolkit.solvers.transient.scheme import Scheme
-from toolkit.solvers.transient.step_memory import History, Memory, Outcome, allocate_memory
+from toolkit.solvers.transient.step_memory import LARGEST_ERROR, LAST, LAST_ERROR, History, Memory, Outcome, allocate_memory
 from toolkit.system.system import System
 
 OVER_ALL, OF_FORCES = 100.0, 1e-3
@@ -40,7 +40,7 @@ class Run(NamedTuple):
     def largest_local_error(self) -> float | None:
         """Largest of all steps so far, a part of the scene's size; None where the estimate is not that of the motion."""
         estimated = not self.options.quasi_static and self.options.scheme != "paper"  # whose accelerations lag behind
-        return float(self.outcome.correction[4]) if estimated else None
+        return float(self.outcome.correction[LARGEST_ERROR]) if estimated else None
 
 
 def prepare_run(system: System, options: RunOptions | None = None) -> Run:
@@ -111,8 +111,8 @@ def failure(run: Run) -> Exception:
     if status == REJECTED:
         return ConvergenceError(
             f"no step at t = {run.times[step]:g} is short enough: one of {step_length:.1e} makes a local error of "
-            f"{run.outcome.correction[2]:.1e} > solver.local_error = {run.options.local_error:.1e}. Something jumps there, or the error "
-            "asked for is below round-off: choose a larger one, or smoother loads."
+            f"{run.outcome.correction[LAST_ERROR]:.1e} > solver.local_error = {run.options.local_error:.1e}. Something jumps there, or the "
+            "error asked for is below round-off: choose a larger one, or smoother loads."
         )
     if status == JUMPED:
         return ConvergenceError(
@@ -131,7 +131,7 @@ def failure(run: Run) -> Exception:
             f"{step_length:.2g}; largest correction in {name}. At a limit point (snap-through) there is none nearby: only a run with "
             "inertia can follow, and statics names the point. Before one, try a smaller solver.step, or solver.local_error."
         )
-    what = f"correction {run.outcome.correction[0]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
+    what = f"correction {run.outcome.correction[LAST]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
     return ConvergenceError(
         f"Newton stopped at t = {time:g} after {iterations} iterations: {what}, largest in {name}. "
         f"Try a smaller solver.step (now {step_length:g}) or a smoother load curve."

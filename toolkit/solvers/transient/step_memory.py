@@ -45,13 +45,18 @@ class Memory(NamedTuple):
     solver: LinearSolver
 
 
-class Outcome(NamedTuple):
-    """What the loop reports: `status`, step, Newton iterations of that step, unknown at fault; in all: iterations."""
+STATUS, STEP, ITERATIONS, AT_FAULT, ALL_ITERATIONS = range(5)
+"""Places in `Outcome.counts`: what became of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
+LAST, LARGEST, LAST_ERROR, LATE_ERROR, LARGEST_ERROR = range(5)
+"""Places in `Outcome.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest of
+late, the largest of all steps."""
 
-    counts: np.ndarray  # (5,)
-    correction: np.ndarray
-    """(5,), relative to the scene's size: Newton's last correction, the largest that a step was content with; the last local error, the
-    largest of late and the largest of all steps."""
+
+class Outcome(NamedTuple):
+    """What the loop reports."""
+
+    counts: np.ndarray  # (5,) by `STATUS` and its neighbours
+    correction: np.ndarray  # (5,) by `LAST` and its neighbours, relative to the scene's size
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:

@@ -23,7 +23,6 @@ STIFFNESSES = tuple(10.0**k for k in (-11, -9, -7, -5, -4, -3, -2, -1, 0, 1, 2))
 MASSES = tuple(10.0**k for k in (-8, -6, -4, -2, -1, 0, 1, 2, 4, 6, 8))
 LOADS = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6)
 SPEEDS = (1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e3)
-LOAD_FIELDS = ("torque", "force", "acceleration", "pressure")
 
 
 def thickness_map(scene: Scene) -> Map:
@@ -86,7 +85,7 @@ def load_map(scene: Scene) -> Map:
         The scene has none.
     """
     written = [path.split(".") for path in dimensions(scene) if path.startswith("loads.")]
-    paths = [".".join(keys) for keys in written if keys[2] in LOAD_FIELDS]
+    paths = [".".join(keys) for keys in written if keys[2] in scene.loads[keys[1]].proportional]
     paths = [path for path in paths if scene.number(path) != 0]
     return _by_factor(scene, "load", "all loads", paths, LOADS, "the scene has no torque, force, pressure or gravity")
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from toolkit.description.run_options import RunOptions
-from toolkit.studies.toml_fragment import toml_table, toml_value
 from toolkit.studies.tradeoff.runs.worker import Case, model_bodies
 from toolkit.studies.tradeoff.settings.setting import Setting, options_with
 from toolkit.studies.tradeoff.settings.skin_models import model_file, tables_file
@@ -41,3 +41,20 @@ def next_steps(case: Case, setting: Setting) -> Iterator[str]:
     """What to do with a fragment, in words."""
     if chosen := changes(case, setting):
         yield "To try it: " + " ".join(f"--set '{path}={text}'" for path, text in chosen.items())
+
+
+def toml_table(name: str, content: Mapping[str, Any]) -> str:
+    """A table under its header; tables in it are written inline."""
+    return "\n".join([f"[{name}]", *(f"{key} = {toml_value(value)}" for key, value in content.items())])
+
+
+def toml_value(value: Any) -> str:
+    """One value, exactly."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        inside = ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items())
+        return f"{{ {inside} }}" if inside else "{}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(map(toml_value, value))}]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

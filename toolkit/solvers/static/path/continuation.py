@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
+from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError, SingularSystemError
 from toolkit.solvers.static.acting import GrowingLoads
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium
 from toolkit.solvers.static.path.corrector import first_point
@@ -18,7 +18,6 @@ from toolkit.solvers.static.path.limit_points import FULL, Place, ends, full_loa
 from toolkit.solvers.static.path.path_box import parts
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_steps import Arc, arcs
-from toolkit.solvers.static.stability.bifurcation import bifurcation
 from toolkit.solvers.static.stability.critical_state import is_stable, soft_motion
 from toolkit.system.static_path import LimitPoint, StaticPath
 from toolkit.system.system import System
@@ -161,4 +160,20 @@ def _no_arrival(options: RunOptions, trail: Trail) -> ConvergenceError:
         f"the path of equilibria meets no stable one under the full load in {options.path_steps} steps: limit points at {passed} of "
         f"the load, {trail.unstable} unstable equilibria under the full load, and it goes on at {100 * trail.points[-1][-1]:.6g} %. "
         "Raise solver.path_steps, use less load, or follow the motion with a transient run."
+    )
+
+
+def bifurcation(system: System, factor: float, motion: np.ndarray) -> BifurcationError:
+    """Of critical load and motion (n,).
+
+    At a limit point the stiffness vanishes against a motion on which the load does work, so that the load turns back. Where it vanishes
+    while the load goes on, the load does no work on the motion: other branches of equilibria begin there.
+    """
+    coordinate = system.most_moved(motion)
+    return BifurcationError(
+        f"the equilibrium is unstable beyond a bifurcation (buckling) at {100 * factor:.6g} % of the load: the load does no work on a "
+        f"motion of {coordinate}, which loses its stiffness there, and the smallest disturbance sets it off. Use less "
+        "load, add stiffness there, or follow the motion with a transient run from a slightly disturbed start.",
+        factor,
+        coordinate,
     )

@@ -30,6 +30,7 @@ from toolkit.linear.sparse_analysis import analyse
 from toolkit.solvers.transient.ggl.ggl_pattern import GglPattern, ggl_pattern
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
 from toolkit.solvers.transient.staggered import add_design_change, add_state_change
+from toolkit.solvers.transient.step_memory import AT_FAULT, LAST
 
 
 class Ggl(NamedTuple):
@@ -156,8 +157,8 @@ def correct_ggl(plan, scheme, weights, ggl, q, outcome):
     for i in range(plan.n_q):
         q[i] -= c_q * ggl.moved[i]
         size = weights[i] * abs(c_q * ggl.moved[i].real)
-        if not size <= outcome.correction[0]:
-            outcome.counts[3], outcome.correction[0] = i, size
+        if not size <= outcome.correction[LAST]:
+            outcome.counts[AT_FAULT], outcome.correction[LAST] = i, size
 
 
 @inner
