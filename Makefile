@@ -1,4 +1,4 @@
-# make demo: everything from a fresh clone to pictures in output/. make test, make lint, make lowest: what CI runs. make docs: web pages in site/.
+# make demo: everything from a fresh clone to pictures in output/. make test, make lint (style, types, texts), make lowest: what CI runs. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
@@ -20,12 +20,13 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --ignore=tests/repository
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
+	$(BIN)/python -m pytest -q tests/repository
 
 lowest: $(INSTALLED)
 	.ci/lowest-versions $(BIN)

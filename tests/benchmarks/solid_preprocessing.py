@@ -34,7 +34,7 @@ def unknowns(kind: str, across: int) -> int:
 def measure(kind: str, across: int) -> None:
     """Build one body and print what it cost."""
     from preprocessing.recipes.solids.build_body import build_body
-    from tests.solid_bodies import box, write_body
+    from tests.models.solid_bodies import box, write_body
     from toolkit.reduced_model.file import save
 
     with tempfile.TemporaryDirectory() as folder:

@@ -1,7 +1,7 @@
 """Statics against fine paths on random scenes: `python -m tests.benchmarks.static_paths [scenes of each kind [kinds]]`.
 
 Every scene is solved with several numbers of load steps, and by a path of hundreds of steps with formulas of its own
-(`tests.fine_path`). Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is
+(`tests.models.fine_path`). Both must agree on what happens before the full load, its load factor to 1e-6, and the state. That path is
 judged by one with half its steps.
 """
 
@@ -13,8 +13,8 @@ from collections import Counter
 
 import numpy as np
 
-from tests.fine_path import FinePath, Outcome
-from tests.random_statics import KINDS, random_scene
+from tests.models.fine_path import FinePath, Outcome
+from tests.models.random_statics import KINDS, random_scene
 from toolkit.analyses.statics import solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, LimitPointError, ToolkitError

@@ -1,5 +1,5 @@
 """A linear beam beyond its critical speed, sqrt(K / G_ff) = 105.3 rad/s: it must diverge, and be warned about (the warnings themselves
-and the closed form of the speed: tests/test_deformation.py)."""
+and the closed form of the speed: tests/validity/test_deformation.py)."""
 
 from __future__ import annotations
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.cases import write_models
-from tests.every_number import SCENES
-from tests.scenes import WING, hanging_skin
+from tests.models.cases import write_models
+from tests.models.every_number import SCENES
+from tests.models.scenes import WING, hanging_skin
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible

@@ -1,5 +1,5 @@
 """Options of the steps at their extremes: chosen and given steps, motion without inertia, kept factors. Gradients at a limit point and at a
-bifurcation are refused in tests/test_snap_through.py."""
+bifurcation are refused in tests/solvers/test_snap_through.py."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from tests.scenes import WING
-from tests.test_trades import damped_slider, swinging
+from tests.models.scenes import WING
+from tests.solvers.test_trades import damped_slider, swinging
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.description.profile import Constant, Table

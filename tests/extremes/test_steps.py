@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import ellipj, ellipk
 
-from tests.scenes import WING
+from tests.models.scenes import WING
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid
@@ -26,7 +26,7 @@ STEPS = {1e-7: 1e-4, 1e-6: 1e-3, 1e-5: 1e-2, 1e-4: 0.1, 1e-3: 1.0, 1e-2: 1.0, 0.
 KINDS = [("index-1", rho_inf) for rho_inf in (0.0, 0.5, 0.9, 1.0)] + [
     (kind, rho_inf) for kind, most in (("index-3", 0.8), ("ggl", 0.9)) for rho_inf in (0.0, 0.5, most)
 ]
-"""Index 3 with rho_inf above 0.8 is refused, see tests/test_trades.py."""
+"""Index 3 with rho_inf above 0.8 is refused, see tests/solvers/test_trades.py."""
 DURATIONS = [(1.0, 0.001), (12.0, 0.1)]
 """Rise time of the wing's torque and step, in s."""
 

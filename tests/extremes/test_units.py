@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from preprocessing.elements.section import Section
-from tests.beam_models import save_beam
+from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point

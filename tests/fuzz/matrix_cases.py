@@ -18,7 +18,7 @@ from preprocessing.recipes.solids.body_file import read_body_file
 from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.fuzz.case import Case
 from tests.fuzz.mutations import spoilt
-from tests.solid_bodies import rectangle, write_body
+from tests.models.solid_bodies import rectangle, write_body
 
 BODY = """
 units = "m-kg-s"

@@ -15,7 +15,7 @@ import numpy as np
 
 from tests.fuzz.case import Case
 from tests.fuzz.mutations import spoilt
-from tests.solid_bodies import box, rectangle
+from tests.models.solid_bodies import box, rectangle
 
 BODY = """
 units = "m-kg-s"

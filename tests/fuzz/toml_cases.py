@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from tests.fuzz.case import Case
 from tests.fuzz.toml_mutations import document, spoilt
-from tests.test_fuzz_airfoils import spoilt_rows
+from tests.preprocessing.test_fuzz_airfoils import spoilt_rows
 from toolkit.foundation.files.toml_file import read_toml
 
 MODELS = Path(__file__).parents[2] / "models"

@@ -11,8 +11,8 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.build_frame import build_frame
 from preprocessing.recipes.solids.build_body import build_body
-from tests.beam_models import save_beam
-from tests.solid_bodies import box, write_body
+from tests.models.beam_models import save_beam
+from tests.models.solid_bodies import box, write_body
 from toolkit.reduced_model.file import load, save
 
 BEAM = Section(youngs_modulus=2e9, density=1200.0, thickness=0.02, width=0.03, damping_mass=0.05, damping_stiffness=1e-3)

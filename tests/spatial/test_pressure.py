@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.solid_bodies import MODULUS, box, cantilever
+from tests.models.solid_bodies import MODULUS, box, cantilever
 from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate

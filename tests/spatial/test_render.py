@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from preprocessing.recipes.frame.build_frame import build_frame
-from tests.pictures import distinct_colors, image, rest, skip_where_nothing_draws
-from tests.solid_bodies import box, cantilever
+from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
+from tests.models.solid_bodies import box, cantilever
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod

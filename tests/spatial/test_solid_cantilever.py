@@ -15,7 +15,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.optimize import brentq
 
-from tests.solid_bodies import DENSITY, MODULUS, box, cantilever, moves
+from tests.models.solid_bodies import DENSITY, MODULUS, box, cantilever, moves
 from toolkit.analyses.modes import Modes, solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate

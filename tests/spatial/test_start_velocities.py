@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.starts import derivatives_agree, started
+from tests.models.starts import derivatives_agree, started
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import Point

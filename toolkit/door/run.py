@@ -104,7 +104,9 @@ class Run(Result):
 
         return figure_of(self.solution)
 
-    def render(self, directory: str | Path = "output", instants: Sequence[float] | None = None, width: int = 1600) -> list[Path]:
+    def render(
+        self, directory: str | Path = "output", instants: Sequence[float] | None = None, width: int = 1600, format: str = "png"
+    ) -> list[Path]:
         """Draw the scene at several instants into the files of a folder.
 
         Parameters
@@ -115,6 +117,8 @@ class Run(Result):
             Times; each is drawn at the nearest step. By default four, evenly spread up to the end.
         width
             Of every picture, in pixels.
+        format
+            "png"; of scenes in the plane also "svg" or "pdf".
 
         Returns
         -------
@@ -126,11 +130,12 @@ class Run(Result):
         RenderError
             A package or a system library is missing; names what to install.
         InputError
-            An instant lies outside of the run.
+            An instant lies outside of the run, or there are no such files.
         """
         from toolkit.render.pictures import render_solution
+        from toolkit.render.view import View
 
-        return render_solution(self.solution, directory, instants, width)
+        return render_solution(self.solution, directory, instants, width, View(format=format))
 
     def save(self, path: str | Path) -> Path:
         """Keep states, stress, values, gradients, verdict and scene in a file, which `load`, `ffrf render` and `ffrf export` read.

@@ -1,0 +1,159 @@
+"""What is compiled before a command is exactly what the command calls, so that no wall time holds any of it, and it is announced."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from numba.core import event
+
+from toolkit.command_line import announcements
+from toolkit.command_line.announcements import compile_before
+from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.clock import repeated
+
+ROOT = Path(__file__).parents[2]
+MODELS = ROOT / "models"
+
+PROBE = """
+import json, sys
+from numba.core.registry import CPUDispatcher
+from toolkit.command_line.announcements import BACKWARDS, compile_before
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.evaluation import evaluate_responses
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.methods import gradients_by
+
+def loaded():
+    ours = [vars(module).values() for name, module in list(sys.modules.items()) if name.startswith("toolkit")]
+    kernels = {each for names in ours for each in names if isinstance(each, CPUDispatcher)}
+    return sorted(f"{x.py_func.__name__} {signature}" for x in kernels for signature in x.overloads)
+
+path, changes, kind, method, rehearsed = json.loads(sys.argv[1])
+scene = read_scene(path, changes)
+with watched_compilation() as watch:
+    if rehearsed:
+        compile_before(scene, kind, kind == "transient" and method in BACKWARDS)
+    before = loaded()
+    if method == "none":
+        solution = solve(prepare(scene), kind)
+        evaluate_responses(solution)
+    else:
+        solution = gradients_by(method, scene, list(scene.design)[:1], kind).solution
+    solution.verdict  # which holds what the commands print
+print(json.dumps([before, loaded(), watch.functions]))
+"""
+SHORT = {"solver.end_time": "2e-4", "solver.step": "1e-4"}
+RUNS = {
+    "motion": ("four_bar_chain", SHORT | {"solver.formulation": "index-3"}, "transient", "none"),
+    "both levels": ("four_bar_chain", SHORT | {"solver.formulation": "ggl"}, "transient", "direct"),
+    "chosen steps and the force of a joint": ("pendulum", SHORT | {"solver.local_error": "1e-3"}, "transient", "none"),
+    "states that do not fit": ("morphing_wing", {"solver.end_time": "0.1", "solver.memory": "1e-6"}, "transient", "adjoint"),
+    "without inertia": ("morphing_wing", {"solver.end_time": "0.1", "solver.quasi_static": "true"}, "transient", "direct"),
+    "equilibrium": ("morphing_wing", {"solver.load_steps": "2"}, "static", "direct"),
+    "adjoint in space": ("spatial_bracket", SHORT, "transient", "adjoint"),
+    "both levels in space": ("spatial_bracket", SHORT | {"solver.formulation": "ggl"}, "transient", "none"),
+}
+"""Model, changed values, analysis, method for gradients."""
+SMALL = ("revolute", "powers", "update_poses", "update_pose_designs")
+"""The joint and the response of the rehearsal, and the energy balance, which a run in windows does without: a few seconds."""
+
+
+def probe(name: str, rehearsed: bool) -> tuple[set[str], set[str]]:
+    """Functions and signatures that were loaded from the disk before the analysis, and after it."""
+    model, changes, kind, method = RUNS[name]
+    request = json.dumps([str(MODELS / model / "scene.toml"), changes, kind, method, rehearsed])
+    while True:
+        done = subprocess.run([sys.executable, "-c", PROBE, request], cwd=ROOT, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+        before, after, compiled = json.loads(done.stdout)
+        if not compiled:  # otherwise functions that others call are there too, which nobody loads by themselves
+            return set(before), set(after)
+
+
+@pytest.mark.parametrize("name", RUNS)
+def test_nothing_is_left_to_compile_and_nothing_is_compiled_in_vain(name):
+    before, after = probe(name, rehearsed=True)
+    assert after - before == set()
+    needed = probe(name, rehearsed=False)[1]
+    assert {each for each in before - needed if each.split()[0] not in SMALL} == set()
+
+
+def pretend_to_compile() -> None:
+    with event.trigger_event(KIND, data={}), event.trigger_event(KIND, data={}):
+        pass
+
+
+def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, capsys):
+    said: list[str] = []
+
+    def rehearse(*_) -> None:
+        pretend_to_compile()
+        said.append(capsys.readouterr().err)
+
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", rehearse)
+    monkeypatch.setattr("toolkit.foundation.compiled.compiled_code._TOLD", set())
+    scene = read_scene(MODELS / "pendulum" / "scene.toml")
+    compile_before(scene, "transient")
+    assert said == [f"compiling the formulas for this machine, once, {announcements.EXPECTED[2]} ...\n"]
+    assert capsys.readouterr().err == "2 functions compiled in 0 s; they are kept on the disk.\n"
+    compile_before(scene, "transient", quiet=True)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(
+        "toolkit.foundation.compiled.compiled_code._TOLD", {"kept"}
+    )  # a warning has said where it is, or that it is nowhere
+    compile_before(scene, "transient")
+    assert capsys.readouterr().err.endswith("2 functions compiled in 0 s.\n")
+
+
+def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", lambda *_: None)
+    compile_before(read_scene(MODELS / "pendulum" / "scene.toml"), "transient")
+    assert capsys.readouterr().err == ""
+
+
+def test_a_repetition_that_compiles_does_not_count(monkeypatch):
+    """Five minutes of a run of two seconds."""
+    durations: list[float] = []
+
+    def work(_: object) -> str:
+        if not durations:
+            pretend_to_compile()
+        durations.append(2.0 if durations else 302.0)
+        return "done"
+
+    monkeypatch.setattr("toolkit.sensitivity.clock._clocked", lambda work, told: (work(told), durations[-1])[::-1])
+    assert repeated(work) == (2.0, "done")
+    assert durations == [302.0, 2.0]
+
+
+def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):
+    """One small function in a cache of its own; the second process finds it on the disk."""
+    code = """
+from toolkit.foundation.compiled.compile_watch import watched_compilation
+from toolkit.joints.kernels.planar.joint_kernel import SIGNATURE
+from toolkit.joints.planar.revolute import revolute
+with watched_compilation() as watch:
+    revolute.compile(SIGNATURE)
+print(watch.functions, watch.seconds > 0)
+"""
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}
+    command = [sys.executable, "-c", code]
+    first, second = (
+        subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout.split()
+        for _ in range(2)
+    )
+    assert (first, second) == (["1", "True"], ["0", "False"])
+
+
+def test_the_watch_ends_with_its_block():
+    with watched_compilation() as watch:
+        pretend_to_compile()
+    pretend_to_compile()
+    assert watch.functions == 2

@@ -1,0 +1,161 @@
+"""A compiled scene at other numbers is what compiling it anew would have made."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.models.cases import write_models
+from tests.models.every_number import SCENES as PLANAR
+from tests.models.spatial_cases import write_models as write_spatial_models
+from tests.models.spatial_every_number import SCENES as SPATIAL
+from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
+from toolkit.compilation.quantities import Quantities
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.evaluation import evaluate_with_gradients
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.system.renewal import renewed
+from toolkit.system.system import System
+
+MODELS = sorted((Path(__file__).parents[2] / "models").glob("*/scene.toml"))
+EVERY = {
+    **{f"planar {name}": make for name, make in PLANAR.items()},
+    **{f"spatial {name}": make for name, make in SPATIAL.items()},
+}
+MOVED = 1e-3
+"""Relative change of a number: small enough that every scene still closes."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("models")
+    write_models(directory)
+    write_spatial_models(directory)
+    return directory
+
+
+def arrays(plan: Any, path: str = "plan") -> Iterator[tuple[str, Any]]:
+    """All arrays and numbers of a plan by their place."""
+    for name, value in zip(plan._fields, plan, strict=True):
+        if hasattr(value, "_fields"):
+            yield from arrays(value, f"{path}.{name}")
+        elif value is not None:
+            yield f"{path}.{name}", value
+
+
+def assert_same(found: System, fresh: System) -> None:
+    """Bit by bit: what is made anew is made by the same formulas, and what is kept has not changed."""
+    for (place, one), (_, other) in zip(arrays(found.plan), arrays(fresh.plan), strict=True):
+        assert np.array_equal(one, other), place
+    assert np.array_equal(found.weights, fresh.weights)
+    assert found.design == fresh.design
+    assert all(np.array_equal(one, other) for one, other in zip(found.start(), fresh.start(), strict=True))
+    times = np.array([0.0, 0.3, 1.0])
+    assert all(np.array_equal(one, other) for one, other in zip(found.curves(times), fresh.curves(times), strict=True))
+
+
+def moved(scene: Scene, path: str) -> Scene | None:
+    """The scene with one number changed, unless nobody knows what it would be there."""
+    other = scene.with_number(path, float(np.real(scene.number(path))) * (1 + MOVED))
+    try:
+        prepare(other)
+    except InputError:
+        return None  # a reduced model that is fixed at its nominal design
+    return other
+
+
+@pytest.mark.parametrize("path", MODELS, ids=lambda path: path.parent.name)
+def test_every_design_variable_of_every_model_renews_as_compiling_anew_does(path):
+    scene = read_scene(path)
+    variables = list(scene.design)
+    systems = [prepare(scene), prepare(scene, variables)]
+    for each in scene.design_variables():
+        if (other := moved(scene, each.path)) is not None:
+            for system, names in zip(systems, ([], variables), strict=True):
+                assert_same(renewed(system, other, [each.path]), prepare(other, names))
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_every_number_of_every_kind_of_component_renews_as_compiling_anew_does(name, folder):
+    scene = EVERY[name](folder)
+    paths = [path for path in scene.available_paths() if float(np.real(scene.number(path))) != 0.0]
+    variables = paths[:: max(len(paths) // 4, 1)]
+    system = prepare(scene, variables)
+    for path in paths:
+        if (other := moved(scene, path)) is not None:
+            assert_same(renewed(system, other, [path]), prepare(other, variables))
+
+
+def wing() -> Scene:
+    return read_scene(MODELS[0].parents[1] / "morphing_wing" / "scene.toml")
+
+
+def test_several_numbers_at_once_one_after_the_other_and_back_again():
+    scene = wing()
+    variables, system = list(scene.design), prepare(scene, list(scene.design))
+    paths = [each.path for each in scene.design_variables()]
+    other = scene
+    for path in paths:
+        other = other.with_number(path, scene.number(path) * (1 + MOVED))
+    at_once = renewed(system, other, paths)
+    assert_same(at_once, prepare(other, variables))
+    assert at_once.lu_plan is system.lu_plan
+    assert_same(renewed(at_once, scene, paths), system)
+
+
+def markers(*columns: int) -> Quantities:
+    """Numbers of a scene with nothing but a marker that feels some coordinates."""
+    part = MarkerNumbers(np.zeros(3), np.array(columns), np.arange(3.0 * len(columns)).reshape(-1, 3) + 1)
+    return Quantities({}, {}, {}, {0: part}, {}, {}, {}, np.zeros(2), {})
+
+
+def test_numbers_take_their_places_among_the_known_entries_and_ask_for_new_ones_where_there_are_none():
+    known = markers(0, 2, 5)
+    found, changed = renew(known, markers(0, 5), known)
+    assert changed == {"markers"}
+    np.testing.assert_array_equal(found.markers[0].columns, [0, 2, 5])
+    np.testing.assert_array_equal(found.markers[0].shape, [[1, 2, 3], [0, 0, 0], [4, 5, 6]])
+    with pytest.raises(NewEntryError):
+        renew(known, markers(0, 3), known)
+
+
+def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):
+    def full(*_: object, **__: object) -> None:
+        raise NewEntryError
+
+    scene = wing()
+    system, path = prepare(scene, ["t_w"]), "loads.drive.torque"
+    monkeypatch.setattr("toolkit.system.renewal.renew", full)
+    other = moved(scene, path)
+    assert other is not None
+    found = renewed(system, other, [path])
+    assert found.lu_plan is not system.lu_plan
+    assert_same(found, prepare(other, ["t_w"]))
+
+
+def test_redundant_joints_are_sought_anew():
+    """Other numbers may make other joints redundant."""
+    scene = wing()
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"redundant": "least-squares"})})
+    system, other = prepare(scene), scene.with_number("points.A.x", 70.0)
+    assert renewed(system, other, ["points.A.x"]).lu_plan is not system.lu_plan
+
+
+def test_a_number_that_becomes_zero_leaves_a_place_that_does_no_harm():
+    scene = read_scene(MODELS[0].parents[1] / "slider_crank" / "scene.toml")
+    path = next(path for path in scene.available_paths() if path.startswith("loads.") and float(scene.number(path)))
+    other = scene.with_number(path, 0.0)
+    variables = list(scene.design)
+    values = [
+        evaluate_with_gradients(solve(system, "transient"))
+        for system in (renewed(prepare(scene, variables), other, [path]), prepare(other, variables))
+    ]
+    for name, value in values[1][0].items():
+        np.testing.assert_allclose(values[0][0][name], value, rtol=1e-10)  # sums in another order

@@ -1,0 +1,65 @@
+"""The tutorials run from start to end in any folder, leave nothing behind, and end in the right number."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+TUTORIALS = ROOT / "tutorials"
+LONGEST = 115  # lines
+
+ENDS = {
+    "my_first_wing": (56.78, 0.01),  # MPa, stated with the reference scene
+    "my_own_airfoil": (0.3, 0.3),  # mm: a tenth of the droop of 6 mm may be left by a linkage that was tuned for another section
+    "four_bar_in_python": (0.0, 1e-9),  # rad off the law of cosines: stabilized joints at rest, so the Newton tolerance is left
+    "rotating_beam": (
+        0.0,
+        2e-4,
+    ),  # relative: the beam stretches by rho Omega^2 / (3 E) = 2e-5, its stress and rate follow with a few
+    "trusting_gradients": (
+        0.0,
+        1e-9,
+    ),  # relative difference of direct differentiation and complex step: Newton's tolerance of 1e-10
+    "fewer_coordinates": (
+        0.0,
+        1e-6,
+    ),  # relative difference of gradients to new preprocessing: round-off of modes, 1e-10, over the step, 1e-3; and h^4
+    "every_gradient": (
+        0.0,
+        1e-7,
+    ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
+    "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
+    "spatial_bracket": (
+        0.0,
+        1e-9,
+    ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
+    "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
+}
+"""The module's variable `check` at its end, and how far it may be off."""
+
+
+def test_every_tutorial_has_a_known_end_and_is_short():
+    found = {path.stem: path.read_text() for path in TUTORIALS.glob("*.py")}
+    assert set(found) == set(ENDS)
+    assert {name: len(text.splitlines()) for name, text in found.items() if len(text.splitlines()) > LONGEST} == {}
+    assert [name for name, text in found.items() if "\n# %%\n" not in text or "\ncheck = " not in text] == []
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_a_tutorial_runs_and_ends_in_the_right_number(name, tmp_path):
+    before = {path for path in TUTORIALS.rglob("*") if "__pycache__" not in path.parts}
+    code = f"import runpy; print('check', float(runpy.run_path({str(TUTORIALS / name) + '.py'!r})['check']))"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    value, tolerance = ENDS[name]
+    assert float(done.stdout.splitlines()[-1].split()[1]) == pytest.approx(value, abs=tolerance)
+    assert {path for path in TUTORIALS.rglob("*") if "__pycache__" not in path.parts} == before

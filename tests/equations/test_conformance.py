@@ -1,0 +1,279 @@
+"""Every component against the complex step of its own residual, in states that are neither small nor consistent."""
+
+from __future__ import annotations
+
+import runpy
+from typing import Any
+
+import numpy as np
+import pytest
+
+from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of this module)
+    close,
+    test_compiled_formulas_equal_the_plain_ones,
+    test_constraint_forces_do_no_work_in_allowed_motions,
+    test_constraint_levels_are_time_derivatives_of_one_another,
+    test_design_derivatives_are_the_complex_step_of_the_residual,
+    test_state_derivatives_are_the_complex_step_of_the_residual,
+)
+from tests.models.cases import CASES, SINE, Case, write_models
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.body import Body
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.compilation.arrays.component_arrays import families
+from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.comparison import STEP
+from toolkit.conformance.formula import check_joint_formula, check_load_formula
+from toolkit.conformance.residual import check_state_derivatives, inputs, plain_terms, random_state
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConformanceError, InputError
+from toolkit.foundation.kernel import kernel
+from toolkit.joints.joint import Joint, RowQuantity
+from toolkit.joints.planar.driver import PositionDriver
+from toolkit.joints.planar.joint import PlanarJoint, PointJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.load import Load
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.load import PlanarLoad
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.scene.kinds import kinds_of
+from toolkit.scene.scene import Scene
+from toolkit.system.system import System, compile_scene
+
+
+@pytest.fixture(scope="session")
+def directory(tmp_path_factory):
+    path = tmp_path_factory.mktemp("models")
+    write_models(path)
+    return path
+
+
+@pytest.fixture(params=CASES, ids=lambda case: case.name)
+def scene(request, directory) -> Scene:
+    return request.param.scene(directory)
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.kind], ids=lambda case: case.name)
+def test_derivatives_of_every_formula_are_the_complex_step_of_the_formula(case, directory):
+    scene, rng = case.scene(directory), np.random.default_rng(1)
+    if "component" in scene.joints:
+        check_joint_formula(scene.joints["component"], scene, rng)
+    else:
+        check_load_formula(scene.loads["component"], scene, rng)
+
+
+@pytest.mark.parametrize("kind", [Slider, SpringDamper])
+def test_a_joint_and_a_load_pass_the_public_check(kind, directory):
+    scene = next(case for case in CASES if case.kind is kind).scene(directory)
+    if kind is Slider:
+        check_joint(scene.joints["component"], scene, seed=1)
+    else:
+        check_load(scene.loads["component"], scene, seed=1)
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case.kind is None], ids=lambda case: case.name)
+def test_inertia_forces_are_those_of_lagrange(case, directory):
+    """M a - F_v = d/dt (M v) - d/dq (v^T M v / 2), with M(q) from the coefficients of the accelerations."""
+    system = compile_scene(case.scene(directory))
+    (q, v, acc), n_q = random_state(system), system.n_q
+
+    def mass(position: np.ndarray) -> np.ndarray:
+        return system.matrix(plain_terms(system, inputs(system), position, 0 * v, 0 * acc, linearize=True).I_acc).toarray()
+
+    rate = np.stack([mass(q + 1j * STEP * e).imag / STEP for e in np.eye(system.n)[:n_q]])  # (k, i, j): dM_ij / dq_k
+    M, damping = mass(q), system.matrix(system.evaluate(inputs(system), q, 0 * v, acc).A_v) @ v
+    lagrange = M @ acc + np.einsum("kij,k,j->i", rate, v, v) - np.einsum("kij,i,j->k", rate, v, v) / 2
+    moving, resting = (system.evaluate(inputs(system), q, rates, acc) for rates in (v, 0 * v))
+    close(moving.inertial + moving.applied - resting.applied - damping, lagrange, tolerance=1e-12)
+    np.testing.assert_allclose(M, M.T, rtol=0, atol=1e-14)
+
+
+@kernel
+def parabola(z, w, phi, phi_z, phi_zz, phi_zww):
+    """phi = d_y - p d_x^2, d = r_a - r_b."""
+    d_x, rate = z[0] - z[3], w[0] - w[3]
+    phi[0] = z[1] - z[4] - z[6] * d_x * d_x
+    phi_z[0, 1], phi_z[0, 4], phi_z[0, 6] = 1, -1, -d_x * d_x
+    for a in range(2):
+        sign_a = 1 - 2 * a
+        phi_z[0, 3 * a] = -2 * z[6] * d_x * sign_a
+        phi_zz[0, 3 * a, 6] = phi_zz[0, 6, 3 * a] = -2 * d_x * sign_a
+        for b in range(2):
+            phi_zz[0, 3 * a, 3 * b] = -2 * z[6] * sign_a * (1 - 2 * b)
+    phi_zww[0, 6] = -2 * rate * rate
+
+
+class ParabolaGuide(PointJoint):
+    """A user's own joint: the point of body a moves on a parabola fixed in space with its vertex at the point of body b."""
+
+    kind = "test-parabola-guide"
+    formula = parabola
+
+    steepness: float
+
+    @property
+    def rows(self) -> list[tuple[str, RowQuantity]]:
+        """One direction."""
+        return [("height", "length")]
+
+    def parameters(self, _scene) -> list[Any]:
+        """p."""
+        return [self.steepness]
+
+
+@pytest.mark.parametrize(("bodies", "point"), [(("strip", "rod"), "T"), (("rod", "ground"), "A")])
+def test_a_users_own_joint_plugs_in(bodies, point, directory):
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, bodies, (point, point), point).scene(directory)
+    check_scene(scene)
+    check_joint(scene.joints["component"], scene)
+
+
+def test_a_bead_on_a_users_parabola_keeps_its_energy():
+    scene = Scene(
+        units="m-kg-s",
+        points={"P": Point(x=0.0, y=0.0)},
+        bodies={"bead": Rigid(mass=2.0, inertia=1.0, center="P", velocity=(3.0, 0.0, 0.0))},
+        joints={"wire": ParabolaGuide(bodies=("bead", "ground"), point="P", steepness=0.6)},
+        loads={"gravity": Gravity(acceleration=(0.0, -9.81))},
+    )
+    run = simulate(compile_scene(scene), RunOptions(end_time=2.0, step=1e-3, rho_inf=1.0))
+    energy = (run.v[:, :2] ** 2).sum(axis=1) / 2 + 9.81 * run.q[:, 1]
+    assert np.abs(energy / energy[0] - 1).max() < 1e-4  # second order: (step / shortest time scale)^2 = (1e-3 / 0.1)^2
+    np.testing.assert_allclose(run.q[:, 1], 0.6 * run.q[:, 0] ** 2, atol=1e-5)
+
+
+MISTAKES = {
+    "phi_z": (
+        "phi_z[0, 1] = -phi_z[0, 1]",
+        r"phi_z is wrong at \(height, y of a\): it is -1, a complex step gives 1; .* 2, 2 of",
+    ),
+    "phi_z by a parameter": ("phi_z[0, 6] = -phi_z[0, 6]", r"phi_z is wrong at \(height, parameter z\[6\]\)"),
+    "phi_zz": ("phi_zz[0, 3, 0] = -phi_zz[0, 3, 0]", r"phi_zz is wrong at \(height, x of b, x of a\): it is -1.2, .* gives 1.2"),
+    "phi_zww": ("phi_zww[0, 6] = -phi_zww[0, 6]", r"phi_zww is wrong at \(height, parameter z\[6\]\)"),
+    "forgotten": ("phi_z[0, 4] = 0", r"phi_z is wrong at \(height, y of b\): it is 0, a complex step gives -1"),
+}
+"""A line that spoils the parabola, and what the check says about it."""
+
+
+@pytest.mark.parametrize("mistake", MISTAKES)
+def test_a_wrong_derivative_of_a_users_joint_is_caught_and_named(mistake, tmp_path, monkeypatch, directory):
+    line, message = MISTAKES[mistake]
+    own = tmp_path / "own_joint.py"
+    own.write_text(
+        "from toolkit.foundation.kernel import kernel\nfrom tests.equations.test_conformance import parabola\n\n\n@kernel\n"
+        f"def spoiled(z, w, phi, phi_z, phi_zz, phi_zww):\n    parabola(z, w, phi, phi_z, phi_zz, phi_zww)\n    {line}\n"
+    )
+    spoiled = runpy.run_path(str(own))["spoiled"]
+    kind = type("Spoiled", (ParabolaGuide,), {"kind": "test-spoiled", "formula": spoiled, "__module__": __name__})
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match=f"'test-spoiled': {message}"):
+        check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
+
+
+def test_a_joint_of_another_scene_is_refused(directory):
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ValueError, match="names body 'wheel', which does not exist"):
+        check_joint(ParabolaGuide(bodies=("wheel", "ground"), point="A", steepness=0.6), scene)
+
+
+def test_a_joint_that_hides_its_curvature_is_caught(directory):
+    kind = type("Flat", (ParabolaGuide,), {"kind": "test-flat", "curved": False, "__module__": __name__})
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match="`curved` is False, so it counts as zero"):
+        check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
+
+
+@kernel
+def forgetful_drag(z, w, force, force_z, force_w):
+    """f_x = -p v_x |v_x| would need 2 |v_x|; this one states half of it."""
+    force[0] = -z[6] * w[0] * w[0]
+    force_z[0, 6] = -w[0] * w[0]
+    force_w[0, 0] = -z[6] * w[0]
+
+
+class ForgetfulDrag(Torque):
+    """A load with a wrong derivative by the rate."""
+
+    kind = "test-forgetful-drag"
+    formula = forgetful_drag
+
+
+def test_a_wrong_derivative_of_a_load_is_caught_and_named(directory):
+    scene = Case("drag", ForgetfulDrag, {"torque": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match=r"force_w is wrong at \(force in x on a, rate of x of a\)"):
+        check_load(scene.loads["component"], scene)
+
+
+def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unknowns(directory, monkeypatch):
+    scene = next(case for case in CASES if case.kind is PositionDriver).scene(directory)
+    original = System.matrix
+    monkeypatch.setattr(System, "matrix", lambda system, values: original(system, np.where(values == values.max(), 0, values)))
+    with pytest.raises(ConformanceError, match=r"d inertial / d .* is wrong at \(.* of body .*, .* of .*\): it is 0, a complex"):
+        check_scene(scene)
+
+
+@pytest.mark.parametrize("base", [PlanarJoint, PointJoint, PlanarLoad])
+def test_a_component_without_formula_cannot_be_created(base):
+    with pytest.raises(TypeError, match=r"Forgetful has no `formula`.*must not pass for zero"):
+        type("Forgetful", (base,), {"kind": "test-forgetful", "__module__": __name__})
+
+
+def test_a_refused_component_cannot_be_named_in_a_scene_file():
+    with pytest.raises(TypeError, match="no `formula`"):
+        type("Refused", (PlanarJoint,), {"kind": "test-refused", "__module__": __name__})
+    assert "test-refused" not in kinds_of(2)["joints"]
+
+
+def test_a_joint_that_does_not_say_what_its_rows_measure_cannot_be_created():
+    body = {"kind": "test-unmeasured", "formula": parabola, "__module__": __name__}
+    with pytest.raises(TypeError, match=r'Unmeasured has no `rows`: name each row .* whether it is a "length" or an "angle"'):
+        type("Unmeasured", (PlanarJoint,), body)
+    assert "test-unmeasured" not in kinds_of(2)["joints"]
+
+
+@pytest.mark.parametrize(
+    ("base", "right"),
+    [(Joint, "PlanarJoint or SpatialJoint"), (Load, "PlanarLoad or SpatialLoad"), (Body, "PlanarBody or SpatialBody")],
+    ids=["joint", "load", "body"],
+)
+def test_a_component_of_no_space_cannot_be_created(base, right):
+    body = {"kind": "test-nowhere", "__module__": __name__} | ({} if base is Body else {"formula": parabola})
+    with pytest.raises(TypeError, match=f"Nowhere belongs neither to the plane nor to space: derive it from {right}"):
+        type("Nowhere", (base,), body)
+    assert "test-nowhere" not in base.kinds
+
+
+def with_row(name: str, row: str, quantity: str) -> type:
+    """The parabola with another name and quantity of its row."""
+    return type(name, (ParabolaGuide,), {"kind": "", "rows": property(lambda _: [(row, quantity)]), "__module__": __name__})
+
+
+def test_a_row_that_measures_nothing_known_is_refused_by_name(directory):
+    kind = with_row("Odd", "height", "lenght")
+    scene = Case("odd", kind, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(
+        InputError, match=r"row 'height' of joint 'component' measures 'lenght'; .* one of: length, angle.* class Odd"
+    ):
+        compile_scene(scene)
+
+
+def test_a_row_is_an_angle_because_its_joint_says_so_whatever_its_name(directory):
+    """Angles count in rad, lengths in parts of the scene's size."""
+    found = {}
+    for quantity in ("length", "angle"):
+        kind = with_row("Named", "rotation of nothing", quantity)
+        scene = Case("named", kind, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+        found[quantity] = compile_scene(scene).weights[-1]
+    assert found == {"length": pytest.approx(1 / scene.size, rel=1e-15), "angle": 1.0}
+
+
+def test_two_components_of_one_kind_share_one_family(directory):
+    case = next(case for case in CASES if case.kind is PositionDriver)
+    scene = case.scene(directory)
+    twice = scene.model_copy(
+        update={"joints": {**scene.joints, "again": scene.joints["component"].model_copy(update={"curve": SINE})}}
+    )
+    assert len(families(list(twice.joints.values()))) == 1
+    check_state_derivatives(twice)

@@ -1,0 +1,1 @@
+"""Scenes, models and judges that several tests share."""

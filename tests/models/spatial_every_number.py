@@ -1,0 +1,173 @@
+"""Scenes in space that contain, together, every kind of body, frame, joint, load and time curve there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from tests.models.every_number import FOLLOW, LEAD, SOLVER
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.description.point import BodyPoint, Point
+from toolkit.description.profile import Constant, Sine, SmoothStep
+from toolkit.joints.spatial.cylindrical import Cylindrical
+from toolkit.joints.spatial.distance import SpatialDistance
+from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.spatial.point_on_plane import PointOnPlane
+from toolkit.joints.spatial.prismatic import Prismatic
+from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
+from toolkit.joints.spatial.spherical import Spherical
+from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.loads.spatial.point_force import SpatialPointForce
+from toolkit.loads.spatial.pressure import Pressure
+from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
+from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
+from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.responses.instant import TimeIntegral
+from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.stress.stress import KSStress
+from toolkit.scene.scene import Scene
+
+POINTS = {
+    "O": (0.1, 0.2, -0.1),
+    "A": (1.0, 0.3, 0.2),
+    "B": (2.0, 1.1, -0.3),
+    "C": (1.6, -0.4, 0.4),
+    "D": (2.9, 0.4, 0.6),
+    "E": (3.3, -0.6, -0.2),
+    "F": (0.4, -0.9, 0.7),
+}
+TENSOR = (0.6, 0.9, 0.7, 0.1, -0.2, 0.15)
+SPIN, SPEED = (0.1, -0.2, 0.3), (-0.2, 0.1, 0.4)
+
+
+def points(names: str) -> dict[str, Any]:
+    """Points by their letters."""
+    return {name: Point(**dict(zip("xyz", POINTS[name], strict=True))) for name in names}
+
+
+def linkage(_folder: Path) -> Scene:
+    """A driven crank with a link that a distance ties to a block on a guide, and a driven car that carries a universal joint."""
+    energy = KineticEnergy()
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points=points("OABCDE"),
+        bodies={
+            "crank": SpatialRod(between=("O", "A"), area=0.8, density=1.2),
+            "link": SpatialRod(between=("A", "B"), area=0.6, density=0.9, angular_velocity=SPIN),
+            "block": SpatialRigid(mass=1.4, inertia=TENSOR, center="C"),
+            "car": SpatialRigid(mass=0.7, inertia=(0.3, 0.4, 0.5), center="D", frame="translating"),
+            "tray": SpatialRigid(mass=0.5, inertia=TENSOR, center="E", origin="D"),
+            "dart": SpatialRod(between=("B", "E"), area=0.7, density=1.1, velocity=SPEED),
+        },
+        joints={
+            "hinge": SpatialRevolute(bodies=("crank", "ground"), point="O", axis=(0.3, -0.5, 1.0)),
+            "lead": SpatialAngleDriver(bodies=("crank", "ground"), point="O", axis=(0.3, -0.5, 1.0), curve=LEAD),
+            "ball": Spherical(bodies=("crank", "link"), point="A"),
+            "bar": SpatialDistance(bodies=("link", "block"), points=("B", "C"), length=1.7),
+            "guide": Cylindrical(bodies=("block", "ground"), point="C", axis=(0.8, -0.5, 0.4)),
+            "plane": PointOnPlane(bodies=("car", "ground"), point="D", axis=(0.4, 0.2, -0.9)),
+            "rail": SpatialPositionDriver(
+                bodies=("car", "ground"), point="D", axis=(0.3, 0.9, 0.2), curve=Sine(amplitude=0.7, frequency=0.3, phase=0.1)
+            ),
+            "cross": Universal(bodies=("tray", "car"), point="D", axes_of_cross=((1.0, 0.2, 0.0), (-0.2, 1.0, 0.7))),
+        },
+        loads={
+            "weight": SpatialGravity(acceleration=(0.4, -1.3, 0.7)),
+            "motor": SpatialTorque(body="link", reaction="block", point="B", torque=(1.7, -0.6, 0.5), curve=FOLLOW),
+            "spring": SpatialSpringDamper(bodies=("tray", "crank"), points=("E", "A"), stiffness=2.1, damping=0.6, length=0.4),
+            "string": SpatialSpringDamper(bodies=("tray", "dart"), points=("E", "B"), stiffness=1.1, damping=0.6, length=0.4),
+        },
+        responses={
+            "energy": energy,
+            "whole": TimeIntegral(of=energy),
+            "way": Displacement(body="link", point="B", component="z"),
+            "turn": Rotation(body="tray", point="E", axis=(0.3, 0.1, 0.8), time=0.04),
+            "force": JointForce(joint="ball", component="magnitude"),
+            "torque": JointForce(joint="guide", component="torque-x", time=0.04),
+            "drive": JointForce(joint="lead", component="torque-z"),
+            "rail": JointForce(joint="rail", component="y"),
+        },
+        solver=SOLVER,
+    )
+
+
+def frames(folder: Path) -> Scene:
+    """Frames of every kind, rigid and flexible (`spatial_cases.write_models`), between springs; they can rest too."""
+    turned, energy = (0.3, -0.5, 0.7), KineticEnergy()
+    grips = {"S": ("mast", "end"), "T": ("strip", "middle"), "U": ("strip", "end"), "V": ("rubber", "tip")}
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        directory=folder,
+        points=points("OABCF") | {name: BodyPoint(body=body, interface=place) for name, (body, place) in grips.items()},
+        bodies={
+            "wheel": SpatialRigid(
+                mass=0.9,
+                inertia=TENSOR,
+                center="C",
+                frame="turning",
+                axis=(0.2, 1.0, 0.4),
+                origin="A",
+                angular_velocity=(0.04, 0.2, 0.08),
+            ),
+            "sled": SpatialRigid(mass=1.1, inertia=(0.3, 0.4, 0.5), center="B", frame="translating", velocity=SPEED),
+            "plate": SpatialRigid(mass=0.8, inertia=TENSOR, center="F"),
+            "mast": SpatialFlexible(
+                model="frame.h5", frame="grounded", position=(0.5, 0.4, -0.3), orientation=turned, thickness_bar=0.2
+            ),
+            "strip": SpatialFlexible(
+                model="frame.h5",
+                frame="moving",
+                position=(-0.4, 0.5, 0.2),
+                orientation=turned,
+                velocity=SPEED,
+                angular_velocity=SPIN,
+            ),
+            "rubber": SpatialFlexible(model="solid.h5", frame="grounded", position=(0.2, -0.1, 0.3), orientation=turned),
+        },
+        joints={
+            "slot": Prismatic(bodies=("plate", "sled"), point="B", axis=(0.8, -0.5, 0.3)),
+            "glue": SpatialRigidJoint(bodies=("strip", "mast"), point=("T", "S")),
+        },
+        loads={
+            "weight": SpatialGravity(acceleration=(0.02, -0.03, 0.04)),
+            "sled": SpatialSpringDamper(bodies=("sled", "ground"), points=("B", "O"), stiffness=21.0, damping=0.6, length=1.5),
+            "side": SpatialSpringDamper(bodies=("sled", "ground"), points=("B", "F"), stiffness=31.0, damping=0.4),
+            "last": SpatialSpringDamper(bodies=("sled", "ground"), points=("B", "C"), stiffness=31.0, damping=0.4, length=1.2),
+            "plate": SpatialSpringDamper(bodies=("plate", "ground"), points=("F", "A"), stiffness=11.0, damping=0.4),
+            "wheel": SpatialSpringDamper(bodies=("wheel", "ground"), points=("C", "O"), stiffness=41.0, damping=0.3, length=1.4),
+            "coil": SpatialRotationalSpringDamper(
+                bodies=("wheel", "ground"), point="A", axis=(0.2, 1.0, 0.4), stiffness=3.0, damping=0.2, rest_angle=0.1
+            ),
+            "turn": SpatialTorque(
+                body="wheel",
+                point="C",
+                torque=(0.2, 0.7, -0.4),
+                frame="body",
+                curve=Sine(amplitude=0.6, frequency=0.8, phase=0.2),
+            ),
+            "pull": SpatialPointForce(body="strip", point="U", force=(0.08, -0.11, 0.05), curve=Constant(value=0.4)),
+            "push": SpatialPointForce(body="plate", point="F", force=(0.5, 0.4, 0.3), frame="body", curve=FOLLOW),
+            "wind": Pressure(body="rubber", surface="top", pressure=0.02, curve=SmoothStep(duration=0.4)),
+        },
+        responses={
+            "energy": energy,
+            "whole": TimeIntegral(of=energy),
+            "strain": StrainEnergy(),
+            "way": Displacement(body="strip", point="U", component="magnitude"),
+            "turn": Rotation(body="wheel", point="C", axis=(0.2, 1.0, 0.4)),
+            "force": JointForce(joint="glue", component="torque-y"),
+            "stress": KSStress(body="strip", aggregation=20.0, reference_stress=1.0),
+            "mises": KSStress(body="rubber", aggregation=20.0, reference_stress=1.0),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"linkage": linkage, "frames": frames}

@@ -1,0 +1,161 @@
+"""`ffrf new wing`: from any airfoil file to a wing that morphs; what cannot be is refused before anything is written."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.curve.contour import Contour
+from preprocessing.curve.skin import Skin
+from preprocessing.new_wing.new_wing import DROOP, new_wing
+from preprocessing.recipes.skin.build import build
+from preprocessing.recipes.skin.droop import drooped
+from toolkit.command_line.cli import app
+from toolkit.reduced_model.file import save
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.direct import direct
+
+ROOT = Path(__file__).parents[2]
+AIRFOILS = ROOT / "tests" / "data" / "airfoils"
+REFERENCE = ROOT / "models" / "morphing_wing"
+VERY_DIFFERENT = {
+    "thick, blocks without header": "nlf416_lednicer_noheader.txt",
+    "thin, 35 rows, high camber": "fx63120.dat",
+    "symmetric": "e171.dat",
+    "cambered, cusped tail": "fx63137.dat",
+    "OpenVSP, 18 rows a side": "naca23015.af",
+}
+
+
+def morphed(folder: Path) -> dict[str, float]:
+    """Responses of the static end state of a new wing."""
+    save(build(folder / "skin.toml"), folder / "skin.h5")
+    scene = read_scene(folder / "scene.toml")
+    return direct(scene, list(scene.design), "static").values
+
+
+@pytest.mark.parametrize("airfoil", VERY_DIFFERENT.values(), ids=VERY_DIFFERENT)
+def test_any_airfoil_becomes_a_wing_that_reaches_its_target(airfoil, tmp_path):
+    folder = tmp_path / "wing"
+    new_wing(folder, AIRFOILS / airfoil)
+    found = morphed(folder)
+    # the linkage is not tuned to the section: a tenth of the droop of 6 mm may be left, the stress be a quarter off the reference
+    assert found["shape_rmse"] < 0.6
+    assert 0.75 * 57 < found["max_stress_true"] < 1.25 * 57
+
+
+def test_the_reference_airfoils_give_the_reference_wing(tmp_path):
+    new_wing(tmp_path / "wing", REFERENCE / "high_speed.dat", REFERENCE / "low_speed.dat")
+    ours, theirs = (tomllib.loads((folder / "scene.toml").read_text()) for folder in (tmp_path / "wing", REFERENCE))
+    for name in "ABD":
+        assert ours["points"][name] == pytest.approx(theirs["points"][name], abs=2e-3)  # heights are kept to five digits, in mm
+    assert {key: ours[key] for key in ("joints", "loads", "design", "responses")} == {
+        key: theirs[key] for key in ("joints", "loads", "design", "responses")
+    }
+    found = morphed(tmp_path / "wing")
+    assert found["max_stress_true"] == pytest.approx(56.78, abs=0.05)  # 5 MPa/mm by the joints' places
+    assert (tmp_path / "wing" / "target.dat").read_bytes() == (REFERENCE / "low_speed.dat").read_bytes()
+
+
+def test_a_wing_of_another_chord_is_a_scaled_copy_with_the_same_stress(tmp_path):
+    for chord in (550.0, 55.0):
+        new_wing(tmp_path / f"{chord:g}", REFERENCE / "high_speed.dat", chord=chord)
+    large, small = (morphed(tmp_path / name) for name in ("550", "55"))
+    assert small["max_stress_true"] == pytest.approx(large["max_stress_true"], rel=1e-3)  # digits of the written numbers
+    assert small["drive_angle"] == pytest.approx(large["drive_angle"], rel=1e-3)
+    assert small["shape_rmse"] == pytest.approx(large["shape_rmse"] / 10, rel=1e-3)
+
+
+def test_the_droop_keeps_lengths_height_and_slope_and_sinks_the_nose():
+    contour = Contour.through(read_airfoil(REFERENCE / "high_speed.dat").points, 550.0)
+    skin = Skin(contour, contour.at_x(137.5, "upper"), contour.at_x(137.5, "lower"))
+    target = Contour.through(drooped(contour, skin, 6.0, 550.0), 1.0)
+    known = Contour.through(read_airfoil(REFERENCE / "low_speed.dat").points, 550.0)
+    s = np.linspace(0, skin.length, 31)
+    ours, theirs = (skin.target_positions(each, s) for each in (target, known))
+    np.testing.assert_allclose(ours, theirs, atol=1e-3)  # the reference's target is this droop, through other rows of nine digits
+    assert ours[-1, 1] == pytest.approx(skin.position(skin.length)[1], abs=1e-3)  # as above: arc lengths of different splines
+    nose = contour.leading_edge - skin.start
+    assert skin.target_positions(target, nose)[1] == pytest.approx(skin.position(nose)[1] - 6, abs=1e-3)
+
+
+def test_the_command_says_what_it_wrote_and_what_comes_next(tmp_path):
+    folder = tmp_path / "my wing"
+    done = CliRunner().invoke(app, ["new", "wing", str(folder), "--airfoil", str(AIRFOILS / "e171.dat")])
+    assert done.exit_code == 0, done.stderr
+    assert sorted(file.name for file in folder.iterdir()) == ["README.md", "airfoil.dat", "scene.toml", "skin.toml", "target.dat"]
+    assert (folder / "airfoil.dat").read_bytes() == (AIRFOILS / "e171.dat").read_bytes()
+    assert "skin.toml, then ffrf statics" in done.stdout
+    assert f"{DROOP:.1%}" in (folder / "README.md").read_text()
+    assert f"ffrf-preprocess '{folder}'/skin.toml" in (folder / "README.md").read_text()
+
+
+def occupied(folder: Path) -> None:
+    folder.mkdir()
+    (folder / "mine.txt").write_text("")
+
+
+REFUSED = {
+    "folder with something in it": (occupied, [], "is not empty, and nothing of yours"),
+    "file instead of a folder": (lambda folder: folder.write_text(""), [], "is a file"),
+    "missing airfoil": (None, ["--airfoil", "none.dat"], "none.dat: cannot be read.*Check the path"),
+    "folder as airfoil": (None, ["--airfoil", str(AIRFOILS)], "cannot be read"),
+    "no airfoil": (None, ["--airfoil", str(REFERENCE / "scene.toml")], "airfoil scene.toml: "),
+    "missing target": (None, ["--target", "none.dat"], "none.dat: cannot be read.*Check the path"),
+    "target of another section": (None, ["--target", str(AIRFOILS / "naca23015.af")], "passes F .* at a distance"),
+    "chord of nothing": (None, ["--chord", "0"], "chord of 0 mm cannot be"),
+    "chord beyond reason": (None, ["--chord", "1e300"], r"chord of 1e\+300 mm cannot be. Give a length from 0.001 to 1e\+06 mm"),
+    "chord of atoms": (None, ["--chord", "1e-300"], "chord of 1e-300 mm cannot be"),
+    "airfoil of a long name": (None, ["--airfoil", "x" * 300], "cannot be read: File name too long"),
+    "folder below a file": (None, ["below"], "cannot be written"),
+    "folder of a long name": (None, ["long"], "the system refused to go on at .*: File name too long"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
+    prepare, options, message = REFUSED[case]
+    folder = tmp_path / "wing"
+    if options == ["below"]:
+        (tmp_path / "file").write_text("")
+        folder, options = tmp_path / "file" / "wing", []
+    if options == ["long"]:
+        folder, options = tmp_path / ("x" * 300), []
+    if prepare:
+        prepare(folder)
+    before = sorted(tmp_path.rglob("*"))
+    done = CliRunner().invoke(app, ["new", "wing", str(folder), "--airfoil", str(AIRFOILS / "e171.dat"), *options])
+    assert (done.exit_code, done.stdout) == (1, "")
+    assert "Traceback" not in done.stderr
+    assert_matches(message, done.stderr)
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def assert_matches(message: str, text: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        raise ValueError(text.replace("\n", " "))
+
+
+def test_without_preprocessing_the_command_says_what_to_install(tmp_path):
+    code = (
+        "import sys, toolkit.foundation.processes.preprocessing_process as new; new.is_installed = lambda: False;"
+        "from toolkit.command_line.cli import app;"
+        f"sys.argv = ['ffrf', 'new', 'wing', {str(tmp_path / 'w')!r}, '--airfoil', 'a.dat']; app()"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert "pip install 'ffrf-toolkit[preprocessing]'" in done.stderr
+
+
+def test_a_droop_that_no_skin_can_make_is_refused():
+    contour = Contour.through(read_airfoil(REFERENCE / "high_speed.dat").points, 550.0)
+    skin = Skin(contour, contour.at_x(137.5, "upper"), contour.at_x(137.5, "lower"))
+    with pytest.raises(ValueError, match="Choose a smaller depth"):
+        drooped(contour, skin, 500.0, 550.0)

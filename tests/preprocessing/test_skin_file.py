@@ -1,0 +1,113 @@
+"""skin.toml: what it may hold, and one message for every way in which it can be wrong."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from preprocessing.recipes.skin.skin_file import read_skin_file
+from toolkit.foundation.errors import InputError
+
+EXAMPLE = (Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml").read_text()
+
+
+@pytest.fixture
+def edited(tmp_path):
+    """Write the example with one text replaced."""
+
+    def write(old: str = "", new: str = "") -> Path:
+        assert old in EXAMPLE
+        path = tmp_path / "skin.toml"
+        path.write_text(EXAMPLE.replace(old, new))
+        return path
+
+    return write
+
+
+def test_example_is_read(edited):
+    file = read_skin_file(edited())
+    assert (file.units, file.skin.elements, file.section.width, file.material.poisson_ratio) == ("mm-t-s", 30, 1000.0, 0.35)
+    assert file.interface_points["C"].where == {"node": 10}
+
+
+def test_damping_interface_points_and_spacing_may_be_left_out(edited):
+    path = edited()
+    path.write_text(EXAMPLE.split("[damping]")[0].replace('spacing = "equal"\n', "").replace("poisson_ratio = 0.35\n", ""))
+    file = read_skin_file(path)
+    assert (file.damping.mass, file.damping.stiffness, file.skin.spacing, file.interface_points) == (0, 0, "equal", {})
+
+
+def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
+    assert read_skin_file(edited("chord = 550.0", "chord = 550")).airfoil.chord == 550
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("thickness = 1.5", "thicknes = 1.5", "section.thicknes: unknown key; allowed here: thickness, width."),
+        ("thickness = 1.5", "", "section.thickness: this key is missing; add it."),
+        ("thickness = 1.5", "thickness = -1.5", "section.thickness: input should be greater than 0 (got -1.5)."),
+        ("thickness = 1.5", "thickness = 0", "section.thickness: input should be greater than 0 (got 0)."),
+        ("thickness = 1.5", "thickness = inf", "section.thickness: input should be a finite number (got inf)."),
+        ("thickness = 1.5", 'thickness = "1.5"', "section.thickness: input should be a valid number (got '1.5')."),
+        ("elements = 30", "elements = 30.5", "skin.elements: input should be a valid integer (got 30.5)."),
+        ('side = "upper"', 'side = "top"', "skin.start.side: input should be 'upper' or 'lower' (got 'top')."),
+        ('units = "mm-t-s"', 'units = "mm"', "units: input should be 'mm-t-s' or 'm-kg-s' (got 'mm')."),
+        ("{ node = 10 }", "{ nod = 10 }", "interface_points.C.nod: unknown key; allowed here: node, arc_length, x, side."),
+        (
+            "{ node = 10 }",
+            "{ node = 10, x = 3.0 }",
+            "interface_points.C: give either node, or arc_length, or x with side (got node, x)",
+        ),
+        ("{ node = 10 }", "{}", "interface_points.C: give either node, or arc_length, or x with side (got nothing)"),
+        ("{ node = 10 }", "{ node = -1 }", "interface_points.C.node: input should be greater than or equal to 0 (got -1)."),
+        ("[section]", "[profile]", "profile: unknown key; allowed here: units, dimension, airfoil, skin, section"),
+        ("mass = 0.0", "mass = -1.0", "damping.mass: input should be greater than or equal to 0 (got -1.0)."),
+        (
+            "thickness = 1.5",
+            "thickness = 1e300",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+        ),
+        (
+            "thickness = 1.5",
+            "thickness = 1e-30",
+            "section.thickness: numbers from 1e-20 to 1e+20 can be meant; mend the exponent",
+        ),
+        ('file = "high_speed.dat"', 'file = "a\\u0000b"', "airfoil.file: a file name cannot hold a zero byte"),
+        ("poisson_ratio = 0.35", "poisson_ratio = 0.5", "material.poisson_ratio: input should be less than 0.5 (got 0.5)."),
+    ],
+)
+def test_wrong_key_is_named_with_what_would_be_right(edited, old, new, message):
+    path = edited(old, new)
+    with pytest.raises(InputError, match=re.escape(message)) as caught:
+        read_skin_file(path)
+    assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["a/b", "", " ", ".", "..", "a.b", "a\\u0000"])
+def test_interface_names_that_no_file_or_path_can_hold_are_refused(edited, name):
+    with pytest.raises(
+        InputError, match=r"interface_points: this is no legal name of a point; use letters, digits and _ \(got '"
+    ):
+        read_skin_file(edited("C = {", f'"{name}" = {{'))
+
+
+def test_byte_order_mark_is_skipped(edited):
+    path = edited()
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_skin_file(path).units == "mm-t-s"
+
+
+def test_all_wrong_keys_are_reported_at_once(edited):
+    path = edited("thickness = 1.5", "thickness = 0")
+    path.write_text(path.read_text().replace("density = 2.7e-9", "density = 0"))
+    with pytest.raises(InputError, match=r"(?s)section\.thickness.*material\.density"):
+        read_skin_file(path)
+
+
+def test_file_that_is_missing_or_no_toml_is_named(tmp_path):
+    with pytest.raises(InputError, match=r"none\.toml' cannot be read \(No such file or directory\)"):
+        read_skin_file(tmp_path / "none.toml")
+    (tmp_path / "bad.toml").write_text("units = \n")
+    with pytest.raises(InputError, match=r"bad\.toml' is not readable as TOML: Invalid value \(at line 1"):
+        read_skin_file(tmp_path / "bad.toml")

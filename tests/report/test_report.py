@@ -1,0 +1,340 @@
+"""The report: its numbers are those of the run, its page stands alone, opens in a browser and fits its window."""
+
+import csv
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.command_line.cli import app
+from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import replaced
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.report.material import Material
+from toolkit.report.viewer import viewer_data
+from toolkit.report.write import write_report
+from toolkit.results.collect import collect
+from toolkit.results.restore import restore_scene, restore_solution
+from toolkit.results.results_file import load_results
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.gradient_units import per, variable_unit
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.preparation import prepare, solve
+
+FIGURES = {
+    "load_curves",
+    "mechanism",
+    "stress_motion",
+    "skin_error_skin",
+    "error_sensitivity_skin",
+    "certificate",
+    "monitors",
+} | {f"stress_sensitivity_skin_{variable}" for variable in ("t_w", "M_t", "x_A", "y_A", "E")}
+ROOT = MODELS.parents[1]
+VOID = {"meta", "link", "img", "input"}
+
+
+class Page(HTMLParser):
+    """What a page holds: pictures, addresses, identifiers, text; fails on tags that do not match."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.pictures, self.addresses, self.identifiers, self.open, self.words = [], [], [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        self.addresses += [found[key] for key in ("src", "href", "action", "data") if key in found]
+        self.identifiers += [found["id"]] if "id" in found else []
+        self.pictures += [found] if tag == "img" else []
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+def run(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def rows(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.reader(file))
+
+
+@pytest.fixture(scope="module")
+def wing(tmp_path_factory):
+    """Folder of the report that the command writes for the reference scene."""
+    folder = tmp_path_factory.mktemp("report") / "new"
+    done = run("report", WING, "-o", folder)
+    assert done.exit_code == 0, done.stderr
+    assert done.stdout.strip() == str(folder / "report.html")
+    return folder
+
+
+def pendulum(step):
+    return Scene(
+        units="m-kg-s",
+        points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.0)},
+        bodies={"rod": Rod(between=("O", "P"), area=1e-4, density=1e3)},
+        joints={"pivot": Revolute(bodies=("rod", "ground"), point="O")},
+        loads={"gravity": Gravity(acceleration=(0.0, -9.81))},
+        solver=RunOptions(end_time=1.0, step=step),
+    )
+
+
+def test_every_figure_is_there_as_png_and_svg(wing):
+    assert {path.name for path in (wing / "figures").iterdir()} == {
+        f"{name}.{kind}" for name in FIGURES for kind in ("png", "svg")
+    }
+    for name in FIGURES:
+        with Image.open(wing / "figures" / f"{name}.png") as opened:
+            colors = opened.convert("RGB").getcolors(opened.width * opened.height)
+        assert len(colors) > 50  # smoothed letters and lines; an empty sheet has one colour
+        ElementTree.parse(wing / "figures" / f"{name}.svg")
+    assert {path.name for path in wing.iterdir()} == {
+        "figures",
+        "tables",
+        "numbers.json",
+        "animation.gif",
+        "results.h5",
+        "report.html",
+    }
+
+
+def test_the_page_needs_nothing_but_itself(wing):
+    page = Page((wing / "report.html").read_text(encoding="utf-8"))
+    assert all(address.startswith(("data:", "#")) for address in page.addresses)
+    assert {address[1:] for address in page.addresses if address.startswith("#")} <= set(page.identifiers)
+    assert len(page.pictures) == len(FIGURES) + 1  # and the animation
+    assert all(picture["alt"] for picture in page.pictures)
+    text = " ".join(page.words)
+    assert "url(" not in text
+    assert WING.read_text() in text  # the scene, for a stranger to repeat it
+    assert load_results(wing / "results.h5").scene.models["skin.h5"] in text
+
+
+def test_tables_and_json_hold_the_same_numbers(wing):
+    numbers = json.loads((wing / "numbers.json").read_text())
+    tables = {name: each for name, each in numbers.items() if isinstance(each, dict) and "head" in each}
+    assert {path.stem for path in (wing / "tables").iterdir()} == set(tables)
+    assert numbers["verdict"]["trusted"] is False  # it leaves the range of small deformations
+    for name, table in tables.items():
+        head, *lines = rows(wing / "tables" / f"{name}.csv")
+        assert head == table["head"]
+        assert lines == [[str(value) for value in row] for row in table["rows"]]
+
+
+def test_the_smooth_maximum_approaches_the_true_one_from_above_within_its_bound(wing):
+    table = np.array(rows(wing / "tables" / "ks_max_stress.csv")[1:], float)
+    assert 200.0 in table[:, 0]
+    assert np.all(table[:, 2] >= 0)
+    assert np.all(table[:, 2] <= table[:, 3])
+    assert np.all(np.diff(table[:, 1]) < 0)
+
+
+def test_all_methods_agree_to_their_own_accuracy(wing):
+    head, *lines = rows(wing / "tables" / "gradients.csv")
+    assert len(lines) == 25
+    # truncation and round-off of the differences; the complex step leaves the round-off of a thin skin
+    for method, tolerance in (("forward-difference", 1e-2), ("central-difference", 1e-3), ("complex-step", 5e-10)):
+        column = head.index(f"relative difference to {method}")
+        assert max(float(line[column]) for line in lines) < tolerance, method
+    assert "MPa / mm" in lines[0]
+
+
+def test_the_price_of_every_method_is_listed_with_its_runs(wing):
+    runs = {line[0]: int(line[1]) for line in rows(wing / "tables" / "cost.csv")[1:]}
+    assert runs == {
+        "primal analysis": 1,
+        "primal analysis and direct differentiation": 1,
+        "forward-difference": 6,
+        "central-difference": 11,
+        "complex-step": 5,
+    }
+
+
+def test_the_monitored_drift_is_that_of_the_run(wing):
+    drift = np.array(rows(wing / "tables" / "monitors.csv")[1:], float)[:, 5]
+    assert drift.max() == load_results(wing / "results.h5").run["drift"]
+
+
+def test_the_animation_and_the_view_show_every_step(wing):
+    results = load_results(wing / "results.h5")
+    with Image.open(wing / "animation.gif") as opened:
+        assert opened.n_frames == len(results.times)
+    data = viewer_data(Material(restore_solution(results, MODELS), results))
+    assert [frame["time"] for frame in data["frames"]] == pytest.approx(results.times.tolist(), abs=1e-6)  # rounded for display
+    assert data["limit"] == np.abs(results.bodies["skin"].stress).max()
+    assert len(data["frames"][0]["rods"]) == 4
+
+
+def test_a_long_motion_is_shown_in_few_frames():
+    solution = solve(prepare(pendulum(0.005)), "transient")
+    steps = Material(solution, collect(solution)).shown
+    assert (steps[0], steps[-1]) == (0, 200)
+    assert len(steps) <= 60
+
+
+@pytest.mark.parametrize(
+    ("scene", "design", "kind", "shown", "absent"),
+    [
+        (hanging_skin(), HANGING_DESIGN[:2], "transient", {"skin_error_skin", "stress_sensitivity"}, set()),
+        (read_scene(WING), ["t_w"], "static", {"error_sensitivity_skin"}, {"monitors", "load_curves"}),
+        (pendulum(0.02), [], "transient", {"mechanism", "monitors"}, {"stress_motion"}),
+    ],
+    ids=["moving frame", "equilibrium", "rigid bodies alone"],
+)
+def test_every_kind_of_run_has_a_report_of_what_it_has(scene, design, kind, shown, absent, tmp_path):
+    found = direct(scene, design, kind)
+    path = write_report(Material(found.solution, collect(found)), tmp_path, "A <b>title</b> & more")
+    page = Page(path.read_text(encoding="utf-8"))
+    assert "A <b>title</b> & more" in page.words  # shown as it is, not taken for HTML
+    drawn = " ".join(file.stem for file in (tmp_path / "figures").iterdir())
+    assert all(name in drawn for name in shown)
+    assert not any(name in drawn for name in absent)
+    assert "Not in this report" in page.words
+
+
+def test_a_report_of_results_runs_nothing_and_says_what_it_lacks(wing, tmp_path, monkeypatch):
+    def forbidden(*_, **__):
+        raise AssertionError("the run was repeated")
+
+    for place in ("preparation.simulate", "preparation.solve_statics", "direct.simulate"):
+        monkeypatch.setattr(f"toolkit.sensitivity.{place}", forbidden)
+    done = run("report", wing / "results.h5", "--models", MODELS, "-o", tmp_path, "--json")
+    assert done.exit_code == 0, done.stderr
+    record = json.loads(done.stdout)
+    assert (record["report"], record["verdict"]["trusted"]) == (str(tmp_path / "report.html"), False)
+    assert (tmp_path / "figures" / "skin_error_skin.svg").read_bytes() == (wing / "figures" / "skin_error_skin.svg").read_bytes()
+    assert "not compared with other methods" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert rows(tmp_path / "tables" / "monitors.csv") == rows(wing / "tables" / "monitors.csv")
+
+
+def test_units_of_variables_follow_from_their_paths():
+    scene = read_scene(WING)
+    expected = {"t_w": "mm", "M_t": "N mm", "x_A": "mm", "y_A": "mm", "E": "MPa"}
+    assert {name: variable_unit(scene, path) for name, path in scene.design.items()} == expected
+    assert variable_unit(scene, "bodies.body2.area") == "mm^2"
+    assert variable_unit(hanging_skin(), "joints.guide.axis.x") == ""
+    assert [per("MPa", "mm"), per("MPa", "N mm"), per("rad", ""), per("", "mm")] == ["MPa / mm", "MPa / (N mm)", "rad", "1 / mm"]
+
+
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+MEASURE = """<!DOCTYPE html><iframe id="page" src="report.html" width="{width}" height="900" style="border:0"></iframe><script>
+addEventListener("load", () => {{
+  const page = document.getElementById("page").contentDocument, root = page.documentElement;
+  const seen = (element) => element.getBoundingClientRect();
+  const canvas = page.querySelector("canvas"), slider = page.querySelector("input");
+  const first = canvas && canvas.toDataURL();
+  if (slider) {{ slider.value = slider.max; slider.dispatchEvent(new Event("input")); }}
+  document.title = JSON.stringify({{
+    overflow: root.scrollWidth - root.clientWidth,
+    outside: [...page.querySelectorAll("body *")].filter((e) => !e.closest(".wide, pre") && seen(e).right > {width} + 1).length,
+    pictures: [...page.images].map((i) => [i.complete, i.naturalWidth, seen(i).width]),
+    fetched: page.defaultView.performance.getEntriesByType("resource").filter((e) => !e.name.startsWith("data:")).length,
+    moved: canvas ? first !== canvas.toDataURL() : null,
+    letters: parseFloat(getComputedStyle(page.body).fontSize),
+  }});
+}});
+</script>"""
+
+
+def browse(page, folder):
+    """Title of a page, and what its console said, in a headless browser that reaches no network."""
+    done = subprocess.run(
+        [
+            BROWSER, "--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--virtual-time-budget=10000",
+            "--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={folder / 'profile'}", "--enable-logging=stderr", "--dump-dom",
+            page.as_uri(),
+        ],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+    titles = re.findall("<title>(.*?)</title>", done.stdout, re.DOTALL)
+    assert titles, done.stderr
+    return titles[0], [line for line in done.stderr.splitlines() if "CONSOLE" in line]
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed; the page is tested without one above")
+@pytest.mark.parametrize("width", [1280, 400])
+def test_a_browser_shows_the_page_without_errors_and_without_scrolling_sideways(wing, tmp_path, width):
+    shutil.copy(wing / "report.html", tmp_path)
+    (tmp_path / "measure.html").write_text(MEASURE.format(width=width))
+    title, console = browse(tmp_path / "measure.html", tmp_path)
+    assert console == []
+    found = json.loads(title)
+    assert (found["overflow"], found["outside"], found["fetched"], found["moved"]) == (0, 0, 0, True)
+    assert len(found["pictures"]) == len(FIGURES) + 1
+    assert all(loaded and natural for loaded, natural, _ in found["pictures"])
+    assert found["letters"] >= 16
+    # labels are 10 points, 13.3 pixels, in a figure at its natural size; below 8 pixels nobody reads them
+    assert min(13.3 * shown / 538 for _, _, shown in found["pictures"]) >= 8
+
+
+@pytest.mark.skipif(BROWSER is None, reason="no Chromium or Chrome is installed")
+def test_the_browser_test_would_notice_an_error(tmp_path):
+    (tmp_path / "bad.html").write_text("<title>bad</title><script>undefined.member</script>")
+    title, console = browse(tmp_path / "bad.html", tmp_path)
+    assert title == "bad"
+    assert len(console) == 1
+
+
+def test_a_results_file_is_reported_by_a_process_that_has_computed_nothing(wing, tmp_path):
+    """Monitors and figures need formulas that no run before them has compiled or loaded."""
+    command = [
+        sys.executable,
+        "-m",
+        "toolkit.command_line.cli",
+        "report",
+        str(wing / "results.h5"),
+        "-o",
+        str(tmp_path / "again"),
+    ]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "again" / "tables" / "monitors.csv").read_text() == (wing / "tables" / "monitors.csv").read_text()
+
+
+def test_the_settings_kept_are_those_of_the_run():
+    options = RunOptions(end_time=0.05, step=0.005, scheme="paper", rho_inf=0.9)
+    results = collect(simulate(prepare(pendulum(0.02)), options))
+    assert results.settings == options.model_dump()
+    assert restore_scene(results).solver == options
+
+
+@pytest.mark.skipif(hasattr(os, "geteuid") and os.geteuid() == 0, reason="nothing is read-only to the administrator")
+def test_a_folder_that_cannot_be_written_is_refused(wing, tmp_path):
+    (tmp_path / "locked").mkdir(mode=0o555)
+    done = CliRunner().invoke(app, ["report", str(wing / "results.h5"), "-o", str(tmp_path / "locked")])
+    assert done.exit_code == 1
+    assert "cannot hold a report" in done.stderr
+
+
+def test_a_file_that_cannot_be_written_is_an_error_of_the_program(tmp_path):
+    (tmp_path / "file").write_text("no folder")
+    with (
+        pytest.raises(InputError, match=r"cannot be written \(.*\)\. Give a writable place"),
+        replaced(tmp_path / "file" / "x.h5"),
+    ):
+        pass

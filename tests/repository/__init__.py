@@ -1,0 +1,1 @@
+"""Checks of the project's own text: imports, documentation, what is shipped. `make lint` runs them."""

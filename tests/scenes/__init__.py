@@ -1,0 +1,1 @@
+"""Whole scenes against published values and closed forms."""

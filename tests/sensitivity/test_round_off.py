@@ -1,0 +1,123 @@
+"""What double precision leaves of forces and gradients, and that a certificate tells its round-off from a wrong derivative."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.certificate import certificate
+from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
+from toolkit.sensitivity.certificate.differences import direction, taylor_rates
+from toolkit.sensitivity.certificate.round_off import round_off
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.system.system import compile_scene
+
+MODELS = Path(__file__).parents[2] / "models"
+WING = MODELS / "morphing_wing" / "scene.toml"
+BEAM = MODELS / "rotating_beam" / "scene.toml"
+
+
+def exact_force(part, q: np.ndarray, row: int) -> float:
+    """One row of K q, in rational numbers."""
+    entries = np.flatnonzero(part.row == row)
+    return float(sum(Fraction(part.stiffness[e]) * Fraction(q[part.column[e]]) for e in entries))
+
+
+def test_elastic_forces_of_a_thin_skin_are_exact_to_the_round_off_of_the_force_itself():
+    rng = np.random.default_rng(3)
+    system = compile_scene(read_scene(WING))
+    part, q, n_f = system.plan.constant, np.zeros(system.n), 90  # 30 free nodes of three coordinates
+    q[:n_f] = np.tile([3.0, -7.0, 0.0], 30) + 1e-9 * rng.normal(
+        size=n_f
+    )  # moved far, hardly strained: nearly all of a row cancels
+    force = system.evaluate(system.inputs(0.0, np.zeros(3)), q, np.zeros(system.n), np.zeros(system.n)).applied
+    rows = np.arange(6, n_f)  # but for the node next to the clamp
+    error = np.array([force[row] - exact_force(part, q, row) for row in rows])
+    products = np.array([np.abs(part.stiffness * q[part.column])[part.row == row].sum() for row in rows])
+    moments = rows % 3 == 2
+    assert products[~moments].max() > 1e7 * np.abs(force[rows][~moments]).max()
+    assert np.abs(error[~moments]).max() < 1e-23 * products.max()  # a usual sum leaves 1e-16; the force itself is 1e-9 of them
+    assert np.abs(error[moments]).max() < 1e-16 * products.max()  # of bending alone: a usual sum does
+
+
+@pytest.mark.parametrize("kind", ["transient", "static"])
+def test_small_derivatives_by_geometry_agree_as_well_as_large_ones(kind):
+    """d shape_rmse / d D.x is a thousandth of other changes of the wing; usual sums in K q left it 7.6 digits."""
+    scene, design = read_scene(WING), ["points.D.x", "bodies.skin.chord"]
+    by = {method: gradients_by(method, scene, design, kind).gradients for method in ("direct", "adjoint", "complex-step")}
+    for method in ("adjoint", "complex-step"):
+        for x in design:
+            # the state is exact to 1e-16, and round-off of the linear solves is magnified by a condition of 1e6 to 1e7
+            assert by[method]["shape_rmse"][x] == pytest.approx(by["direct"]["shape_rmse"][x], rel=5e-9, abs=0), (method, x)
+
+
+def test_every_number_of_the_wing_is_certified_in_motion():
+    scene = read_scene(WING, {"solver.end_time": "0.3"})
+    paths = [path for path in scene.available_paths() if "velocity" not in path and "body" not in path]
+    found = certify(scene, paths, "transient")
+    found.check(1e-8)
+    for response in ("max_stress", "drive_angle"):  # what is not small has all its digits, whatever is small beside it
+        for x in ("points.A.x", "points.A.y", "loads.drive.torque", "bodies.skin.thickness"):
+            assert found.limits[response][x] < 1e-8, (response, x)
+
+
+@pytest.mark.parametrize(
+    ("variable", "kind"), [("x_A", "transient"), ("M_t", "transient"), ("t_w", "transient"), ("M_t", "static")]
+)
+def test_a_derivative_that_is_wrong_by_a_millionth_is_found(monkeypatch, variable, kind):
+    right = certificate.adjoint_gradients
+
+    def wrong(system, solution):
+        found, gradient = right(system, solution)
+        gradient[system.design.names.index(variable)] *= 1 + 1e-6
+        return found, gradient
+
+    scene = read_scene(WING, {"solver.end_time": "0.3"})
+    exact = direct(scene, ["x_A", "M_t", "t_w"], kind)
+    certificate.compare(exact, kind, exact.gradients).check(1e-8)
+    monkeypatch.setattr(certificate, "adjoint_gradients", wrong)
+    with pytest.raises(DisagreementError, match=f"and adjoint disagree on d .* / d {variable}"):
+        certificate.compare(exact, kind, exact.gradients).check(1e-8)
+
+
+@pytest.mark.processors
+def test_the_estimate_of_round_off_is_small_for_ordinary_derivatives():
+    """A tenth of the millionth that is found above; the estimate is round-off itself, up to 2e-8 for stress by E, which hardly matters."""
+    scene = read_scene(WING, {"solver.end_time": "0.3"})
+    exact = direct(scene, list(scene.design), "transient")
+    floors = round_off(scene, exact, "transient")
+    for response, slopes in exact.gradients.items():
+        for x, slope in slopes.items():
+            assert floors[response][x] < 1e-7 * abs(slope), (response, x)  # so that nothing larger is taken for round-off
+
+
+def test_a_variable_that_is_zero_has_the_size_of_what_it_does():
+    """A damping of 1 s would be three thousand periods of the beam; a step of its size moves no response further than others do."""
+    scene = read_scene(BEAM, {"solver.end_time": "0.01", "bodies.beam.damping_stiffness": "0.0"})
+    zero, other = "bodies.beam.damping_stiffness", "bodies.beam.angular_velocity"
+    exact = direct(scene, [zero, other], "transient")
+    size = variable_sizes(scene, exact)[zero]
+    assert size < 1.0
+    for f, slopes in exact.gradients.items():
+        largest = max(abs(exact.values[f]), 50.0 * abs(slopes[other]))
+        assert abs(slopes[zero]) * size <= (1 + 1e-12) * largest  # round-off of the product
+
+
+def test_taylor_steps_that_fail_are_left_out_instead_of_ending_the_certificate():
+    scene = read_scene(BEAM, {"solver.end_time": "0.01"})
+    design = ["bodies.beam.angular_velocity"]
+    rates = taylor_rates(scene, design, "transient", steps=(1e9, 1e-2, 5e-3))
+    assert rates["kinetic"] == pytest.approx(2, abs=0.05)  # quadratic in the speed, nearly
+    assert all(np.isnan(rate) for rate in taylor_rates(scene, design, "transient", steps=(1e9,)).values())
+
+
+def test_numbers_that_only_preprocessing_changes_do_not_move_in_studies():
+    scene = read_scene(WING)
+    exact = direct(scene, ["bodies.skin.chord", "bodies.skin.damping_mass", "t_w", "x_A"], "static")
+    assert set(direction(scene, exact)) == {"t_w", "x_A"}

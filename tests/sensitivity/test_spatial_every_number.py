@@ -1,0 +1,118 @@
+"""Every number of a scene in space is a design variable: direct differentiation = adjoint = complex step, for every kind there is."""
+
+from __future__ import annotations
+
+from fnmatch import fnmatch
+
+import numpy as np
+import pytest
+
+from tests.models.spatial_cases import write_models
+from tests.models.spatial_every_number import SCENES
+from tests.scene_file.test_scene_units import differences
+from tests.sensitivity.test_every_number import kinds_in, optional_numbers
+from toolkit.description.profile import CURVES
+from toolkit.scene.kinds import kinds_of
+from toolkit.sensitivity.methods import gradients_by
+
+AGREEMENT = 1e-11
+"""Of the response's largest derivative: round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e2 of the equations."""
+ROUND_OFF = 1e-12
+"""A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
+STRIDE = {"linkage": 11, "frames": 13}
+"""A complex step takes a second of plain Python: one number in so many has it; `test_spatial_conformance` has all of them."""
+
+NO_TURN = "the body does not turn"
+NO_EFFECT: dict[str, dict[str, str]] = {
+    "linkage": {"bodies.car.inertia.*": NO_TURN},
+    "frames": {
+        "bodies.plate.inertia.*": NO_TURN,
+        "bodies.sled.inertia.*": NO_TURN,
+        "bodies.rubber.position.*": "nothing but uniform gravity and its own surface acts on the grounded body",
+        "loads.coil.axis.*": "the angle about an axis that is tilted against the only one of the motion changes in second order",
+    },
+}
+"""Scene -> paths without effect on its motion by physics, and the reason."""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    directory = tmp_path_factory.mktemp("models")
+    write_models(directory)
+    return directory
+
+
+@pytest.fixture(scope="module", params=["linkage transient", "frames transient", "frames static"])
+def compared(request, folder):
+    """Name and kind, and the gradients of all responses of a scene by all its numbers, direct and adjoint, and some by complex steps."""
+    name, kind = request.param.split()
+    scene = SCENES[name](folder)
+    paths = scene.available_paths()
+    some = paths[:: STRIDE[name]] if kind == "transient" else paths[::40]
+    wanted = {"direct": paths, "adjoint": paths, "complex-step": some}
+    return name, kind, {method: gradients_by(method, scene, each, kind).gradients for method, each in wanted.items()}
+
+
+def largest(slopes: dict[str, float]) -> float:
+    return max(abs(slope) for slope in slopes.values())
+
+
+@pytest.mark.parametrize("method", ["adjoint", "complex-step"])
+def test_direct_adjoint_and_complex_step_agree(compared, method):
+    by = compared[2]
+    for response, slopes in by[method].items():
+        exact = by["direct"][response]
+        assert {x: exact[x] for x in slopes} == pytest.approx(slopes, rel=0, abs=AGREEMENT * largest(exact)), response
+
+
+def test_every_number_has_an_effect_on_the_motion_unless_physics_says_no(compared):
+    name, kind, by = compared
+    paths = next(iter(by["direct"].values())) if kind == "transient" else {}  # not every body is asked for at rest
+    share = {x: max(abs(slopes[x]) / largest(slopes) for slopes in by["direct"].values()) for x in paths}
+    without = {x for x in paths if any(fnmatch(x, pattern) for pattern in NO_EFFECT[name])}
+    assert {x for x in paths if share[x] < 10 * ROUND_OFF} == without
+
+
+def test_no_gradient_is_undefined(compared):
+    assert all(np.isfinite(slope) for each in compared[2].values() for slopes in each.values() for slope in slopes.values())
+
+
+def test_the_scenes_contain_every_kind_that_there_is(folder):
+    """A new kind belongs into one of the scenes, and is then differentiated by every number it has."""
+    scenes = [make(folder) for make in SCENES.values()]
+    for group, kinds in kinds_of(3).items():
+        shipped = {kind for kind, described in kinds.items() if described.__module__.startswith("toolkit.")} - {"ground"}
+        assert shipped == {item.kind for scene in scenes for item in getattr(scene, group).values()}, group
+    components = [item for scene in scenes for group in (scene.joints, scene.loads) for item in group.values()]
+    assert set(CURVES) == set().union(*map(kinds_in, components))
+
+
+def test_the_scenes_set_every_optional_number_of_every_kind(folder):
+    given = set().union(*(optional_numbers(make(folder)) for make in SCENES.values()))
+    left_out = {
+        (kind, name)
+        for kinds in kinds_of(3).values()
+        for kind, described in kinds.items()
+        if described.__module__.startswith("toolkit.") and kind != "ground"
+        for name, field in described.model_fields.items()
+        if field.default is None and name not in ("origin", "axis")  # a point's name, and what defines a frame's angle
+    }
+    assert left_out
+    assert left_out <= given
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes_with_every_kind_of_component_do_not_depend_on_the_units(name, folder, tmp_path):
+    scene = SCENES[name](folder)
+    values, slopes = differences(scene, scene.available_paths(), tmp_path)
+    # both runs round differently; Newton leaves 1e-10 of the scene's size, and squares that error in the step it stops at
+    assert values < 1e-9
+    # each derivative beside the largest of its response
+    assert slopes < 1e-8
+
+
+def test_letters_name_the_numbers_of_a_vector_too(folder):
+    scene = SCENES["frames"](folder)
+    design = scene.design_variables(["loads.pull.force.z", "joints.slot.axis.x", "bodies.strip.velocity.y"])
+    assert [each.path for each in design] == ["loads.pull.force.2", "joints.slot.axis.0", "bodies.strip.velocity.1"]
+    assert scene.with_number("loads.pull.force.z", 7.0).number("loads.pull.force.2") == 7.0

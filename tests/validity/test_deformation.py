@@ -1,0 +1,380 @@
+"""The small-deformation meter: against closed forms, against corotational elements, and what the commands say of it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.corotational.command import Body, compare
+from preprocessing.corotational.elements import Corotational
+from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from preprocessing.recipes.skin.build import build
+from tests.models.frames import SECTION, cantilever, ring
+from tests.models.scenes import hanging_skin
+from toolkit.command_line.cli import app
+from toolkit.command_line.printed.deformation import print_deformations, record_of_deformations
+from toolkit.foundation.processes import preprocessing_process
+from toolkit.reduced_model.design_point import DesignPoint
+from toolkit.reduced_model.file import load, save
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.critical_speed import critical_speed
+from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants
+from toolkit.validity.bodies.element_sections import Elements, Sections, sections
+from toolkit.validity.bodies.second_order import mean_rows, second_order_displacement, second_order_forces, stiffness_matrix
+
+MODELS = Path(__file__).parents[2] / "models"
+WING, SPINNING = (str(MODELS / name / "scene.toml") for name in ("morphing_wing", "rotating_beam"))
+FACTOR = 1.5
+"""The estimate is within this factor of the truth as long as elements turn by less than 0.7 rad."""
+
+
+def uniform(elements: Elements, modulus: float = 70000.0, thickness: float = 0.5, width: float = 10.0) -> Sections:
+    each = np.ones(len(elements.connectivity))
+    return Sections(modulus * each, thickness * each, width * each)
+
+
+def straight(n: int) -> tuple[Elements, Sections, np.ndarray]:
+    frame = cantilever(n)
+    elements = Elements(frame.nodes, frame.connectivity)
+    return elements, uniform(elements), np.eye(3, 3 * n + 3)
+
+
+def corotational(elements: Elements, made_of: Sections) -> Corotational:
+    return Corotational(CurveMesh(elements.nodes, elements.connectivity), made_of.modulus, made_of.thickness, made_of.width)
+
+
+def linear(elements: Elements, made_of: Sections, load: np.ndarray) -> np.ndarray:
+    """Displacements of the chain clamped at its first node, exact for a straight beam."""
+    u = np.zeros(len(load))
+    u[3:] = np.linalg.solve(stiffness_matrix(elements, made_of).toarray()[3:, 3:], load[3:])
+    return u
+
+
+def true_error(elements: Elements, made_of: Sections, held: np.ndarray, u: np.ndarray) -> float:
+    fields = {"nodes": elements.nodes, "connectivity": elements.connectivity, **vars(made_of), "held": held, "displacements": u}
+    return compare(Body(**{name: value.tolist() for name, value in fields.items()})).error
+
+
+# what the elements are made of
+
+
+def test_sections_of_the_wing_are_those_of_its_skin_file():
+    found = chain(read_scene(WING), "skin").made_of
+    for name, value in (("modulus", 70000.0), ("thickness", 1.5), ("width", 1000.0)):
+        np.testing.assert_allclose(getattr(found, name), value, rtol=1e-10)  # round-off of the invariants
+
+
+def test_sections_follow_the_numbers_of_the_scene():
+    scene = read_scene(WING, {"bodies.skin.thickness": "1.6", "bodies.skin.youngs_modulus": "65000.0"})
+    found = chain(scene, "skin").made_of
+    np.testing.assert_allclose(found.thickness, 1.6, rtol=1e-10)
+    np.testing.assert_allclose(found.modulus, 65000.0, rtol=1e-10)
+
+
+BASES = {
+    "full": BasisChoice("full"),
+    "craig-bampton": BasisChoice("craig-bampton", count=6),
+    "eigenmodes": BasisChoice("eigenmodes", count=8),
+    "free": BasisChoice("eigenmodes", boundary="free", count=8),
+}
+
+
+def arc(n: int = 10) -> np.ndarray:
+    return ring(2 * n, 50.0).nodes[: n + 1]
+
+
+def sections_of(model) -> Sections:
+    return sections(
+        model.mesh, model.stress, model.invariants.stress_operator, model.invariants.stiffness, SECTION.youngs_modulus
+    )
+
+
+@pytest.mark.parametrize("kind", BASES)
+def test_sections_are_read_back_from_any_basis(kind):
+    model = polygon_beam(arc(), SECTION, {"start": 0.0, "end": float(_length(arc()))}, "mm-t-s", basis=BASES[kind])
+    found = sections_of(model)
+    for name, value in (("modulus", SECTION.youngs_modulus), ("thickness", SECTION.thickness), ("width", SECTION.width)):
+        np.testing.assert_allclose(getattr(found, name), value, rtol=1e-6)  # shapes stretch 1e-5 of what they bend
+
+
+def _length(nodes: np.ndarray) -> float:
+    return np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum()
+
+
+def test_sections_that_differ_between_elements_are_read_back_one_by_one():
+    """Every element with a modulus, thickness and width of its own; the model knows them by name only."""
+    model = polygon_beam(arc(4), SECTION, {}, "mm-t-s", separate=("youngs_modulus", "thickness", "width"))
+    wanted = {f"{name}_{e}": getattr(SECTION, name) * (1 + 0.1 * e) for name in ("youngs_modulus", "width") for e in range(4)}
+    wanted |= {f"thickness_{e}": SECTION.thickness * (1 - 0.1 * e) for e in range(4)}
+    design = DesignPoint(model, wanted)
+    found = sections(model.mesh, model.stress, design.value("stress_operator"), design.value("stiffness"), 1.0)
+    for name, field in (("youngs_modulus", "modulus"), ("thickness", "thickness"), ("width", "width")):
+        np.testing.assert_allclose(getattr(found, field), [wanted[f"{name}_{e}"] for e in range(4)], rtol=1e-9)  # round-off
+
+
+def test_elements_that_no_shape_reaches_get_what_the_others_have():
+    """Eigenmodes of a straight beam do not stretch it, and a static basis leaves the free end behind its last point straight."""
+    nodes = cantilever(6).nodes
+    bent = sections_of(polygon_beam(nodes, SECTION, {}, "mm-t-s", basis=BasisChoice("eigenmodes", count=3)))
+    np.testing.assert_array_equal(bent.modulus, SECTION.youngs_modulus)  # what the caller said
+    np.testing.assert_allclose(bent.thickness, SECTION.thickness, rtol=1e-9)  # round-off
+    pulled = sections_of(polygon_beam(nodes, SECTION, {"P": 50.0}, "mm-t-s", basis=BasisChoice("static")))
+    np.testing.assert_allclose(pulled.thickness, SECTION.thickness, rtol=1e-9)  # round-off
+    np.testing.assert_allclose(pulled.width, SECTION.width, rtol=1e-6)
+
+
+# the displacement of second order
+
+
+def test_second_order_forces_are_what_corotational_elements_add_to_linear_ones():
+    """[f(h u) - h K u] / h^2 = f_2(u) + O(h)."""
+    frame = ring(9, 50.0)
+    elements = Elements(frame.nodes, frame.connectivity)
+    made_of, u = uniform(elements), np.random.default_rng(1).normal(size=27)
+    body, exact = corotational(elements, made_of), second_order_forces(elements, made_of, u[None])[0]
+    stiffness, sizes = stiffness_matrix(elements, made_of), np.array([1e-3, 5e-4, 2.5e-4])
+    rest = [np.abs((body.force(h * u) - h * (stiffness @ u)) / h**2 - exact).max() for h in sizes]
+    assert np.polyfit(np.log(sizes), np.log(rest), 1)[0] == pytest.approx(1, abs=0.02)  # terms of fourth order are 1e-2
+
+
+def test_an_end_moment_shortens_a_cantilever_by_a_sixth_of_the_angle_squared():
+    """Linear: no shortening. Arc of a circle: 1 - sin(a) / a = a^2 / 6. With n elements the chords turn: 1 - 1 / (4 n^2) of that."""
+    n, angle = 20, 0.1
+    elements, made_of, held = straight(n)
+    load = np.zeros(3 * n + 3)
+    load[-1] = made_of.bending[0] * angle / 100.0
+    u = linear(elements, made_of, load)
+    u_2 = second_order_displacement(elements, made_of, held, u[None])[0]
+    chords = (np.arange(n) + 0.5) / n
+    np.testing.assert_allclose(u_2[-3], -100.0 * angle**2 / 2 * np.mean(chords**2), rtol=1e-8)  # condition times round-off
+    np.testing.assert_allclose(u_2[-3], -100.0 * angle**2 / 6, rtol=1 / (2 * n**2))
+    np.testing.assert_allclose(u_2[-2], 0, atol=1e-8 * angle)
+
+
+def test_tension_stiffens_a_cantilever_as_the_theory_of_second_order_says():
+    """Pull N and push Q at the tip: deflection Q L^3 / 3 E I less N Q L^5 (2/15) / (E I)^2, the first term of Q / N (L - tanh(k L) / k)."""
+    n, push, pull = 16, 1e-3, 1e-2
+    elements, made_of, held = straight(n)
+    load = np.zeros(3 * n + 3)
+    load[-3], load[-2] = pull, push
+    u_2 = second_order_displacement(elements, made_of, held, linear(elements, made_of, load)[None])[0]
+    expected = -2 / 15 * pull * push * 100.0**5 / made_of.bending[0] ** 2
+    np.testing.assert_allclose(u_2[-2], expected, rtol=2 / n**2)  # the geometric stiffness of straight chords
+
+
+@pytest.mark.parametrize("angle", [0.01, 0.1, 0.3, 0.7])
+@pytest.mark.parametrize("kind", ["moment", "force"])
+def test_the_estimate_for_a_cantilever_is_within_its_factor_of_corotational_elements(kind, angle):
+    n = 20
+    elements, made_of, held = straight(n)
+    load = np.zeros(3 * n + 3)
+    if kind == "moment":
+        load[-1] = made_of.bending[0] * angle / 100.0
+    else:
+        load[-2] = 2 * made_of.bending[0] * angle / 100.0**2
+    u = linear(elements, made_of, load)
+    estimate = distances(second_order_displacement(elements, made_of, held, u[None])).max()
+    assert 1 / FACTOR < estimate / true_error(elements, made_of, held, u) < FACTOR
+
+
+def test_a_free_body_is_measured_against_its_mean_motion():
+    """A straight free beam between opposite end moments: it bends symmetrically, and its ends come nearer by a^2 L / 24 in all."""
+    n, angle = 20, 0.1
+    elements, made_of, _ = straight(n)
+    held = mean_rows(elements)
+    s = np.linspace(-0.5, 0.5, n + 1)
+    u = np.column_stack([0 * s, 50.0 * angle * s**2, angle * s]).ravel()
+    u_2 = second_order_displacement(elements, made_of, held, u[None])[0].reshape(-1, 3)
+    np.testing.assert_allclose(u_2[0, 0] - u_2[-1, 0], 100.0 * angle**2 / 24, rtol=2 / n**2)  # the chords turn less than the ends
+    np.testing.assert_allclose(held @ u_2.ravel(), 0, atol=1e-8)
+
+
+# the meter of a run
+
+
+def wing(factor: float, kind: str = "static", **changes: str):
+    return solve(prepare(read_scene(WING, {"loads.drive.torque": str(4200 * factor), **changes})), kind)
+
+
+@pytest.mark.parametrize("factor", [0.1, 0.5, 1.0, 1.5])
+def test_the_estimate_for_the_wing_is_within_its_factor_of_corotational_elements(factor):
+    found = compare_with_corotational(wing(factor), "skin")
+    assert 1 / FACTOR < found.estimate.error / found.error < FACTOR
+
+
+def test_craig_bampton_shapes_give_the_same_numbers_as_all_coordinates(tmp_path):
+    """They are statically exact at the joints; round-off of the shapes at the clamped node must not look like a free body."""
+    shutil.copytree(MODELS / "morphing_wing", tmp_path, dirs_exist_ok=True)
+    skin = tmp_path / "skin.toml"
+    skin.write_text(skin.read_text() + '\n[basis]\nkind = "craig-bampton"\ncount = 10\n')
+    save(build(skin), tmp_path / "skin.h5")
+    reduced = compare_with_corotational(solve(prepare(read_scene(tmp_path / "scene.toml")), "static"), "skin")
+    full = compare_with_corotational(wing(1.0), "skin")
+    for name in ("error", "stress_error"):
+        assert getattr(reduced, name) == pytest.approx(getattr(full, name), rel=1e-4)  # digits that stiff tension leaves
+    assert reduced.estimate.error == pytest.approx(full.estimate.error, rel=1e-4)
+
+
+def test_in_motion_the_end_of_the_wing_is_as_in_statics():
+    """The torque rises in a second, a hundred times slower than the wing swings."""
+    still, moving = deformation(wing(1.0), "skin"), deformation(wing(1.0, "transient"), "skin")
+    assert moving.error == pytest.approx(still.error, rel=1e-3)  # what swings on
+    assert moving.time > 0.9
+
+
+def test_the_forces_of_the_check_are_those_of_the_joints():
+    """K u at the nodes that the joints grip; nothing elsewhere."""
+    solution = wing(1.0)
+    behind = chain(solution.system.scene, "skin")
+    u = behind.displacements(np.real(solution.q[:, solution.coordinates("skin")]))[0]
+    forces = (stiffness_matrix(behind.elements, behind.made_of) @ u).reshape(-1, 3)
+    signs = {"C": (10, -1), "E": (25, -1), "G": (30, 1)}  # a joint exerts its force on its first body
+    for joint, (node, sign) in signs.items():
+        expected = [sign * JointForce(joint=joint, component=name).value(solution) for name in ("x", "y", "torque")]
+        np.testing.assert_allclose(forces[node], expected, atol=1e-4)  # E A u is 7e5 N per mm: round-off of u, in N and N mm
+    np.testing.assert_allclose(np.delete(forces, [0, 10, 25, 30], axis=0), 0, atol=1e-4)
+
+
+def test_a_body_with_a_moving_frame_is_measured_in_its_frame():
+    """Hung from a pendulum and a rod, or the whole scene turned by a right angle with its gravity: the same numbers."""
+    solution = solve(prepare(hanging_skin()), "transient")
+    turned = replace(solution, q=solution.q + np.eye(solution.q.shape[1])[solution.coordinates("skin").start + 2] * np.pi / 2)
+    assert deformation(solution, "skin") == deformation(turned, "skin")
+    found = compare_with_corotational(solution, "skin")
+    assert 1 / FACTOR < found.estimate.error / found.error < FACTOR
+
+
+def test_a_body_that_does_not_deform_is_exact_and_not_zero_by_zero():
+    solution = wing(1.0)
+    rest = replace(solution, q=0 * solution.q)
+    found = deformation(rest, "skin")
+    assert (found.error, found.displacement, found.relative, found.exceeded) == (0, 0, 0, False)
+
+
+def test_of_long_runs_the_instants_of_the_largest_coordinates_count():
+    elastic = np.sin(np.linspace(0, 20, 5000))[:, None] * [1.0, 1e-6]
+    found = largest_instants(elastic)
+    assert len(found) == INSTANTS
+    assert np.abs(elastic[found, 0]).min() > 0.999
+    assert np.array_equal(found, np.sort(found))
+
+
+def test_critical_speed_of_the_beam_is_its_lowest_clamped_frequency():
+    """omega = 1.8751^2 sqrt(E I / rho A) / L^2."""
+    exact = 1.875104068711961**2 * np.sqrt(210e9 * 0.02**2 / 12 / 7800.0)
+    assert critical_speed(read_scene(SPINNING), "beam") == pytest.approx(exact, rel=1e-5)  # 20 cubic elements
+
+
+# what the commands say
+
+
+def run(*arguments: str):
+    return CliRunner().invoke(app, list(arguments))
+
+
+def test_the_wing_is_reported_and_warned_about():
+    done = run("statics", WING, "--json")
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)["deformation"]["skin"]
+    assert found["geometric_error"]["unit"] == "mm"
+    assert found["relative_to_displacement"] > found["limit"] == LIMIT
+    assert "warning: skin leaves the range of small deformations" in done.stderr
+    quiet = run("statics", WING, "--quiet")
+    assert "geometric error, mm" in quiet.stdout
+    assert quiet.stderr == ""
+
+
+def test_a_wing_under_a_small_load_is_reported_without_warning():
+    done = run("statics", WING, "--set", "loads.drive.torque=420", "--json")
+    assert 0 < json.loads(done.stdout)["deformation"]["skin"]["relative_to_displacement"] < LIMIT
+    assert "warning" not in done.stderr
+
+
+def test_scenes_without_flexible_bodies_print_nothing_of_it():
+    scene = str(MODELS / "pendulum" / "scene.toml")
+    changes = ("--set", "solver.end_time=0.01")
+    assert "deformation" not in json.loads(run("simulate", scene, *changes, "--json").stdout)
+    assert "deformation" not in run("simulate", scene, *changes).stdout
+    refused = run("check-deformation", scene, *changes)
+    assert refused.exit_code == 1
+    assert "no body of the scene is flexible" in refused.stderr
+
+
+def test_a_model_without_mesh_has_no_number_and_says_so(tmp_path, capsys):
+    shutil.copytree(MODELS / "morphing_wing", tmp_path, dirs_exist_ok=True)
+    save(replace(load(tmp_path / "skin.h5"), mesh=None), tmp_path / "skin.h5")
+    scene = str(tmp_path / "scene.toml")
+    solution = solve(prepare(read_scene(scene)), "static")
+    found = deformations(solution)
+    assert record_of_deformations(solution, found) == {"skin": None}
+    print_deformations(solution, found)
+    assert "not available" in capsys.readouterr().out
+    refused = run("check-deformation", scene, "--static")
+    assert refused.exit_code == 1
+    assert "does not hold its mesh" in refused.stderr
+
+
+SHORT = ("--set", "solver.end_time=0.05")
+
+
+def test_a_beam_below_its_critical_speed_runs_without_warning():
+    done = run("simulate", SPINNING, *SHORT)
+    assert done.exit_code == 0
+    assert "critical speed" not in done.stdout + done.stderr
+
+
+def test_a_beam_beyond_its_critical_speed_is_warned_about():
+    """It should stretch by 0.2 mm, and bends out by half its length: linear FFRF lacks centrifugal stiffening."""
+    done = run("simulate", SPINNING, "--set", "solver.end_time=0.1", "--set", "bodies.beam.angular_velocity=120.0", "--json")
+    assert done.exit_code == 0
+    found = json.loads(done.stdout)["deformation"]["beam"]
+    assert found["largest_displacement"]["value"] > 0.1
+    assert found["relative_to_displacement"] > 0.5
+    spins = done.stderr.index("beam spins with 120 rad/s, faster than its critical speed of 105.3 rad/s")
+    assert spins < done.stderr.index("beam leaves the range of small deformations")
+
+
+DRIVE = """
+[joints.motor]
+type = "angle-driver"
+bodies = ["beam", "ground"]
+point = "hub"
+curve = { type = "smooth-step", duration = 0.4, height = 80.0 }
+"""
+
+
+def test_a_beam_that_comes_to_spin_too_fast_diverges_with_a_word_of_its_critical_speed(tmp_path):
+    """Up to 375 rad/s on the way: the run ends where the deflection has grown beyond what Newton can resolve."""
+    text = Path(SPINNING).read_text().replace("[design]", DRIVE + "\n[design]").replace(", angular_velocity = 50.0", "")
+    shutil.copy(MODELS / "rotating_beam" / "beam.h5", tmp_path / "beam.h5")
+    (tmp_path / "scene.toml").write_text(text)
+    done = run("simulate", str(tmp_path / "scene.toml"))
+    assert "critical speed" in done.stderr
+
+
+def test_check_deformation_reads_scenes_and_results_alike(tmp_path):
+    kept = str(tmp_path / "wing.h5")
+    assert run("statics", WING, "--output", kept).exit_code == 0
+    of_results = json.loads(run("check-deformation", kept, "--json").stdout)["deformation"]["skin"]
+    of_scene = json.loads(run("check-deformation", WING, "--static", "--json").stdout)["deformation"]["skin"]
+    assert of_results == of_scene
+    assert of_scene["stress_error"]["value"] > 1.0
+    assert "Leave it out" in run("check-deformation", kept, "--static").stderr
+
+
+def test_check_deformation_needs_the_preprocessing(monkeypatch):
+    monkeypatch.setattr(preprocessing_process, "is_installed", lambda: False)
+    refused = run("check-deformation", WING, "--static")
+    assert refused.exit_code == 1
+    assert "Install it" in refused.stderr

@@ -1,0 +1,90 @@
+"""The energy monitor: against energies from other formulations, by its order, and where a scheme is known to create energy."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.models.scenes import WING, hanging_skin
+from toolkit.analyses.transient import simulate
+from toolkit.bodies.planar.rigid import Rod
+from toolkit.description.point import Point
+from toolkit.description.profile import SmoothStep
+from toolkit.description.run_options import RunOptions
+from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
+from toolkit.loads.planar.torque import Torque
+from toolkit.responses.energy import KineticEnergy, StrainEnergy
+from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
+from toolkit.system.system import compile_scene
+from toolkit.validity.motion.energy_balance import energy_balance
+
+
+def linkage() -> Scene:
+    """Two rods with everything that puts energy in or takes it out: driver, torque, gravity, springs and dampers."""
+    places = {"O": (0.0, 0.0), "A": (1.0, 0.2), "B": (1.8, -0.3), "S": (2.0, 1.0)}
+    return Scene(
+        units="m-kg-s",
+        points={name: Point(x=x, y=y) for name, (x, y) in places.items()},
+        bodies={"crank": Rod(between=("O", "A"), area=1.0, density=1.0), "arm": Rod(between=("A", "B"), area=1.0, density=0.7)},
+        joints={
+            "O": Revolute(bodies=("crank", "ground"), point="O"),
+            "drive": AngleDriver(bodies=("crank", "ground"), point="O", curve=SmoothStep(height=1.5, duration=1.0)),
+            "A": Revolute(bodies=("crank", "arm"), point="A"),
+        },
+        loads={
+            "weight": Gravity(acceleration=(0.3, -9.81)),
+            "motor": Torque(body="arm", point="A", torque=2.0, reaction="crank"),
+            "brake": RotationalSpringDamper(bodies=("arm", "crank"), point="A", stiffness=3.0, damping=0.8),
+            "strut": SpringDamper(bodies=("arm", "ground"), points=("B", "S"), stiffness=4.0, damping=0.5),
+        },
+    )
+
+
+@pytest.mark.parametrize("scene", [linkage(), hanging_skin()], ids=["driven linkage", "flexible, moving frame"])
+def test_work_and_energy_balance_to_second_order(scene):
+    """Scheme and quadrature are both of second order, so that halving the step quarters the defect."""
+    end = scene.solver.end_time
+    defects = []
+    for steps in (200, 400):
+        options = RunOptions(end_time=end, step=end / steps, rho_inf=1.0, tolerance=1e-13)
+        defects.append(energy_balance(simulate(compile_scene(scene), options)).relative_defect)
+    assert defects[1] < 1e-3  # (2 pi h / period)^2 / 12 at the shortest period that carries energy
+    assert np.log2(defects[0] / defects[1]) == pytest.approx(2.0, abs=0.35)  # not quite asymptotic for the stiff skin
+
+
+def test_its_energies_are_those_of_the_responses():
+    run = simulate(compile_scene(hanging_skin()))
+    balance = energy_balance(run)
+    kinetic = [KineticEnergy().at(run, n).value for n in range(len(run.times))]
+    strain = [StrainEnergy().at(run, n).value for n in range(len(run.times))]
+    # the same products, summed in another order
+    np.testing.assert_allclose(balance.kinetic, kinetic, rtol=1e-12)
+    np.testing.assert_allclose(balance.strain, strain, rtol=1e-9, atol=1e-12 * max(strain))
+
+
+def test_compiled_and_plain_work_agree():
+    scene = linkage()
+    options = RunOptions(end_time=0.1, step=0.01)
+    compiled = energy_balance(simulate(compile_scene(scene), options)).work
+    plain = energy_balance(simulate(compile_scene(scene.with_number("points.S.x", 2.0 + 0j)), options)).work
+    np.testing.assert_allclose(plain.real, compiled, rtol=1e-9)  # Newton's tolerance
+
+
+def test_the_papers_scheme_creates_energy_to_first_order_on_the_wing():
+    scene, defects = read_scene(WING), []
+    for step in (0.02, 0.01):
+        run = simulate(compile_scene(scene), scene.solver.model_copy(update={"scheme": "paper", "step": step}))
+        balance = energy_balance(run)
+        assert balance.defect[-1] > 0
+        defects.append(balance.relative_defect)
+    assert defects[0] / defects[1] == pytest.approx(2.0, rel=0.1)
+
+
+def test_rest_has_no_defect():
+    scene = linkage().model_copy(update={"loads": {}})
+    rest = scene.model_copy(update={"joints": {name: joint for name, joint in scene.joints.items() if name != "drive"}})
+    assert energy_balance(simulate(compile_scene(rest), RunOptions(end_time=0.1, step=0.05))).relative_defect == 0
