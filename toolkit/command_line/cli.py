@@ -126,7 +126,7 @@ def statics(
     described, text = read(scene, changes, quiet), text_of(scene)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
-        found = compile_model(described, names).statics(gradients="direct", progress=progress, timed=True)
+        found = compile_model(described, names).statics(gradients="direct" if names else False, progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
     print_result(found, as_json, quiet)
 
