@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import typeof
 
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES as PLANAR
@@ -52,6 +53,7 @@ def arrays(plan: Any, path: str = "plan") -> Iterator[tuple[str, Any]]:
 
 def assert_same(found: System, fresh: System) -> None:
     """Bit by bit: what is made anew is made by the same formulas, and what is kept has not changed."""
+    assert typeof(found.plan) == typeof(fresh.plan)  # the compiled loop is handed it without another look
     for (place, one), (_, other) in zip(arrays(found.plan), arrays(fresh.plan), strict=True):
         assert np.array_equal(one, other), place
     assert np.array_equal(found.weights, fresh.weights)

@@ -40,7 +40,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     """
     paths = [path for path in paths if path.split(".")[0] in GROUPS]
     if not paths:  # numbers of the solver and of responses stand in the scene alone
-        return replace(system, scene=scene)
+        return replace(system, scene=scene).compiled_as(system)
     names = list(system.design.names)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
@@ -58,4 +58,5 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
     design = Design(tuple(replace(each, value=float(np.real(scene.number(each.path)))) for each in system.design))
-    return replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
+    found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
+    return found.compiled_as(system)

@@ -106,6 +106,12 @@ class System:
         _ = self._evaluation  # compiled by now
         return first_class(evaluate_all, self._signature())
 
+    def compiled_as(self, other: System) -> System:
+        """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
+        than a short run."""
+        self.__dict__.update(_evaluation=other._evaluation, evaluator=other.evaluator)
+        return self
+
     def _signature(self) -> Any:
         """The signature that `evaluate_all` is compiled for with this plan; one process may have planar and spatial scenes."""
         own = typeof(self.plan)
