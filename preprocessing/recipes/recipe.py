@@ -31,12 +31,13 @@ Remark = Callable[[str], None]
 
 
 class Seal(NamedTuple):
-    """How a kind writes what it hashes: as its first models did, so that those are still known."""
+    """How a kind writes what it hashes: as its first models did, so that those are still known.
+
+    A file stands behind its length, so that no byte can pass from one to the next unnoticed.
+    """
 
     word: str = ""  # ahead of the versions
-    lengths_of_files: bool = (
-        True  # whether a file stands behind its length, so that no byte passes from one to the next unnoticed
-    )
+    lengths_of_files: bool = True
     lengths_of_changes: bool = False
 
 
