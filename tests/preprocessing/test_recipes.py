@@ -23,6 +23,7 @@ from preprocessing.recipes import build_model
 from preprocessing.recipes.build_model import RECIPES, read_recipe
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from preprocessing.recipes.recipe import WRITER_VERSION, Recipe, Remark, Seal
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.tables import BasisTable, Positive, Table
 from preprocessing.reduction.reduced import reduce
 from tests.models.processors import FRAME, MODELS
@@ -112,6 +113,16 @@ def test_other_values_and_keys_are_refused_by_name(files, name):
         recipe.at({"nothing": 1.0})
     with pytest.raises(InputError, match=r"cannot be used:\n  basis\.nothing: unknown key; allowed here: kind, "):
         recipe.at(keys={"basis.nothing": 1})
+
+
+def test_finished_matrices_take_other_keys_and_no_other_values():
+    content = {"units": "m-kg-s", "matrices": {"mass": "m.mtx", "stiffness": "k.mtx", "nodes": "n.txt"}, "clamp": {"nodes": [0]}}
+    recipe = BodyRecipe.of(content, Path("body.toml"))
+    with pytest.raises(
+        InputError, match=r"finished matrices hold for the values that they were made with\. Change density in the scene"
+    ):
+        recipe.at({"density": 2.0})
+    assert recipe.at(keys={"basis.kind": "static"}).file.basis.kind == "static"
 
 
 def test_what_is_up_to_date_is_so_without_the_library_that_would_build_it(tmp_path):
