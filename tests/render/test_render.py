@@ -253,6 +253,7 @@ def dense(line):
 @pytest.mark.parametrize("kind", KINDS)
 def test_titles_ticks_labels_colour_bar_and_legend_overlap_nowhere_and_are_on_the_sheet(figures, kind):
     figure, _ = figures[kind]
+    figure.draw_without_rendering()  # which puts labels where the file has them
     texts = [text for axes in figure.axes for text in (axes.xaxis.label, axes.yaxis.label, axes.title, axes._left_title)]
     texts += [text for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for text in visible_numbers(axis)]
     texts += [text for legend in figure.legends for text in legend.get_texts()]

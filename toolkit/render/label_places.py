@@ -85,8 +85,11 @@ def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
     if len(points) < 2:
         return points
     counts = np.ceil(np.hypot(*np.diff(points, axis=0).T) / spacing).astype(int).clip(1)
-    pairs = zip(points[:-1], points[1:], counts, strict=True)
-    return np.vstack([*(np.linspace(start, end, n, endpoint=False) for start, end, n in pairs), points[-1:]])
+    steps, within = (
+        np.diff(points, axis=0) / counts[:, None],
+        np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts),
+    )
+    return np.vstack([np.repeat(points[:-1], counts, axis=0) + within[:, None] * np.repeat(steps, counts, axis=0), points[-1:]])
 
 
 def _around(name: Name, gap: float) -> list[np.ndarray]:

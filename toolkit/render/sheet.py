@@ -53,9 +53,16 @@ def sheet(
 
 def settle(figure: Figure, fit: Callable[[], None] = lambda: None) -> None:
     """Lay a figure out for good, so that what is drawn from now on knows its scale; `fit` may adapt limits to the room there is."""
-    for _ in range(3):  # numbers of ticks that a round has made narrower or wider
-        figure.draw_without_rendering()
+    before: list[Any] = []
+    for _ in range(3):  # a round may make numbers of ticks narrower or wider
+        engine = figure.get_layout_engine()
+        if engine is not None:
+            engine.execute(figure)
         fit()
+        now = [(*axes.get_position().bounds, *axes.get_xlim(), *axes.get_ylim()) for axes in figure.axes]
+        if np.shape(now) == np.shape(before) and np.allclose(now, before, rtol=1e-9, atol=0):
+            break
+        before = now
     figure.set_layout_engine("none")
 
 
