@@ -8,6 +8,7 @@ from toolkit.foundation.kernel import copy, inner
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
+from toolkit.solvers.transient.scheme import by_acceleration
 from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
@@ -35,7 +36,7 @@ class Control(NamedTuple):
 @inner
 def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
     for e in range(len(jacobian)):
         jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
@@ -57,7 +58,7 @@ def is_finite(vector):
 @inner
 def place(scheme, memory, count, acc, q, v):
     """Coordinates and velocities that belong to accelerations."""
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     for i in range(count):
         q[i] = memory.q_predicted[i] + c_q * acc[i]
         v[i] = memory.v_predicted[i] + c_v * acc[i]
@@ -66,7 +67,7 @@ def place(scheme, memory, count, acc, q, v):
 @inner
 def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     """Subtract Newton's correction; its size and place go to `outcome`."""
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     largest, worst = 0.0, 0
     for i in range(plan.n):
         acc[i] -= memory.correction[i]

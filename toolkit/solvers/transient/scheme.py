@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined, inner
 
 
 class Scheme(NamedTuple):
@@ -44,6 +44,12 @@ def with_step(scheme, h):
         h, scheme.beta, scheme.gamma, scheme.beta_old, scheme.gamma_old, scheme.keep, scheme.new, scheme.old, scheme.carry,
         scheme.weight_inertial, scheme.weight_applied, scheme.carried_inertial, scheme.carried_applied, scheme.error, scheme.inertia,
     )  # fmt: skip
+
+
+@inlined
+def by_acceleration(scheme):
+    """c_q = d q_+ / d a_+ = h^2 beta new, and c_v = d v_+ / d a_+ = h gamma new."""
+    return scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
 
 
 QUASI_STATIC = Scheme(1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.5, False)

@@ -3,6 +3,7 @@
 from toolkit.foundation.kernel import inner
 from toolkit.linear.linear_solver import solve_refined_block
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
+from toolkit.solvers.transient.scheme import by_acceleration
 
 
 @inner
@@ -48,7 +49,7 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
     add_design_change(plan, terms, w_i, w_a, load)
     add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
     solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     for i in range(plan.n):
         for x in range(plan.n_x):
             dacc[i, x] = -dacc[i, x]

@@ -29,6 +29,7 @@ from toolkit.linear.linear_solver import (
 from toolkit.linear.sparse_analysis import analyse
 from toolkit.solvers.transient.ggl.ggl_pattern import GglPattern, ggl_pattern
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict
+from toolkit.solvers.transient.scheme import by_acceleration
 from toolkit.solvers.transient.staggered import add_design_change, add_state_change
 from toolkit.solvers.transient.step_memory import AT_FAULT, LAST
 
@@ -97,7 +98,7 @@ def begin_ggl(evaluator, plan, functions, inputs, q, v, acc, memory, ggl):
 @inner
 def ggl_matrix(scheme, memory, ggl):
     """Matrix of the step from the base matrix in `memory.jacobian` and its terms (see `ggl_pattern`)."""
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     pattern, values, terms, S = ggl.pattern, ggl.jacobian, memory.terms, ggl.S
     bent, closing = pattern.bent, pattern.closing
     values[:] = 0
@@ -125,7 +126,7 @@ def solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memor
     Returns -1, or the unknown that the equations do not determine (for eta the multiplier of the same joint).
     """
     evaluator(plan, functions, positions(inputs, ggl), q, v, acc, False, False, ggl.terms, memory.work)
-    c_q = scheme.h * scheme.h * scheme.beta * scheme.new
+    c_q, _ = by_acceleration(scheme)
     for i in range(plan.n):
         ggl.residual[i] = memory.residual[i]
         if i >= plan.n_q:
@@ -148,7 +149,7 @@ def solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memor
 @inner
 def correct_ggl(plan, scheme, weights, ggl, q, outcome):
     """Subtract eta's correction, after that of [a; lam]; the size of the whole one goes to `outcome`."""
-    c_q, pattern = scheme.h * scheme.h * scheme.beta * scheme.new, ggl.pattern
+    (c_q, _), pattern = by_acceleration(scheme), ggl.pattern
     ggl.moved[:] = 0
     for k in range(len(pattern.row)):
         ggl.moved[pattern.coordinate[k]] += ggl.S[k] * ggl.correction[plan.n + pattern.row[k]]
@@ -169,7 +170,7 @@ def ggl_sensitivity_step(evaluator, plan, functions, inputs, scheme, history, st
     """
     pattern, terms, load, n_x = ggl.pattern, memory.terms, ggl.pseudo_load, plan.n_x
     dq, dv, dacc = history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1]
-    c_q, c_v = scheme.h * scheme.h * scheme.beta * scheme.new, scheme.h * scheme.gamma * scheme.new
+    c_q, c_v = by_acceleration(scheme)
     count, after, n_lam = plan.n_q * n_x, step + 1, plan.n - plan.n_q
     predict(
         scheme, history.flat_dq[step], history.flat_dv[step], history.flat_dacc[step], memory.flat_daux, count,
