@@ -15,9 +15,7 @@ from preprocessing.recipes.frame.frame_tables import BeamTable, FrameMaterial, F
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_tables import (
     Airfoil,
-    BasisTable,
     ContourPoint,
-    Damping,
     ElementGroup,
     Material,
     Place,
@@ -36,6 +34,7 @@ from preprocessing.recipes.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
+from preprocessing.recipes.tables import BasisTable, Damping
 from toolkit.description.point import BodyPoint
 from toolkit.description.profile import CURVES
 from toolkit.description.run_options import Baumgarte, RunOptions

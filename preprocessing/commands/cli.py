@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from preprocessing.input.output_file import refuse_output
-from preprocessing.recipes.source_file import source
+from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError, ToolkitError, out_of_memory, refusal
 from toolkit.foundation.files.outside_files import told_outside
 from toolkit.reduced_model.file import load, save
@@ -40,16 +40,16 @@ def preprocess(
     if extrude is not None:
         _extrude(skin, extrude, layers)
         return
-    described, values = source(skin), _values(parameters or [])
+    recipe, values = read_recipe(skin), _values(parameters or [])
     output = output or skin.with_suffix(".h5")
-    wanted = described.hash(values)
-    refuse_output(output, skin, described.inputs, wanted, overwrite)
-    if not force and _hash_in(output, described.parts) == wanted:
+    wanted = recipe.hash(values)
+    refuse_output(output, skin, recipe.inputs, wanted, overwrite)
+    if not force and _hash_in(output, recipe.parts) == wanted:
         typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
         return
-    if elsewhere := told_outside(skin, described.inputs):
+    if elsewhere := told_outside(skin, recipe.inputs):
         _remark(elsewhere)
-    model = described.build(_remark, values, {})
+    model = recipe.at(values).build(_remark)
     for caution in material_questions(model.nominal, model.units, skin.stem):
         _remark(f"warning: {caution.text}")
     save(model, output)
@@ -80,8 +80,8 @@ def _extrude(skin: Path, target: Path, layers: int) -> None:
             f"a solid needs meshio and scikit-fem, which cannot be loaded ({error}). Install them with: pip install "
             "'ffrf-toolkit[preprocessing]'."
         ) from error
-    mesh, described = extrude(skin, target, layers, _remark)
-    typer.echo(f"{mesh} and {described} written. Next: ffrf-preprocess {described}")
+    mesh, recipe = extrude(skin, target, layers, _remark)
+    typer.echo(f"{mesh} and {recipe} written. Next: ffrf-preprocess {recipe}")
 
 
 def _values(given: list[str]) -> dict[str, float]:

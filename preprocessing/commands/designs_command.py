@@ -14,7 +14,7 @@ import json
 import sys
 from pathlib import Path
 
-from preprocessing.recipes.source_file import source, tables_changed
+from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import ToolkitError, refusal
 from toolkit.reduced_model.file import save
 
@@ -24,9 +24,10 @@ def main(skin: Path) -> None:
     for line in sys.stdin:
         wanted = json.loads(line)
         try:
-            described, values, keys = source(skin), wanted.get("values", {}), wanted.get("keys", {})
-            save(described.build(None, values, keys), wanted["file"])
-            tables = tables_changed(described, values, keys)
+            recipe = read_recipe(skin)
+            other = recipe.at(wanted.get("values"), wanted.get("keys"))
+            save(other.build(), wanted["file"])
+            tables = recipe.changed_tables(other) if other.keys else {}
         except ToolkitError as error:
             print(error, file=sys.stderr)
             raise SystemExit(1) from None

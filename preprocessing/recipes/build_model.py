@@ -6,9 +6,33 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from preprocessing.recipes.skin.geometry import Remark
-from preprocessing.recipes.source_file import source
+from preprocessing.recipes.frame.frame_recipe import FrameRecipe
+from preprocessing.recipes.recipe import Recipe, Remark
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
+from toolkit.foundation.files.toml_file import read_toml
 from toolkit.reduced_model.model import ReducedModel
+
+RECIPES: tuple[type[Recipe[Any]], ...] = (
+    FrameRecipe,
+    BodyRecipe,
+    SkinRecipe,
+)
+"""All kinds; a file is of the first that its content is meant as, and of the last if of none."""
+
+
+def read_recipe(path: str | Path) -> Recipe[Any]:
+    """The file that describes a flexible body, of whatever kind it is.
+
+    Raises
+    ------
+    InputError
+        It is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+    """
+    *names, last = (kind.name for kind in reversed(RECIPES))
+    content = read_toml(Path(path), f"a {', '.join(names)} or {last}")
+    kind = next((kind for kind in RECIPES if kind.means(content)), RECIPES[-1])
+    return kind.of(content, Path(path))
 
 
 def build(
@@ -40,4 +64,4 @@ def build(
     InputError
         The file, or one that it names, is missing or wrong; says what would be right.
     """
-    return source(Path(path)).build(remark, values or {}, keys or {})
+    return read_recipe(path).at(values, keys).build(remark)

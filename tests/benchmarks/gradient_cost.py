@@ -15,8 +15,8 @@ from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 
+from preprocessing import build
 from preprocessing.elements.section import QUANTITIES
-from preprocessing.recipes.skin.build import build
 from tests.benchmarks.chain import chain
 from toolkit.analyses.transient import simulate
 from toolkit.reduced_model.file import save

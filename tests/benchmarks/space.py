@@ -12,7 +12,7 @@ import time
 from pathlib import Path
 from statistics import median
 
-from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing import build
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.description.point import BodyPoint, Point
@@ -62,7 +62,7 @@ def beam(folder: Path, modes: int) -> str:
     """Name of the reduced model of a beam of 1 m, clamped at its frame, with so many modes."""
     path = folder / f"beam{modes}.toml"
     path.write_text(BEAM.format(elements=max(8, modes // 4 + 2), modes=modes))
-    save(build_frame(path), path.with_suffix(".h5"))
+    save(build(path), path.with_suffix(".h5"))
     return f"beam{modes}.h5"
 
 

@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 
-from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing import build
 from tests.command_line.test_cli import record, refused, run
 from tests.models.spatial_cases import write_models
 from tests.models.spatial_every_number import SCENES
@@ -162,7 +162,7 @@ bodies = {{ shaft = {{ type = "flexible", model = "shaft.h5", frame = "{frame}",
 def shaft(tmp_path_factory):
     path = tmp_path_factory.mktemp("shaft")
     (path / "shaft.toml").write_text(SHAFT)
-    save(build_frame(path / "shaft.toml"), path / "shaft.h5")
+    save(build(path / "shaft.toml"), path / "shaft.h5")
 
     def scene(frame: str, more: str):
         (path / "scene.toml").write_text(SPIN.format(frame=frame, more=more))

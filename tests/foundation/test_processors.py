@@ -7,8 +7,8 @@ import pytest
 
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
+from preprocessing.recipes.build_model import build
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from preprocessing.recipes.source_file import source
 from tests.models.processors import BUILT, MODELS, entries, kernels, rotating_beam, under
 from tests.preprocessing.test_preprocess_cli import arrays
 from toolkit.analyses.modes import solve_modes
@@ -50,7 +50,7 @@ def test_models_hold_the_same_entries_under_every_kernel():
 @pytest.mark.parametrize("name", [*BUILT, "rotating_beam/beam"])
 def test_committed_models_are_what_their_inputs_give(name):
     committed = load(MODELS / f"{name}.h5")
-    fresh = source(BUILT[name].with_suffix(".toml")).build(None, {}, {}) if name in BUILT else rotating_beam()
+    fresh = build(BUILT[name].with_suffix(".toml")) if name in BUILT else rotating_beam()
     assert committed.input_hash == fresh.input_hash
     assert (committed.nominal, committed.inputs, committed.source) == (fresh.nominal, fresh.inputs, fresh.source)
     ours, theirs = dict(entries(committed)), dict(entries(fresh))

@@ -14,7 +14,7 @@ import numpy as np
 from scipy import io as scipy_io
 from scipy import sparse
 
-from preprocessing.recipes.solids.body_file import read_body_file
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.fuzz.case import Case
 from tests.fuzz.mutations import spoilt
@@ -45,7 +45,7 @@ def matrices() -> tuple[Any, Any, np.ndarray, Any]:
     """Mass, stiffness, nodes and stress of a small rectangle."""
     with tempfile.TemporaryDirectory() as folder:
         path = write_body(Path(folder), rectangle("quad", (3, 2), 1.0, 0.2), "kind = 'static'", tie="rigid")
-        body = discrete_body(path, read_body_file(path))
+        body = discrete_body(path, BodyRecipe.read(path).file)
         found = body.parts.at(body.values)
         return found.mass, found.stiffness, body.mesh.nodes, found.stress
 

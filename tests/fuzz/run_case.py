@@ -32,7 +32,7 @@ PROGRAMS = {"ffrf": "toolkit.command_line.cli", "ffrf-preprocess": "preprocessin
 LOADED = (
     "preprocessing.commands.cli",
     *(
-        "preprocessing.recipes.solids.build_body",
+        "preprocessing.recipes.solids.reduced_body",
         "preprocessing.foreign_files.mesh_arrays",
         "preprocessing.foreign_files.matrix_entries",
     ),
@@ -54,8 +54,8 @@ def load(names: tuple[str, ...]) -> None:
 
 def _build_once() -> None:
     """Build a good body, which loads what is loaded late."""
+    from preprocessing import build
     from preprocessing.foreign_files import child
-    from preprocessing.recipes.solids.build_body import build_body
     from toolkit.reduced_model.file import save
 
     for model in ("bracket", "spatial_bracket"):
@@ -63,7 +63,7 @@ def _build_once() -> None:
         apart.read_apart, original = (lambda *_, found=found, **__: found), apart.read_apart
         mesh_file.read_apart = apart.read_apart
         with tempfile.TemporaryDirectory() as folder:
-            save(build_body(MODELS / model / "body.toml"), Path(folder) / "body.h5")
+            save(build(MODELS / model / "body.toml"), Path(folder) / "body.h5")
         apart.read_apart = mesh_file.read_apart = original
 
 

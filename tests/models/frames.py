@@ -16,7 +16,7 @@ from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh
 from preprocessing.recipes.skin.geometry import read_geometry
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 
 SECTION = Section(youngs_modulus=70000.0, density=2.7e-9, thickness=1.5, width=1000.0)
 SKIN = Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml"
@@ -93,7 +93,7 @@ def cantilever(n_elements: int, length: float = 100.0, angle: float = 0.0, **key
 @cache
 def wing() -> Frame:
     """The skin of the morphing wing with the interface points of its skin.toml."""
-    file = read_skin_file(SKIN)
+    file = SkinRecipe.read(SKIN).file
     mesh = read_geometry(SKIN, file).mesh
     points = {name: float(place.node) for name, place in file.interface_points.items()}
     return Frame(mesh.nodes, mesh.connectivity, points=points)

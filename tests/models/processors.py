@@ -20,7 +20,7 @@ import numpy as np
 import scipy.linalg  # noqa: F401  loads its own copy of OpenBLAS
 from numpy._core._multiarray_umath import __cpu_features__ as cpu_features
 
-from preprocessing.recipes.source_file import source
+from preprocessing.recipes.build_model import build, read_recipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.reduced_model.model import ReducedModel
 
@@ -76,14 +76,14 @@ def under(kernel: str, *arguments: str) -> str:
 
 def built() -> Iterator[tuple[str, ReducedModel]]:
     """The committed models, the wing with computed bases, and a spatial frame and a solid of which nothing is reduced, built now."""
-    yield from ((name, source(path.with_suffix(".toml")).build(None, {}, {})) for name, path in BUILT.items())
+    yield from ((name, build(path.with_suffix(".toml"))) for name, path in BUILT.items())
     yield "rotating_beam/beam", rotating_beam()
-    wing = source(BUILT["morphing_wing/skin"].with_suffix(".toml"))
-    yield from ((name, wing.build(None, {}, {"basis": basis})) for name, basis in BASES.items())
+    wing = read_recipe(BUILT["morphing_wing/skin"].with_suffix(".toml"))
+    yield from ((name, wing.at(keys={"basis": basis}).build()) for name, basis in BASES.items())
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "frame.toml").write_text(FRAME)
-        yield "frame", source(Path(folder) / "frame.toml").build(None, {}, {})
-        yield "solid", source(write_body(Path(folder), rectangle("quad8", (6, 2), 1.0, 0.2), 'kind = "full"')).build(None, {}, {})
+        yield "frame", build(Path(folder) / "frame.toml")
+        yield "solid", build(write_body(Path(folder), rectangle("quad8", (6, 2), 1.0, 0.2), 'kind = "full"'))
 
 
 def rotating_beam() -> ReducedModel:

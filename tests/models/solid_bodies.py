@@ -8,10 +8,10 @@ from pathlib import Path
 import meshio
 import numpy as np
 
+from preprocessing import build
 from preprocessing.assembly.solids.elements import CUBE, CUBE_MIDDLES
 from preprocessing.mesh.faces import TETRA_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.build_body import build_body
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel
 
 KINDS = ("triangle", "triangle6", "quad", "quad8", "quad9")
@@ -126,7 +126,7 @@ tie = "{tie}"
 
 def cantilever(folder: Path, mesh: SolidMesh, *args, **kwargs) -> ReducedModel:
     """The reduced model of `write_body`."""
-    return build_body(write_body(folder, mesh, *args, **kwargs))
+    return build(write_body(folder, mesh, *args, **kwargs))
 
 
 def moves(point: InterfacePoint) -> np.ndarray:

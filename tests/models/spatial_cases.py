@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from preprocessing.recipes.frame.build_frame import build_frame
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing import build
 from tests.models.cases import LINEAR, SINE, SUM, TABLE
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
@@ -168,11 +167,11 @@ stuff = { youngs_modulus = 120.0, poisson_ratio = 0.3, density = 0.9 }
 def write_models(directory: Path) -> None:
     """The flexible bodies of all cases, with numbers of order one: a bent frame of two beams, and a brick of one element."""
     (directory / "frame.toml").write_text(FRAME)
-    save(build_frame(directory / "frame.toml"), directory / "frame.h5")
+    save(build(directory / "frame.toml"), directory / "frame.h5")
     top = "[pressure_surfaces.top]\nbox = [0.0, -0.25, 0.2, 2.0, 0.25, 0.2]"
     brick = write_body(directory, box("hexahedron", (1, 1, 1), (2.0, 0.5, 0.4)), more=top)
     values = {"youngs_modulus": 1.3, "density": 0.8, "damping_stiffness": 0.2}
-    save(build_body(brick, values), directory / "solid.h5")
+    save(build(brick, values=values), directory / "solid.h5")
 
 
 def _cases() -> list[SpatialCase]:

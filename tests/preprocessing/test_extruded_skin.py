@@ -9,12 +9,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.commands.cli import main
 from preprocessing.mesh.mesh_file import read_mesh
-from preprocessing.recipes.skin.build import build
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.extruded_skin import extrude
 from tests.models.solid_bodies import moves
 from toolkit.foundation.errors import InputError
@@ -56,7 +55,7 @@ def test_volume_is_that_of_the_middle_line_times_the_section(skin):
 
 def test_solid_skin_is_as_stiff_in_its_plane_as_the_beams(skin):
     _, described = extrude(skin, skin.with_name("solid.msh"), 2)
-    solid, beams = build_body(described, keys=STATIC), build(skin, keys=STATIC)
+    solid, beams = build(described, keys=STATIC), build(skin, keys=STATIC)
     for point in ("C", "E", "G"):
         found, expected = compliance(solid, point, [0, 1, 5]), compliance(beams, point, [0, 1, 2])
         # the section round a point of the beam turns as a whole, that of the solid by 0.8 % more under a moment there; the rest is off by
@@ -77,7 +76,7 @@ def test_command_writes_what_it_then_builds(skin, monkeypatch, capsys):
             main()
         assert not caught.value.code
     assert "interface points C, E, G" in capsys.readouterr().out
-    assert read_body_file(skin.with_name("solid.toml")).clamp.group == "F"
+    assert BodyRecipe.read(skin.with_name("solid.toml")).file.clamp.group == "F"
 
 
 def test_what_cannot_be_extruded_is_refused(skin):

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
+from preprocessing import build
 from preprocessing.basis.reduction import tangent_frame
 from preprocessing.commands.cli import main
-from preprocessing.recipes.frame.build_frame import build_frame
 from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
-from preprocessing.recipes.frame.frame_file import read_frame_file
+from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save
@@ -111,7 +111,7 @@ def rate(model: ReducedModel, item: str, parameter: str) -> np.ndarray:
 def test_bent_cantilever_sinks_by_bending_and_torsion(tmp_path):
     """P a^3 / 3EI + P b^3 / 3EI + P a b^2 / GJ under a load across the plane of an L, and the interface point says so."""
     (tmp_path / "bent.toml").write_text(BENT)
-    model = build_frame(tmp_path / "bent.toml")
+    model = build(tmp_path / "bent.toml")
     position, rotation = model.interfaces["tip"].here
     moved = np.linalg.solve(model.invariants.stiffness, position[2, 1:])
     a, b, inertia = 0.7, 0.4, np.pi * 0.02**4 / 64
@@ -124,7 +124,7 @@ def test_bent_cantilever_sinks_by_bending_and_torsion(tmp_path):
 
 
 def test_mass_and_its_moments_are_those_of_the_bodies_that_it_is_made_of(path):
-    inv = build_frame(path).invariants
+    inv = build(path).invariants
     nodes = {"A": [0, 0, 0], "B": [0, 0, 1], "C": [1, 0.2, 1.3], "D": [1.1, 1, 0.9]}
     lines = {"AB": 7850 * np.pi * (0.05**2 - 0.042**2) / 4, "BC": 2700 * 4e-4, "CD": 7850 * 4e-4, "BD": 2700 * np.pi * 1e-4}
     ends = {name: [np.array(nodes[node], float) for node in name] for name in lines}
@@ -145,7 +145,7 @@ def test_mass_and_its_moments_are_those_of_the_bodies_that_it_is_made_of(path):
     ],
 )
 def test_every_basis_gives_a_file_that_is_read_back(path, tmp_path, basis, n_f):
-    model = build_frame(path, keys={"basis": basis} if basis else {})
+    model = build(path, keys={"basis": basis} if basis else {})
     save(model, tmp_path / "frame.h5")
     read = load(tmp_path / "frame.h5")
     assert (read.dimension, read.n_f, list(read.interfaces)) == (3, n_f, ["tip"])
@@ -157,7 +157,7 @@ def test_every_basis_gives_a_file_that_is_read_back(path, tmp_path, basis, n_f):
 def test_a_free_frame_floats_about_mean_axes(path):
     """Its modes carry neither momentum nor, by their translations and rotations, angular momentum."""
     path.write_text(FRAME.replace('clamp = ["A"]\n', "") + '[basis]\nkind = "eigenmodes"\ncount = 6\nboundary = "free"\n')
-    model = build_frame(path)
+    model = build(path)
     assert model.reference_condition == MEAN_AXES
     inv = model.invariants
     q = inv.second_moment[3:, 0, 1:] - inv.second_moment[3:, 1:, 0]
@@ -167,8 +167,8 @@ def test_a_free_frame_floats_about_mean_axes(path):
 
 
 def test_polynomials_are_a_fresh_preprocessing_at_any_design(path):
-    model = build_frame(path)
-    file = read_frame_file(path)
+    model = build(path)
+    file = FrameRecipe.read(path).file
     other = {
         name: value * (1.1 + 0.03 * k)
         for k, (name, value) in enumerate(model.nominal.items())
@@ -176,7 +176,7 @@ def test_polynomials_are_a_fresh_preprocessing_at_any_design(path):
     }
     other = {name: value for name, value in other.items() if not name.startswith("poisson")}
     assert set(other) == frame_space(file).in_monomials
-    fresh, p = build_frame(path, values=other), np.array(list({**model.nominal, **other}.values()))
+    fresh, p = build(path, values=other), np.array(list({**model.nominal, **other}.values()))
     for name in NAMES:
         expected = getattr(fresh.invariants, name)
         close(model.affine[name](p, expected.size).reshape(expected.shape), expected, 1e-12)
@@ -184,7 +184,7 @@ def test_polynomials_are_a_fresh_preprocessing_at_any_design(path):
 
 @pytest.mark.parametrize("parameter", ["x_B", "z_D", "y_A", "poisson_ratio_alloy", "wall_leg", "I_p_foreign", "density_steel"])
 def test_all_derivatives_are_the_complex_step(path, parameter):
-    model, file = build_frame(path), read_frame_file(path)
+    model, file = build(path), FrameRecipe.read(path).file
     stepped = {**model.nominal, parameter: model.nominal[parameter] + 1e-30j}
     elements = frame_elements(file, stepped)
     z = tangent_frame(elements.nodes, 0, "A").z
@@ -201,11 +201,11 @@ def test_all_derivatives_are_the_complex_step(path, parameter):
 def test_eigenvalues_of_differentiated_modes_follow_the_design(path, parameter):
     """Against central differences of the eigenvalues of all coordinates, extrapolated from two steps."""
     keys: dict[str, Any] = {"basis": {"kind": "eigenmodes", "count": 4}}
-    model = build_frame(path, keys=keys)
+    model = build(path, keys=keys)
 
     def eigenvalues(change: float) -> np.ndarray:
         values = {**model.nominal, parameter: model.nominal[parameter] * (1 + change)}
-        elements = frame_elements(read_frame_file(path), values)
+        elements = frame_elements(FrameRecipe.read(path).file, values)
         found = elements.parts.at(values)
         stiffness, mass = (elements.nodal(each).toarray()[6:, 6:] for each in (found.stiffness, found.mass))
         return eigh(stiffness, mass, eigvals_only=True)[:4]
@@ -256,15 +256,15 @@ def test_wrong_input_is_refused_by_key(path, old, new, message):
     assert old in FRAME
     path.write_text(FRAME.replace(old, new, 1))
     with pytest.raises(InputError, match=re.escape(message)) as caught:
-        build_frame(path)
+        build(path)
     assert str(path) in str(caught.value)
 
 
 def test_stocky_rectangle_is_remarked(path):
     remarks: list[str] = []
-    build_frame(path, remarks.append, keys={"basis": {"kind": "static"}})
+    build(path, remarks.append, keys={"basis": {"kind": "static"}})
     assert not remarks
-    build_frame(path, remarks.append, values={"width_arm": 0.012}, keys={"basis": {"kind": "static"}})
+    build(path, remarks.append, values={"width_arm": 0.012}, keys={"basis": {"kind": "static"}})
     assert "stocky rectangle arm" in remarks[0]
 
 

@@ -12,9 +12,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.recipes.skin.build import build, input_hash
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.fuzz.toml_mutations import document, spoilt
 from toolkit.foundation.errors import ToolkitError
 from toolkit.reduced_model.file import save
@@ -124,7 +124,7 @@ def test_a_spoilt_skin_file_is_refused_by_the_program_itself_or_used(folder, tab
     path = folder / "skin.toml"
     path.write_text(document(table), encoding="utf-8")
     try:
-        input_hash(path, read_skin_file(path))
+        SkinRecipe.read(path).hash()
         save(build(path), folder / "skin.h5")
     except ToolkitError as error:
         check(error)

@@ -20,13 +20,13 @@ import pytest
 from scipy import sparse
 from typer.testing import CliRunner
 
+from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.commands.cli import main
 from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.mesh.mesh_file import read_mesh
-from preprocessing.recipes.skin.skin_file import read_skin_file
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import body_hash, build_body
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ModelFileError
@@ -327,7 +327,7 @@ def test_the_data_of_xdmf_may_be_no_pipe(tmp_path):
 
 READERS = {
     "scene.toml": read_scene,
-    "skin.toml": read_skin_file,
+    "skin.toml": SkinRecipe.read,
     "section.dat": read_airfoil,
     "body.msh": read_mesh,
     "matrix.mtx": lambda path: read_matrix(path, 4),
@@ -375,14 +375,14 @@ def test_a_body_that_is_clamped_at_every_node_is_refused(tmp_path, kind):
     text = path.read_text()
     path.write_text(text.replace(f"[clamp]\nnodes = {mesh.groups['left'].tolist()}", "[clamp]\nnodes = [0, 1, 2, 3, 4, 5]"))
     with pytest.raises(InputError, match="basis: the clamp holds all nodes, so that nothing of the body can deform"):
-        build_body(path)
+        build(path)
 
 
 def test_more_modes_than_a_body_has_coordinates_are_refused(tmp_path):
     mesh = rectangle("quad8", (20, 4), 1.0, 0.2)
     path = write_body(tmp_path, mesh, 'kind = "eigenmodes"\ncount = 1000000000')
     with pytest.raises(InputError, match=r"1000000004 modes of a body with \d+ coordinates are too many"):
-        build_body(path)
+        build(path)
 
 
 def test_an_equilibrium_that_does_not_fit_into_memory_is_refused_with_its_size():
@@ -413,7 +413,7 @@ def test_what_memory_does_not_hold_is_said_without_a_traceback(program, monkeypa
         done = CliRunner().invoke(app, ["inspect", str(WING / "skin.h5")])
         code, said = done.exit_code, done.stderr
     else:
-        monkeypatch.setattr("preprocessing.commands.cli.source", exhausted)
+        monkeypatch.setattr("preprocessing.commands.cli.read_recipe", exhausted)
         code, said = command(monkeypatch, capsys, str(WING / "skin.toml"))
     assert (code, said) == (
         1,
@@ -425,13 +425,13 @@ def test_files_are_bounded_before_they_are_hashed(tmp_path):
     os.mkfifo(tmp_path / "plate.inp")
     path = body_of(tmp_path, "plate.inp")
     with pytest.raises(InputError, match=r"plate\.inp' cannot be read \(it is a pipe, not a regular file\)"):
-        body_hash(path, read_body_file(path))
+        BodyRecipe.read(path).hash()
 
 
 def test_a_body_of_a_mesh_and_its_includes_is_still_built(tmp_path):
     (tmp_path / "nodes.inp").write_text(PLATE)
     (tmp_path / "plate.inp").write_text("*INCLUDE, INPUT=nodes.inp\n")
-    assert build_body(body_of(tmp_path, "plate.inp")).n_f == 4
+    assert build(body_of(tmp_path, "plate.inp")).n_f == 4
 
 
 def command(monkeypatch, capsys, *arguments: str) -> tuple[int, str]:

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract, contract_derivative, polynomials, translation
 from preprocessing.basis.reduction import tangent_frame, undeformed
@@ -13,7 +14,6 @@ from preprocessing.discretisation.discretisation import positions
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import mesh_curve
-from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import Invariants, generalized_mass

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
 from preprocessing.new_wing.new_wing import DROOP, new_wing
-from preprocessing.recipes.skin.build import build
 from preprocessing.recipes.skin.droop import drooped
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save

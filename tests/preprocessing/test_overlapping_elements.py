@@ -8,10 +8,10 @@ import meshio
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.overlaps import refuse_overlaps
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.build_body import build_body
 from tests.models.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle, write_body
 from toolkit.foundation.errors import InputError
 
@@ -104,7 +104,7 @@ def test_the_mass_of_overlapping_meshes_never_becomes_a_model(tmp_path):
     left, right = (np.flatnonzero(mesh.nodes[:, 0] == x) for x in (0.0, 1.0))
     path = write_body(tmp_path, SolidMesh(mesh.nodes, mesh.blocks, {"left": left, "right": right}), 'kind = "static"')
     with pytest.raises(InputError, match=f"body.toml', mesh.file: .*15 of the 15 elements of the mesh {TWICE}"):
-        build_body(path)
+        build(path)
 
 
 @pytest.mark.parametrize("name", ["mesh.inp", "mesh.vtu"])

@@ -11,10 +11,11 @@ import h5py
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.commands.cli import main
-from preprocessing.recipes.skin.build import WRITER_VERSION, build
+from preprocessing.recipes.recipe import WRITER_VERSION
 from preprocessing.recipes.skin.geometry import read_geometry
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from toolkit.reduced_model.file import load, save
 
 ROOT = Path(__file__).parents[2]
@@ -386,7 +387,7 @@ def test_warnings_about_a_thick_skin_are_told(folder, thickness, elements, messa
     edit(folder / "skin.toml", "thickness = 1.5", f"thickness = {thickness}")
     edit(folder / "skin.toml", "elements = 30", f"elements = {elements}")
     told: list[str] = []
-    read_geometry(folder / "skin.toml", read_skin_file(folder / "skin.toml"), told.append)
+    read_geometry(folder / "skin.toml", SkinRecipe.read(folder / "skin.toml").file, told.append)
     assert len(told) == len(messages)
     assert all(text.startswith(message) for text, message in zip(told, messages, strict=True))
 

@@ -16,7 +16,8 @@ from preprocessing.basis.reduction import undeformed
 from preprocessing.curve.bump import Bump, bumped
 from preprocessing.curve.contour import Contour
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry, shape_parameters
-from preprocessing.recipes.skin.skin_file import SkinFile, read_skin_file
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from toolkit.foundation.errors import InputError
 
 MORPHING = Path(__file__).parents[2] / "models" / "morphing_wing"
@@ -84,7 +85,7 @@ def toml(design: dict[str, float]) -> str:
 def read(folder: Path, text: str) -> tuple[SkinFile, Geometry]:
     path = folder / "skin.toml"
     path.write_text(text)
-    file = read_skin_file(path)
+    file = SkinRecipe.read(path).file
     return file, read_geometry(path, file)
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.assembly.solids.elasticity import solid_matrices
 from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.assembly.solids.stress import stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh
-from preprocessing.recipes.solids.build_body import build_body
 from tests.models.solid_bodies import SPATIAL_KINDS, box
 from tests.preprocessing.test_spatial_solids import BASES, LENGTHS, body_file, responses
 from toolkit.foundation.errors import InputError
@@ -65,10 +65,10 @@ def built(folder, basis, tie="averaged", more=""):
 def test_responses_have_the_slopes_of_models_built_afresh(basis, tie, tmp_path):
     """Of all items together: mass, compliance, frequencies, pressure, stress, and moments of the deformed body."""
     path, _ = built(tmp_path, basis, tie)
-    save(build_body(path), tmp_path / "body.h5")
+    save(build(path), tmp_path / "body.h5")
     model = load(tmp_path / "body.h5")
     slopes = [np.imag(each) / STEP for each in responses(DesignPoint(model, {"bulge": STEP * 1j}))]
-    fresh = {s: responses(DesignPoint(build_body(path, {"bulge": s}), {})) for h in (2e-3, 1e-3) for s in (h, -h)}
+    fresh = {s: responses(DesignPoint(build(path, values={"bulge": s}), {})) for h in (2e-3, 1e-3) for s in (h, -h)}
     for k, slope in enumerate(slopes):
         expected = difference(lambda s, k=k: fresh[s][k], 2e-3)
         # fourth order in 2e-3, and the round-off of eigenvectors and factors over it
@@ -79,9 +79,9 @@ def test_responses_have_the_slopes_of_models_built_afresh(basis, tie, tmp_path):
 def test_every_item_of_unique_shapes_has_the_derivative_of_models_built_afresh(basis, tmp_path):
     """Static shapes and nodal coordinates have no freedom in their span, so that all arrays can be compared themselves."""
     path, _ = built(tmp_path, basis, "averaged")
-    model = build_body(path)
+    model = build(path)
     number = model.numbers["bulge"]
-    fresh = {s: build_body(path, {"bulge": s}) for h in (2e-3, 1e-3) for s in (h, -h)}
+    fresh = {s: build(path, values={"bulge": s}) for h in (2e-3, 1e-3) for s in (h, -h)}
     items = [*vars(model.invariants), "surface_loads.top.force", "surface_loads.top.moment"]
     items += [f"interfaces.{name}.{array}" for name in ("hub", "tip") for array in ("position", "rotation")]
     for item in items:
@@ -101,7 +101,7 @@ def test_regions_are_those_of_the_mesh_before_it_moves(tmp_path):
     path = body_file(tmp_path, mesh, "static", more=SHAPE)
     text = path.read_text()
     path.write_text(text.replace(f"[clamp]\nnodes = {mesh.groups['left'].tolist()}", "[clamp]\nbox = [0, -1, -1, 0, 1, 1]"))
-    moved = build_body(path, {"bulge": 0.1})
+    moved = build(path, values={"bulge": 0.1})
     np.testing.assert_allclose(moved.interfaces["hub"].position[0, :, 0], [-0.1, 0, 0], atol=1e-15)
     np.testing.assert_allclose(moved.surface.position[:, 0, 0].min(), -0.1, rtol=1e-14)
 
@@ -122,4 +122,4 @@ def test_wrong_motions_are_refused_by_name(field, message, tmp_path):
     if field is not None:
         np.save(tmp_path / "bulge.npy", field)
     with pytest.raises(InputError, match=message):
-        build_body(path, {"bulge": 0.5} if "folded" in message else {})
+        build(path, values={"bulge": 0.5} if "folded" in message else {})

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from toolkit.foundation.errors import InputError
 
 EXAMPLE = (Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml").read_text()
@@ -25,7 +25,7 @@ def edited(tmp_path):
 
 
 def test_example_is_read(edited):
-    file = read_skin_file(edited())
+    file = SkinRecipe.read(edited()).file
     assert (file.units, file.skin.elements, file.section.width, file.material.poisson_ratio) == ("mm-t-s", 30, 1000.0, 0.35)
     assert file.interface_points["C"].where == {"node": 10}
 
@@ -33,12 +33,12 @@ def test_example_is_read(edited):
 def test_damping_interface_points_and_spacing_may_be_left_out(edited):
     path = edited()
     path.write_text(EXAMPLE.split("[damping]")[0].replace('spacing = "equal"\n', "").replace("poisson_ratio = 0.35\n", ""))
-    file = read_skin_file(path)
+    file = SkinRecipe.read(path).file
     assert (file.damping.mass, file.damping.stiffness, file.skin.spacing, file.interface_points) == (0, 0, "equal", {})
 
 
 def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
-    assert read_skin_file(edited("chord = 550.0", "chord = 550")).airfoil.chord == 550
+    assert SkinRecipe.read(edited("chord = 550.0", "chord = 550")).file.airfoil.chord == 550
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_whole_numbers_are_accepted_where_lengths_are_meant(edited):
 def test_wrong_key_is_named_with_what_would_be_right(edited, old, new, message):
     path = edited(old, new)
     with pytest.raises(InputError, match=re.escape(message)) as caught:
-        read_skin_file(path)
+        SkinRecipe.read(path)
     assert str(path) in str(caught.value)
 
 
@@ -89,25 +89,25 @@ def test_interface_names_that_no_file_or_path_can_hold_are_refused(edited, name)
     with pytest.raises(
         InputError, match=r"interface_points: this is no legal name of a point; use letters, digits and _ \(got '"
     ):
-        read_skin_file(edited("C = {", f'"{name}" = {{'))
+        SkinRecipe.read(edited("C = {", f'"{name}" = {{'))
 
 
 def test_byte_order_mark_is_skipped(edited):
     path = edited()
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
-    assert read_skin_file(path).units == "mm-t-s"
+    assert SkinRecipe.read(path).file.units == "mm-t-s"
 
 
 def test_all_wrong_keys_are_reported_at_once(edited):
     path = edited("thickness = 1.5", "thickness = 0")
     path.write_text(path.read_text().replace("density = 2.7e-9", "density = 0"))
     with pytest.raises(InputError, match=r"(?s)section\.thickness.*material\.density"):
-        read_skin_file(path)
+        SkinRecipe.read(path)
 
 
 def test_file_that_is_missing_or_no_toml_is_named(tmp_path):
     with pytest.raises(InputError, match=r"none\.toml' cannot be read \(No such file or directory\)"):
-        read_skin_file(tmp_path / "none.toml")
+        SkinRecipe.read(tmp_path / "none.toml")
     (tmp_path / "bad.toml").write_text("units = \n")
     with pytest.raises(InputError, match=r"bad\.toml' is not readable as TOML: Invalid value \(at line 1"):
-        read_skin_file(tmp_path / "bad.toml")
+        SkinRecipe.read(tmp_path / "bad.toml")

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 from scipy import io, sparse
 
+from preprocessing import build
 from preprocessing.commands.cli import main
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.models.solid_bodies import rectangle, write_body, write_mesh
 from toolkit.foundation.errors import InputError
@@ -39,29 +39,29 @@ def same(one: ReducedModel, other: ReducedModel, tolerance: float) -> None:
 @pytest.mark.parametrize("name", ["body.msh", "body.inp", "body.vtk", "body.vtu"])
 def test_every_mesh_format_gives_the_same_body(name, tmp_path):
     path = write_body(tmp_path, MESH, BASIS)
-    expected = build_body(path)
+    expected = build(path)
     write_mesh(MESH, tmp_path / name)
     path.write_text(path.read_text().replace("body.vtu", name))
-    same(expected, build_body(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
+    same(expected, build(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
 
 
 def test_nastran_mesh_of_linear_elements_gives_the_same_body(tmp_path):
     mesh = rectangle("quad", (6, 2), 1.0, 0.25)
     path = write_body(tmp_path, mesh, BASIS)
-    expected = build_body(path)
+    expected = build(path)
     write_mesh(mesh, tmp_path / "body.bdf")
     path.write_text(path.read_text().replace("body.vtu", "body.bdf"))
-    same(expected, build_body(path), 1e-5)  # numbers in fields of 8 or 16 characters
+    same(expected, build(path), 1e-5)  # numbers in fields of 8 or 16 characters
 
 
 def test_nodes_keep_their_numbers_when_others_of_the_file_have_no_element(tmp_path):
     path = write_body(tmp_path, MESH, BASIS)
-    expected = build_body(path)
+    expected = build(path)
     points = np.column_stack([np.vstack([[[9.0, 9.0]], MESH.nodes]), np.zeros(1 + len(MESH.nodes))])
     meshio.write(tmp_path / "body.vtu", meshio.Mesh(points, [("quad8", 1 + MESH.blocks["quad8"])]))
     for nodes in (LEFT, RIGHT):
         path.write_text(path.read_text().replace(str(nodes), str([node + 1 for node in nodes])))
-    same(expected, build_body(path), 1e-14)
+    same(expected, build(path), 1e-14)
 
 
 @pytest.mark.parametrize("version", [2.2, 4.1])
@@ -103,7 +103,7 @@ interface_points.end.group = "end"
 basis = { kind = "static" }
 """
     )
-    model, body = build_body(path), discrete_body(path, read_body_file(path))
+    model, body = build(path), discrete_body(path, BodyRecipe.read(path).file)
     assert set(body.mesh.blocks) == {"triangle6", "quad9"}
     np.testing.assert_allclose(model.invariants.mass, 1000 * 0.1 * 2, rtol=1e-12)  # round-off
     np.testing.assert_allclose(model.interfaces["end"].position[0, :, 0], [2.0, 0.5], atol=1e-12)
@@ -113,7 +113,7 @@ basis = { kind = "static" }
 def write_matrices(folder: Path, kind: str) -> Path:
     """body.toml with the finished matrices of the same body, and no mesh; what an average weighs is not known then, so its tie is rigid."""
     path = write_body(folder, MESH, BASIS, tie="rigid")
-    body = discrete_body(path, read_body_file(path))
+    body = discrete_body(path, BodyRecipe.read(path).file)
     matrices = body.parts.at(body.values)
     files = {"mass": matrices.mass, "stiffness": matrices.stiffness}
     for name, matrix in files.items():
@@ -139,8 +139,8 @@ def write_matrices(folder: Path, kind: str) -> Path:
 @pytest.mark.parametrize("kind", ["matrix-market", "matrix-market-symmetric", "npz", "abaqus"])
 def test_finished_matrices_give_the_body_that_its_elements_give(kind, tmp_path):
     (tmp_path / "elements").mkdir()
-    expected = build_body(write_body(tmp_path / "elements", MESH, BASIS, tie="rigid"))
-    found = build_body(write_matrices(tmp_path, kind))
+    expected = build(write_body(tmp_path / "elements", MESH, BASIS, tie="rigid"))
+    found = build(write_matrices(tmp_path, kind))
     # sums in another order, 1e-16, are multiplied by the condition of the stiffness in the shapes only, and these are of least energy
     same(expected, found, 1e-12)
     for item, polynomial in found.affine.items():
@@ -153,7 +153,7 @@ def test_finished_matrices_without_material_scale_and_take_groups_from_a_mesh(tm
     start, end = text.index("[material]"), text.index("[damping]")
     text = text[:start] + '[mesh]\nfile = "body.vtu"\n' + text[end:].replace('stress = "stress.npz"\n', "")
     path.write_text(text.replace('nodes = "nodes.csv"\n', "").replace('stress = "stress.npz"\n', ""))
-    model = build_body(path)
+    model = build(path)
     assert set(model.nominal) == {"stiffness_scale", "mass_scale", "damping_mass", "damping_stiffness"}
     np.testing.assert_allclose(model.invariants.mass, 7800 * 0.05 * 0.2, rtol=1e-12)  # round-off
     assert model.invariants.stress_operator.shape[0] == 0
@@ -235,7 +235,7 @@ def test_meshes_that_cannot_be_used_are_refused(spoil, message, tmp_path):
     path = write_body(tmp_path, MESH, BASIS)
     spoil(tmp_path)
     with pytest.raises(InputError, match=message):
-        build_body(path)
+        build(path)
 
 
 @pytest.mark.parametrize(
@@ -269,7 +269,7 @@ def test_wrong_bodies_are_refused_by_name(old, new, message, tmp_path):
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(InputError, match=message):
-        build_body(path)
+        build(path)
 
 
 def _other(name: str, change: Callable) -> Callable[[Path], None]:
@@ -311,4 +311,4 @@ def test_wrong_matrices_are_refused_by_name(spoil, message, tmp_path):
     path = write_matrices(tmp_path, "npz")
     spoil(tmp_path)
     with pytest.raises(InputError, match=message):
-        build_body(path)
+        build(path)

@@ -7,6 +7,7 @@ import pytest
 import skfem
 from scipy import sparse
 
+from preprocessing import build
 from preprocessing.assembly.solids.elasticity import solid_matrices
 from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.assembly.solids.stress import stress_rows
@@ -14,8 +15,7 @@ from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.mesh.outline import outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
 from tests.models.solid_bodies import (
     DENSITY,
@@ -100,9 +100,9 @@ def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, kind_
     """T = 1/2 int rho |v|^2 dV of a random state, with the field interpolated and integrated far beyond the needed order."""
     mesh, rng = rectangle(kind, (3, 2), 2.0, 1.0, bent=0.03), np.random.default_rng(3)
     path = write_body(tmp_path, mesh, tie=kind_of_tie)
-    body = discrete_body(path, read_body_file(path))
+    body = discrete_body(path, BodyRecipe.read(path).file)
     free = freedom(body.mesh, body.clamped, body.ties)
-    inv = build_body(path).invariants
+    inv = build(path).invariants
     z = np.column_stack([body.mesh.nodes.ravel(), free.map.toarray()])
     r_dot, omega, theta = rng.normal(size=2), rng.normal(), rng.normal()
     zeta, v_f = np.append(1.0, 0.1 * rng.normal(size=inv.stiffness.shape[0])), rng.normal(size=inv.stiffness.shape[0])
@@ -200,7 +200,7 @@ def test_lanczos_and_dense_modes_give_the_same_body(basis, boundary, tmp_path, m
     models = []
     for small in (10_000, 0):
         monkeypatch.setattr(sparse_modes, "SMALL", small)
-        models.append(build_body(path))
+        models.append(build(path))
     for item in ("inertia", "gyroscopic", "stiffness", "stress_operator"):
         dense, sparse = (getattr(model.invariants, item) for model in models)
         np.testing.assert_allclose(sparse, dense, atol=1e-8 * np.abs(dense).max())  # vectors turn by round-off over gaps
@@ -216,10 +216,10 @@ def test_lanczos_and_dense_modes_give_the_same_body(basis, boundary, tmp_path, m
 def test_model_at_other_parameters_is_that_of_a_fresh_preprocessing(basis, tmp_path):
     """Exactly by modulus, density and width; the compliance is the same whatever the shapes' own length is."""
     path = write_body(tmp_path, rectangle("quad8", (6, 2), 1.0, 0.2), BASES[basis])
-    save(build_body(path), tmp_path / "body.h5")
+    save(build(path), tmp_path / "body.h5")
     values = {"youngs_modulus": 70e9, "density": 2700.0, "width": 0.02}
     model = load(tmp_path / "body.h5")
-    fresh, moved = build_body(path, values), DesignPoint(model, values).invariants()
+    fresh, moved = build(path, values=values), DesignPoint(model, values).invariants()
     np.testing.assert_allclose(moved.mass, fresh.invariants.mass, rtol=1e-13)
     here = compliance_of(model, moved)
     # round-off times the condition of the stiffness
@@ -237,11 +237,11 @@ def test_derivatives_by_poisson_ratio_are_those_of_fresh_models(basis, tmp_path)
     """Of the compliance at the tip: by the exact derivatives of stiffness and rows, against central differences."""
     table = BASES["eigenmodes"] + '\nderivative = "frozen"' if basis == "frozen" else BASES[basis]
     path = write_body(tmp_path, rectangle("quad8", (6, 2), 1.0, 0.4), table)
-    model = build_body(path)
+    model = build(path)
     slope = compliance_complex(model, {"poisson_ratio": 0.3 + 1e-30j}).imag / 1e-30
 
     def difference(h: float) -> np.ndarray:
-        up, down = (compliance(build_body(path, {"poisson_ratio": 0.3 + s * h})) for s in (1, -1))
+        up, down = (compliance(build(path, values={"poisson_ratio": 0.3 + s * h})) for s in (1, -1))
         return (up - down) / (2 * h)
 
     expected = (4 * difference(5e-5) - difference(1e-4)) / 3

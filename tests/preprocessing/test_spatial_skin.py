@@ -10,9 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.basis.reduction import tangent_frame
-from preprocessing.recipes.skin.build import build, design_space, file_at
 from preprocessing.recipes.skin.geometry import read_geometry
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.recipes.skin.skin_space import design_space
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.file import load, save
@@ -142,7 +144,7 @@ def test_polynomials_are_a_fresh_preprocessing_at_any_design():
 @pytest.mark.parametrize("parameter", ["poisson_ratio", "chord", "y_scale"])
 def test_derivatives_are_the_complex_step_of_all_invariants(parameter):
     keys: dict[str, Any] = {"dimension": 3}
-    file = file_at(SKIN, {}, keys)
+    file = SkinRecipe.read(SKIN).at(keys=keys).file
     space = design_space(SKIN, file, {}, read_geometry(SKIN, file))
     stepped = space.discretise({**space.values, parameter: space.values[parameter] + 1e-30j})
     exact = stepped.contract(space.values, tangent_frame(stepped.nodes, 0, "F").z)

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import io, sparse
 
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing import build
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body
 from tests.models.solid_bodies import box, rectangle, write_body, write_mesh
 from tests.preprocessing.test_solid_inputs import same
@@ -31,24 +31,24 @@ def test_every_mesh_format_gives_the_same_body(kind, name, tmp_path):
         pytest.skip("Abaqus has no such element in meshio")
     mesh = box(kind, (2, 1, 1), LENGTHS)
     path = write_body(tmp_path, mesh, 'kind = "static"')
-    expected = build_body(path)
+    expected = build(path)
     write_mesh(mesh, tmp_path / name)
     path.write_text(path.read_text().replace("body.vtu", name))
-    same(expected, build_body(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
+    same(expected, build(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
 
 
 def test_nastran_mesh_of_linear_elements_gives_the_same_body(tmp_path):
     mesh = box("hexahedron", (4, 2, 1), (1.0, 0.5, 0.25))
     path = write_body(tmp_path, mesh, 'kind = "static"')
-    expected = build_body(path)
+    expected = build(path)
     write_mesh(mesh, tmp_path / "body.bdf")
     path.write_text(path.read_text().replace("body.vtu", "body.bdf"))
-    same(expected, build_body(path), 1e-5)  # numbers in fields of 8 or 16 characters
+    same(expected, build(path), 1e-5)  # numbers in fields of 8 or 16 characters
 
 
 def test_saved_model_is_read_again_as_it_was(tmp_path):
     path = write_body(tmp_path, MESH, BASIS, more="\n[pressure_surfaces.top]\nbox = [0, -0.15, 0.1, 1, 0.15, 0.1]\n")
-    model = build_body(path)
+    model = build(path)
     save(model, tmp_path / "body.h5")
     again = load(tmp_path / "body.h5")
     same(model, again, 1e-15)
@@ -97,7 +97,7 @@ pressure_surfaces.top.group = "top"
 basis = { kind = "static" }
 """
     )
-    model, body = build_body(path), discrete_body(path, read_body_file(path))
+    model, body = build(path), discrete_body(path, BodyRecipe.read(path).file)
     assert set(body.mesh.blocks) == ({"wedge"} if recombined else {"tetra10"})
     np.testing.assert_allclose(model.invariants.mass, 1000 * 0.5 * 0.4, rtol=1e-10)  # the digits of the file
     np.testing.assert_allclose(model.interfaces["end"].position[0, :, 0], [1.0, 0.25, 0.2], atol=1e-10)
@@ -107,7 +107,7 @@ basis = { kind = "static" }
 def write_matrices(folder: Path, kind: str) -> Path:
     """body.toml with the finished matrices of the same body, and no mesh; what an average weighs is not known then, so its tie is rigid."""
     path = write_body(folder, MESH, BASIS, tie="rigid")
-    body = discrete_body(path, read_body_file(path))
+    body = discrete_body(path, BodyRecipe.read(path).file)
     matrices = body.parts.at(body.values)
     for name, matrix in {"mass": matrices.mass, "stiffness": matrices.stiffness}.items():
         if kind == "abaqus":
@@ -128,8 +128,8 @@ def write_matrices(folder: Path, kind: str) -> Path:
 
 @pytest.mark.parametrize("kind", ["matrix-market", "abaqus", "npz"])
 def test_finished_matrices_give_the_body_of_the_mesh_that_they_were_made_from(kind, tmp_path):
-    expected = build_body(write_body(tmp_path, MESH, BASIS + '\nderivative = "frozen"', tie="rigid"))
-    found = build_body(write_matrices(tmp_path, kind))
+    expected = build(write_body(tmp_path, MESH, BASIS + '\nderivative = "frozen"', tie="rigid"))
+    found = build(write_matrices(tmp_path, kind))
     assert found.surface is None
     for name in ("mass", "first_moment", "second_moment", "stiffness", "damping"):
         array = getattr(expected.invariants, name)
@@ -140,10 +140,10 @@ def test_finished_matrices_give_the_body_of_the_mesh_that_they_were_made_from(ki
 
 
 def test_mesh_beside_finished_matrices_gives_surface_and_stress(tmp_path):
-    expected = build_body(write_body(tmp_path, MESH, BASIS, tie="rigid"))
+    expected = build(write_body(tmp_path, MESH, BASIS, tie="rigid"))
     path = write_matrices(tmp_path, "npz")
     path.write_text(path.read_text().replace('nodes = "nodes.csv"', '\n[mesh]\nfile = "body.vtu"'))
-    found = build_body(path)
+    found = build(path)
     same(expected, found, 1e-9)
     np.testing.assert_array_equal(found.surface.triangles, expected.surface.triangles)
 
@@ -178,7 +178,7 @@ def test_wrong_bodies_are_refused_by_name(old, new, message, tmp_path):
     assert old in text
     path.write_text(text.replace(old, new))
     with pytest.raises(InputError, match=message):
-        build_body(path)
+        build(path)
 
 
 def test_pyramids_and_folded_elements_are_refused(tmp_path):
@@ -186,12 +186,12 @@ def test_pyramids_and_folded_elements_are_refused(tmp_path):
     corners = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 1]])
     meshio.write(tmp_path / "body.vtu", meshio.Mesh(corners, [("pyramid", np.arange(5)[None])]))
     with pytest.raises(InputError, match=r"elements of the kinds pyramid; possible are .* tetra, tetra10, hexahedron"):
-        build_body(path)
+        build(path)
     nodes = MESH.nodes.copy()
     nodes[MESH.blocks["hexahedron20"][1, 6]] = nodes[MESH.blocks["hexahedron20"][1, 0]]
     meshio.write(tmp_path / "body.vtu", meshio.Mesh(nodes, list(MESH.blocks.items())))
     with pytest.raises(InputError, match=r"mesh.file: .* elements of kind hexahedron20 are flat or folded over"):
-        build_body(path)
+        build(path)
 
 
 def test_group_of_faces_is_pressed_on_its_own_faces_alone(tmp_path):
@@ -203,7 +203,7 @@ def test_group_of_faces_is_pressed_on_its_own_faces_alone(tmp_path):
     cells = [("hexahedron", cube[None]), ("quad", both)]
     meshio.write(tmp_path / "body.inp", meshio.Mesh(mesh.nodes, cells, cell_sets={"lids": [[], [0, 1]]}))
     path.write_text(path.read_text().replace("body.vtu", "body.inp") + '\n[pressure_surfaces.lids]\ngroup = "lids"\n')
-    load = build_body(path).surface_loads["lids"]
+    load = build(path).surface_loads["lids"]
     np.testing.assert_allclose(load.force, 0, atol=1e-15)
     np.testing.assert_allclose(load.moment[:, :, 0], np.diag([0, 0, -1.0]), atol=1e-15)
 
@@ -231,11 +231,11 @@ def test_blocks_of_several_kinds_are_one_body(kinds, tmp_path):
         with pytest.raises(
             InputError, match=r"mesh.file: 1 faces have nodes in the middle .* for one of their two elements only"
         ):
-            build_body(path)
+            build(path)
         return
-    model = build_body(path)
+    model = build(path)
     np.testing.assert_allclose(model.invariants.mass, 7800.0 * 2.0, rtol=1e-12)  # round-off, here and below
-    faces = discrete_body(path, read_body_file(path)).boundary.faces
+    faces = discrete_body(path, BodyRecipe.read(path).file).boundary.faces
     assert {kind: len(each) for kind, each in faces.items()} == {"quad": 8, "triangle": 4}
     np.testing.assert_allclose(model.interfaces["tip"].position[0, :, 0], [2.0, 0, 0], atol=1e-12)
 
@@ -245,12 +245,12 @@ def test_plane_bodies_have_no_pressure_surfaces_and_no_shape_variables(tmp_path)
     text = path.read_text()
     path.write_text(text + "\n[pressure_surfaces.top]\nnodes = [0]\n")
     with pytest.raises(InputError, match="pressure_surfaces: this body is plane"):
-        build_body(path)
+        build(path)
     np.save(tmp_path / "f.npy", np.zeros((6, 3)))
     path.write_text(text + '\n[shape_variables.top]\nfield = "f.npy"\n')
     with pytest.raises(InputError, match=r"shape_variables.top: the nodes of plane meshes cannot be moved"):
-        build_body(path)
+        build(path)
     path = write_matrices(tmp_path, "npz")
     path.write_text(path.read_text() + '\n[shape_variables.top]\nfield = "f.npy"\n')
     with pytest.raises(InputError, match=r"finished matrices stay as they are"):
-        build_body(path)
+        build(path)

@@ -7,6 +7,7 @@ import pytest
 import skfem
 from scipy.spatial.transform import Rotation
 
+from preprocessing import build
 from preprocessing.assembly.solids.elasticity import solid_matrices
 from preprocessing.assembly.solids.elements import element_blocks, points_of
 from preprocessing.assembly.solids.stress import COMPONENTS, stress_rows
@@ -15,8 +16,7 @@ from preprocessing.basis.solids.nested_dissection import dissected
 from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
-from preprocessing.recipes.solids.body_file import read_body_file
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
 from preprocessing.recipes.solids.node_sets import spread_of
 from tests.models.solid_bodies import (
@@ -127,7 +127,7 @@ def test_kinetic_energy_is_that_of_the_velocity_field_by_brute_force(kind, kind_
     """T = 1/2 int rho |v|^2 dV of a random state, v = r' + A (omega x u + u'), integrated beyond the needed order."""
     mesh, rng = box(kind, (2, 1, 1), LENGTHS, bent=0.02), np.random.default_rng(3)
     path = write_body(tmp_path, mesh, tie=kind_of_tie)
-    body, model = discrete_body(path, read_body_file(path)), build_body(path)
+    body, model = discrete_body(path, BodyRecipe.read(path).file), build(path)
     free, inv = freedom(body.mesh, body.clamped, body.ties), model.invariants
     z = np.column_stack([body.mesh.nodes.ravel(), free.map.toarray()])
     r_dot, omega, A = rng.normal(size=3), rng.normal(size=3), Rotation.random(rng=rng).as_matrix()
@@ -216,7 +216,7 @@ def test_lowest_frequencies_are_those_of_beam_and_rod(tmp_path):
 
 def test_frequencies_of_a_free_body_are_those_of_a_free_beam_and_its_frame_has_no_momentum(tmp_path):
     path = body_file(tmp_path, box("hexahedron20", (16, 1, 1), (1.0, 0.02, 0.03)), "free", poisson_ratio=0.0)
-    model = build_body(path)
+    model = build(path)
     inv, wave = model.invariants, np.sqrt(MODULUS / DENSITY)
     bending = 4.730041**2 * np.array([0.02, 0.03]) / np.sqrt(12) * wave / (2 * np.pi)
     np.testing.assert_allclose(frequencies(model)[:2], bending, rtol=4e-3)  # shear and rotary inertia
@@ -233,7 +233,7 @@ def test_lanczos_and_dense_modes_give_the_same_body(basis, tmp_path, monkeypatch
     models = []
     for small in (10_000, 0):
         monkeypatch.setattr(sparse_modes, "SMALL", small)
-        models.append(build_body(path))
+        models.append(build(path))
     for item in ("second_moment", "stiffness", "stress_operator"):
         dense, sparse = (getattr(model.invariants, item) for model in models)
         np.testing.assert_allclose(sparse, dense, atol=1e-7 * np.abs(dense).max())  # vectors turn by round-off over gaps
@@ -255,11 +255,11 @@ def test_dissection_is_an_order_of_all_coordinates_with_fewer_entries():
 def test_model_at_other_parameters_is_that_of_a_fresh_preprocessing(basis, tmp_path):
     """Exactly by modulus and density; the compliance and the pressure's work are the same whatever the shapes' own length is."""
     path = body_file(tmp_path, box("hexahedron20", (3, 1, 1), LENGTHS), basis, more=TOP)
-    save(build_body(path), tmp_path / "body.h5")
+    save(build(path), tmp_path / "body.h5")
     values = {"youngs_modulus": 70e9, "density": 2700.0}
     model = load(tmp_path / "body.h5")
     assert set(model.affine) == {"mass", "first_moment", "second_moment", "stiffness", "damping", "stress_operator"}
-    fresh, moved = build_body(path, values), DesignPoint(model, values)
+    fresh, moved = build(path, values=values), DesignPoint(model, values)
     for one, other in zip(responses(DesignPoint(fresh, {})), responses(moved), strict=True):
         # round-off times the condition of the stiffness
         np.testing.assert_allclose(other, one, rtol=1e-9, atol=1e-9 * np.abs(one).max())

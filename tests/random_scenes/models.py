@@ -7,10 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.build_frame import build_frame
-from preprocessing.recipes.solids.build_body import build_body
 from tests.models.beam_models import save_beam
 from tests.models.solid_bodies import box, write_body
 from toolkit.reduced_model.file import load, save
@@ -83,13 +82,13 @@ def _build(directory: Path, name: str, path: Path) -> None:
         middle, end, elements, basis, section = SPATIAL[name]
         text = FRAME.format(middle=middle, end=end, elements=elements, basis=basis, section=section)
         (directory / f"{name}.toml").write_text(text)
-        save(build_frame(directory / f"{name}.toml"), path)
+        save(build(directory / f"{name}.toml"), path)
     else:
         folder = directory / name
         folder.mkdir(exist_ok=True)
         top = "[pressure_surfaces.top]\nbox = [0.0, -0.075, 0.06, 0.6, 0.075, 0.06]"
         brick = write_body(folder, box("hexahedron", (1, 1, 1), (0.6, 0.15, 0.12)), more=top)
-        save(build_body(brick, {"youngs_modulus": 1e7, "density": 1100.0, "damping_stiffness": 3e-4}), path)
+        save(build(brick, values={"youngs_modulus": 1e7, "density": 1100.0, "damping_stiffness": 3e-4}), path)
 
 
 @cache

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.elements.patches import distribute
-from preprocessing.recipes.skin.build import build
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save

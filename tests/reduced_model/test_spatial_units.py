@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing import build
 from tests.models.spatial_cases import FRAME, write_models
 from tests.scene_file.test_scene_units import arrays
 from toolkit.foundation.dimensions import LABELLED, factor
@@ -46,7 +46,7 @@ def test_a_converted_frame_is_the_one_that_preprocessing_makes_in_the_other_unit
     """Its rotations in rad included: the basis consists of nodal coordinates."""
     for name, text in (("m", FRAME), ("mm", millimetres())):
         (tmp_path / f"{name}.toml").write_text(text)
-    found, made = converted_model(build_frame(tmp_path / "m.toml"), "mm-t-s"), build_frame(tmp_path / "mm.toml")
+    found, made = converted_model(build(tmp_path / "m.toml"), "mm-t-s"), build(tmp_path / "mm.toml")
     assert found.nominal == pytest.approx(made.nominal, rel=1e-14)
     assert found.nominal_units == made.nominal_units
     steps = {name: 1.1 * value for name, value in made.nominal.items() if name.startswith(("width", "thickness", "density"))}

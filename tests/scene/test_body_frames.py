@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.elements.section import Section
-from preprocessing.recipes.frame.build_frame import build_frame
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
@@ -85,7 +85,7 @@ def folder(tmp_path_factory) -> Path:
     section = Section(youngs_modulus=E, density=7800.0, thickness=T, width=B)
     save_beam(directory / "2.h5", np.column_stack([np.linspace(0, 1, 3), np.zeros(3)]), section, {"root": 0.0, "tip": 1.0})
     (directory / "frame.toml").write_text(FRAME)
-    save(build_frame(directory / "frame.toml"), directory / "3.h5")
+    save(build(directory / "frame.toml"), directory / "3.h5")
     return directory
 
 

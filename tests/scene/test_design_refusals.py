@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from preprocessing.recipes.skin.build import build
+from preprocessing import build
 from tests.reduced_model.test_element_variables import WING, write_wing
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import save

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.reduced_model.file import load
@@ -35,7 +35,7 @@ TEXTS = {
 }
 
 
-@pytest.mark.parametrize("read", [read_scene, read_skin_file])
+@pytest.mark.parametrize("read", [read_scene, SkinRecipe.read])
 @pytest.mark.parametrize("kind", TEXTS)
 def test_toml_that_chokes_its_reader_is_refused(tmp_path, read, kind):
     text, message = TEXTS[kind]
@@ -44,7 +44,7 @@ def test_toml_that_chokes_its_reader_is_refused(tmp_path, read, kind):
         read(tmp_path / "file.toml")
 
 
-@pytest.mark.parametrize("read", [read_scene, read_skin_file, read_airfoil])
+@pytest.mark.parametrize("read", [read_scene, SkinRecipe.read, read_airfoil])
 def test_a_file_of_any_size_is_refused_without_reading_it_all(tmp_path, read):
     with (tmp_path / "large.toml").open("wb") as file:
         file.truncate(10**12)  # a terabyte that takes no place on the disk
@@ -52,7 +52,7 @@ def test_a_file_of_any_size_is_refused_without_reading_it_all(tmp_path, read):
         read(tmp_path / "large.toml")
 
 
-@pytest.mark.parametrize("read", [read_scene, read_skin_file])
+@pytest.mark.parametrize("read", [read_scene, SkinRecipe.read])
 def test_a_path_with_a_zero_byte_is_no_path(read):
     with pytest.raises(InputError, match=r"cannot be read \(embedded null byte\)"):
         read("a\0b.toml")

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from jsonschema import Draft7Validator
 
-from preprocessing.recipes.skin.skin_file import read_skin_file
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.models.cases import KINDS, Case
 from tests.models.scenes import hanging_skin
 from toolkit.bodies.planar.body import PlanarBody
@@ -133,8 +133,8 @@ def test_schema_and_program_refuse_the_same_wrong_skins(case, tmp_path):
     (tmp_path / "skin.toml").write_text(wrong)
     assert complaints(tomllib.loads(wrong), "skin") != []
     with pytest.raises(InputError):
-        read_skin_file(tmp_path / "skin.toml")
+        SkinRecipe.read(tmp_path / "skin.toml")
 
 
 def test_the_first_line_is_no_hindrance_to_the_program():
-    assert read_scene(SCENE).units == read_skin_file(SKIN).units == "mm-t-s"
+    assert read_scene(SCENE).units == SkinRecipe.read(SKIN).file.units == "mm-t-s"

@@ -12,7 +12,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from preprocessing.recipes.solids.build_body import build_body
+from preprocessing import build
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.foundation.errors import LimitPointError
 from toolkit.reduced_model.file import load
@@ -194,7 +194,7 @@ def test_spatial_bracket_moves_its_piston_as_the_rigid_slider_crank_does():
 def test_bracket_file_is_what_its_mesh_gives(name):
     """The same body: vectors of modes may turn their signs, so the compliance of the pin and the frequencies are compared."""
     folder = MODELS / name
-    committed, fresh = load(folder / "body.h5"), build_body(folder / "body.toml")
+    committed, fresh = load(folder / "body.h5"), build(folder / "body.toml")
     assert committed.input_hash == fresh.input_hash
     assert committed.nominal == fresh.nominal
     # other versions of the libraries may sum in another order: round-off times the condition of the stiffness

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from preprocessing.recipes.solids.build_body import build_body
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, rectangle, write_body
 from toolkit.analyses.transient import simulate
 from toolkit.reduced_model.file import save
@@ -71,7 +71,7 @@ def test_solid_arm_that_is_spun_and_shaken_moves_as_the_beam_does(tmp_path):
     errors = []
     for cells in ((5, 1), (10, 1), (20, 2)):
         body = write_body(tmp_path, rectangle("quad8", cells, LENGTH, HEIGHT), CRAIG_BAMPTON, poisson_ratio=0.0)
-        solid = tip_bending(scene_with(tmp_path, build_body(body)))
+        solid = tip_bending(scene_with(tmp_path, build(body)))
         errors.append(np.abs(solid - beam).max() / np.abs(beam).max())
     # fourth order while elements are coarse, 1 / 8 and more; then what the beam leaves out of the vibrations: rotary inertia, and the
     # shear of a fixed-fixed mode, which is 4 times that of the cantilever, in the phase of some vibrations
@@ -82,7 +82,7 @@ def test_solid_arm_that_is_spun_and_shaken_moves_as_the_beam_does(tmp_path):
 @pytest.mark.parametrize("basis", [CRAIG_BAMPTON, 'kind = "full"'])
 def test_gradients_of_a_motion_are_those_of_the_complex_step(basis, tmp_path):
     body = write_body(tmp_path, rectangle("quad8", (5, 1), LENGTH, HEIGHT), basis)
-    scene = scene_with(tmp_path, build_body(body), {"solver.end_time": "0.005", "solver.step": "0.001"})
+    scene = scene_with(tmp_path, build(body), {"solver.end_time": "0.005", "solver.step": "0.001"})
     design = [f"bodies.arm.{name}" for name in ("youngs_modulus", "density", "width", "damping_stiffness", "poisson_ratio")]
     ours = direct(scene, design, "transient").gradients
     judge = numerical(scene, design, "transient", "complex-step").gradients
@@ -98,9 +98,7 @@ def test_gradients_of_a_motion_are_those_of_the_complex_step(basis, tmp_path):
 def test_gradients_of_a_motion_are_those_of_models_built_afresh(basis, tmp_path):
     """As `ffrf certify` compares them, from the body.toml beside the model."""
     body = write_body(tmp_path, rectangle("quad8", (5, 1), LENGTH, HEIGHT), basis)
-    scene = scene_with(
-        tmp_path, build_body(body), {"solver.end_time": "0.01", "solver.step": "0.0005", "solver.tolerance": "1e-12"}
-    )
+    scene = scene_with(tmp_path, build(body), {"solver.end_time": "0.01", "solver.step": "0.0005", "solver.tolerance": "1e-12"})
     design = [f"bodies.arm.{name}" for name in ("youngs_modulus", "density", "width", "poisson_ratio")]
     found = fresh_gradients(scene, design, "transient", lambda *_: None)
     assert set(found.slopes["y"]) == set(design)
@@ -112,6 +110,6 @@ def test_rigid_and_averaged_ties_move_alike(tmp_path):
     found = []
     for tie in ("averaged", "rigid"):
         body = write_body(tmp_path, rectangle("quad8", (12, 2), LENGTH, HEIGHT), CRAIG_BAMPTON, tie=tie)
-        found.append(values_of(scene_with(tmp_path, build_body(body)), "transient"))
+        found.append(values_of(scene_with(tmp_path, build(body)), "transient"))
     for name in ("x", "y", "turn", "energy"):
         assert found[0][name] == pytest.approx(found[1][name], rel=1e-2), name

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from preprocessing import build
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from preprocessing.recipes.skin.build import build
 from toolkit.reduced_model.file import load, save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

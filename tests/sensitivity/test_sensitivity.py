@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from preprocessing.recipes.skin.build import build
+from preprocessing import build
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.description.point import Point

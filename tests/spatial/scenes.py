@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing import build
 from toolkit.description.point import Point
 from toolkit.reduced_model.file import save
 
@@ -18,5 +18,5 @@ def save_frame(directory: Path, name: str, text: str) -> Path:
     """Write `name`.toml with the text, and build `name`.h5 beside it; the path of the text."""
     path = directory / f"{name}.toml"
     path.write_text(text)
-    save(build_frame(path), directory / f"{name}.h5")
+    save(build(path), directory / f"{name}.h5")
     return path

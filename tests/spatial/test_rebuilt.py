@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.recipes.skin.build import build
+from preprocessing import build
 from tests.spatial.momenta import kinetic_energy
 from tests.spatial.rebuilt import angle, angle_rates, force, in_space, place
 from toolkit.analyses.modes import solve_modes

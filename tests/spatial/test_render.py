@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from preprocessing.recipes.frame.build_frame import build_frame
+from preprocessing import build
 from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.models.solid_bodies import box, cantilever
 from toolkit.bodies.planar.rigid import Rod
@@ -67,7 +67,7 @@ def folder(tmp_path_factory):
     place = tmp_path_factory.mktemp("models")
     save(cantilever(place, box("hexahedron", (4, 2, 1), LENGTHS), 'kind = "static"', more=TOP), place / "beam.h5")
     (place / "frame.toml").write_text(FRAME)
-    save(build_frame(place / "frame.toml"), place / "frame.h5")
+    save(build(place / "frame.toml"), place / "frame.h5")
     return place
 
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from preprocessing.recipes.frame.frame_file import read_frame_file
+from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from tests.spatial.momenta import kinetic_energy, momenta, spin, strain_energy
 from tests.spatial.quadrature import Motion, raw_frame, total
 from tests.spatial.scenes import save_frame
@@ -54,7 +54,7 @@ def tumbling(directory, text: str, **velocity) -> System:
 def test_energy_and_momenta_of_a_random_state_are_those_of_its_velocity_field(tmp_path, origin, basis):
     """v M v / 2 and M v of the compiled loop against Gauss points on the raw beams: mean axes, clamped modes, all nodal coordinates."""
     system, rng = tumbling(tmp_path, bent(origin, basis)), np.random.default_rng(5)
-    raw, n_f = raw_frame(read_frame_file(tmp_path / "bent.toml")), system.n_q - 7
+    raw, n_f = raw_frame(FrameRecipe.read(tmp_path / "bent.toml").file), system.n_q - 7
     for _ in range(3):
         q = np.concatenate([rng.normal(size=3), quaternion_of(rng.normal(size=3)), 0.1 * rng.normal(size=n_f)])
         v = rng.normal(size=system.n_q)

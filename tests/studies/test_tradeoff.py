@@ -334,7 +334,7 @@ def test_the_command_writes_table_json_and_picture(tmp_path):
 def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_model(tmp_path):
     """A coarse mesh is that of a skin file in which its keys stand, interface points at the same places."""
     pytest.importorskip("gmsh")
-    from preprocessing.recipes.skin.build import build
+    from preprocessing import build
     from toolkit.reduced_model.file import load
     from toolkit.studies.tradeoff.recommendation import skin_fragments
 
@@ -374,11 +374,11 @@ def test_modes_and_elements_are_built_afresh_and_their_fragment_builds_the_same_
 def remeshed(tmp_path: Path, more: str, elements: int, **keys):
     """The wing's skin file with more in it, meshed by another number of elements."""
     from preprocessing.recipes.skin.changed_keys import with_keys
-    from preprocessing.recipes.skin.skin_file import read_skin_file
+    from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 
     (tmp_path / "skin.toml").write_text((WING / "skin.toml").read_text().replace('clamp = "F"', 'clamp = "F"\n' + more, 1))
     arc_lengths = np.arange(31.0)  # of 30 elements of length 1
-    return with_keys(read_skin_file(tmp_path / "skin.toml"), {"skin.elements": elements, **keys}, lambda: arc_lengths)
+    return with_keys(SkinRecipe.read(tmp_path / "skin.toml").file, {"skin.elements": elements, **keys}, lambda: arc_lengths)
 
 
 def test_points_and_groups_stay_where_they_are_in_another_mesh(tmp_path):

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.corotational.command import Body, compare
 from preprocessing.corotational.elements import Corotational
 from preprocessing.mesh.curve_mesh import CurveMesh
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
-from preprocessing.recipes.skin.build import build
 from tests.models.frames import SECTION, cantilever, ring
 from tests.models.scenes import hanging_skin
 from toolkit.command_line.cli import app

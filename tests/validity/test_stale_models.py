@@ -10,7 +10,7 @@ import meshio
 import numpy as np
 import pytest
 
-from preprocessing.recipes.source_file import source
+from preprocessing.recipes.build_model import build, read_recipe
 from tests.models.solid_bodies import rectangle, write_body
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
@@ -69,7 +69,7 @@ def test_an_edited_thickness_is_told_with_both_values_and_the_command(wing):
     assert "the reduced model 'skin.h5' of skin is older than what it was built from" in text
     assert "skin.toml, where section.thickness is 3.0 and was 1.5." in text
     assert text.endswith(f"Build it again: ffrf-preprocess {wing / 'skin.toml'}")
-    save(source(wing / "skin.toml").build(None, {}, {}), wing / "skin.h5")
+    save(build(wing / "skin.toml"), wing / "skin.h5")
     assert stale_models(read_scene(wing / "scene.toml")) == []
 
 
@@ -103,7 +103,7 @@ def test_a_file_that_is_no_toml_any_more_has_changed(wing):
 
 def test_models_that_lie_elsewhere_find_their_files(wing):
     (wing / "built").mkdir()
-    save(source(wing / "skin.toml").build(None, {"thickness": 1.6}, {}), wing / "built" / "thick.h5")
+    save(build(wing / "skin.toml", values={"thickness": 1.6}), wing / "built" / "thick.h5")
     assert set(load(wing / "built" / "thick.h5").inputs) == {"../skin.toml", "../high_speed.dat", "../low_speed.dat"}
     edit(wing / "scene.toml", '"skin.h5"', '"built/thick.h5"')
     assert stale_models(read_scene(wing / "scene.toml")) == []
@@ -160,16 +160,16 @@ def with_xdmf(folder: Path) -> tuple[Path, Path]:
 @pytest.mark.parametrize("make", [with_included_mesh, with_xdmf])
 def test_files_that_a_mesh_draws_on_belong_to_the_inputs(make, tmp_path):
     path, data = make(tmp_path)
-    described = source(path)
+    described = read_recipe(path)
     assert data in described.inputs
-    before = described.hash({})
-    model = described.build(None, {}, {})
+    before = described.hash()
+    model = described.build()
     assert model.input_hash == before
     save(model, tmp_path / "body.h5")
     scene = hanging(tmp_path)
     assert stale_models(scene) == []
     data.write_bytes(data.read_bytes() + b"\n")
-    assert source(path).hash({}) != before  # ffrf-preprocess builds again
+    assert read_recipe(path).hash() != before  # ffrf-preprocess builds again
     (caution,) = stale_models(scene)
     assert f"changes in {data.relative_to(tmp_path).as_posix()}. " in caution.text
 
@@ -183,4 +183,4 @@ def test_an_included_file_that_is_there_twice_is_refused(tmp_path, monkeypatch):
     with pytest.raises(
         InputError, match=r"includes 'parts/plate.inp', and there are two such files: .*elsewhere.*Work in another folder"
     ):
-        source(path)
+        read_recipe(path).hash()

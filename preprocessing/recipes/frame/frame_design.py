@@ -7,8 +7,8 @@ and `damping_stiffness` of the whole frame. By Poisson's ratios and nodes there 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import partial
-from pathlib import Path
+from functools import partial, reduce
+from operator import getitem
 from typing import Any
 
 import numpy as np
@@ -17,24 +17,22 @@ from preprocessing.assembly.spatial_assembly import BeamMesh, SpatialPatch, asse
 from preprocessing.discretisation.discretisation import DesignSpace
 from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
 from preprocessing.elements.section import Patch
-from preprocessing.recipes.frame.frame_file import ALONG, FrameFile, frame_from
+from preprocessing.recipes.frame.frame_file import ALONG, FrameFile
 from preprocessing.recipes.frame.frame_tables import DIMENSIONS, BeamTable
-from preprocessing.recipes.skin.changed_content import put
-from toolkit.foundation.errors import InputError
 
 _MATERIAL = {"youngs_modulus": "stress", "density": "density", "poisson_ratio": "none"}
 _DAMPING = {"mass": "rate", "stiffness": "time"}
 _ABOVE = np.array([0.0, 0.0, 1.0])
 
 
-def places(file: FrameFile) -> dict[str, tuple[str, ...]]:
+def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
     """Parameter -> keys that lead to it in frame.toml."""
-    found: dict[str, tuple[str, ...]] = {
+    found: dict[str, tuple[Any, ...]] = {
         f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _MATERIAL
     }
     found |= {f"{key}_{name}": ("sections", name, key) for name, each in file.sections.items() for key in DIMENSIONS[each.kind]}
     found |= {f"damping_{key}": ("damping", key) for key in _DAMPING}
-    return found | {f"{axis}_{name}": ("nodes", name, axis) for name in file.nodes for axis in "xyz"}
+    return found | {f"{axis}_{name}": ("nodes", name, number) for name in file.nodes for number, axis in enumerate("xyz")}
 
 
 def quantities(file: FrameFile) -> dict[str, str]:
@@ -46,28 +44,6 @@ def quantities(file: FrameFile) -> dict[str, str]:
         else:
             found[parameter] = {**_MATERIAL, **_DAMPING}.get(rest[-1], "length")
     return found
-
-
-def changed_frame(file: FrameFile, values: Mapping[str, float], keys: Mapping[str, Any], path: Path) -> FrameFile:
-    """The file with other values of parameters, and with other keys, for example {"basis": {...}}.
-
-    Raises
-    ------
-    InputError
-        A parameter does not exist, or a value cannot be meant.
-    """
-    content, known = file.model_dump(exclude_none=True, by_alias=True), places(file)
-    for name, value in values.items():
-        if name not in known:
-            raise InputError(f"{str(path)!r} has no parameter {name!r}; there are {', '.join(known)}.")
-        table, *rest = known[name]
-        if table == "nodes":
-            content["nodes"][rest[0]]["xyz".index(rest[1])] = value
-        else:
-            put(content, known[name], value)
-    for key, value in keys.items():
-        put(content, key.split("."), value)
-    return frame_from(content, path)
 
 
 def frame_space(file: FrameFile) -> DesignSpace:
@@ -110,14 +86,8 @@ def _orientation(file: FrameFile, beam: BeamTable) -> np.ndarray:
 
 def _values(file: FrameFile) -> dict[str, float]:
     """Parameter -> its value in the file."""
-    content, found = file.model_dump(), {}
-    for parameter, (table, *rest) in places(file).items():
-        if table == "nodes":
-            found[parameter] = file.nodes[rest[0]]["xyz".index(rest[1])]
-        else:
-            owner = content[table]
-            found[parameter] = owner[rest[0]][rest[1]] if len(rest) == 2 else owner[rest[0]]
-    return found
+    content: Any = file.model_dump()
+    return {parameter: reduce(getitem, keys, content) for parameter, keys in places(file).items()}
 
 
 def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[SpatialPatch]:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from pathlib import Path
-from typing import Annotated, Any, Literal
+from collections.abc import Iterator
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from preprocessing.recipes.frame.frame_tables import NAMED, BeamTable, FrameMaterial, FramePoint, FrameSection, Triple
-from preprocessing.recipes.skin.skin_file import validated
-from preprocessing.recipes.skin.skin_tables import BasisTable, Damping, InterfaceName, Table
-from toolkit.foundation.files.toml_file import read_toml
+from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Table
 
 ALONG = 1e-6
 """Sine of the angle between a beam and the orientation of its section below which it says nothing."""
@@ -89,24 +86,3 @@ class FrameFile(Table):
             yield 'a frame with boundary = "free" floats about mean axes; leave clamp out'
         if self.basis.boundary != "free" and self.clamp is None:
             yield 'the body\'s frame needs a place; add clamp, or take kind = "eigenmodes" with boundary = "free" in [basis]'
-
-
-def is_frame(content: Mapping[str, Any]) -> bool:
-    """Whether a TOML file's content is meant as a frame.toml."""
-    return "beams" in content or "nodes" in content
-
-
-def read_frame_file(path: str | Path) -> FrameFile:
-    """Read and check frame.toml.
-
-    Raises
-    ------
-    InputError
-        The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
-    """
-    return frame_from(read_toml(Path(path), "a frame.toml"), Path(path))
-
-
-def frame_from(content: Mapping[str, Any], path: Path) -> FrameFile:
-    """The same from the content of the file at `path`; raises as `read_frame_file`."""
-    return validated(FrameFile, content, path)

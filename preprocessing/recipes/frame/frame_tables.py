@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, FiniteFloat, model_validator
 
 from preprocessing.elements.section_shape import SectionShape, circle, general, rectangle, tube
-from preprocessing.recipes.skin.skin_tables import InterfaceName, Positive, Table
+from preprocessing.recipes.tables import InterfaceName, Positive, Table
 
 Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Pair = Annotated[list[FiniteFloat], Field(min_length=2, max_length=2)]

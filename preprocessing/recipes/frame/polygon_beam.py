@@ -14,7 +14,7 @@ from preprocessing.discretisation.discretisation import DesignSpace, Discretisat
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh
-from preprocessing.recipes.skin.build import WRITER_VERSION
+from preprocessing.recipes.recipe import WRITER_VERSION
 from preprocessing.reduction.reduced import reduce
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import Mesh, ReducedModel

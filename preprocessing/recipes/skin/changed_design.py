@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from typing import Any
 
 from preprocessing.elements.section import QUANTITIES
-from preprocessing.recipes.skin.changed_content import put, skin_from
+from preprocessing.recipes.checked_file import put
 from preprocessing.recipes.skin.skin_file import SkinFile
 from toolkit.foundation.errors import InputError
 
@@ -23,30 +23,24 @@ _KEYS = {
 """Where the body's own parameters stand in skin.toml."""
 
 
-def changed(file: SkinFile, values: Mapping[str, float]) -> SkinFile:
-    """The file with other values of the parameters that stand in it.
+def put_value(content: dict[str, Any], file: SkinFile, name: str, value: float) -> None:
+    """Give a parameter of the file another value in its content.
 
-    Parameters
-    ----------
-    values : parameter -> value
-        Besides the parameters of the reduced model, `interface_points.C.arc_length` puts an interface point elsewhere. Those of single
-        elements, which `[skin] separate` makes, stand nowhere in the file and are left to `patches.distribute`.
+    Besides the parameters of the reduced model, `interface_points.C.arc_length` puts an interface point elsewhere. Those of single
+    elements, which `[skin] separate` makes, stand nowhere in the file and are left to `patches.distribute`.
 
     Raises
     ------
     InputError
-        A parameter or interface point does not exist, or a value cannot be meant.
+        A parameter or interface point does not exist, or a value of a single element cannot be meant.
     """
-    content = file.model_dump(exclude_none=True)
-    for name, value in values.items():
-        keys = _place(file, name)
-        if keys and keys[0] == "interface_points":
-            content["interface_points"][keys[1]] = {"arc_length": value}
-        elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
-            raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
-        elif keys:
-            put(content, keys, value)
-    return skin_from(content, "design")
+    keys = _place(file, name)
+    if keys and keys[0] == "interface_points":
+        content["interface_points"][keys[1]] = {"arc_length": value}
+    elif not keys and not (value > 0 or (value == 0 and name.startswith("damping"))):
+        raise InputError(f"the parameter {name!r} cannot be {value!r}; give a positive number.")
+    elif keys:
+        put(content, keys, value)
 
 
 def _place(file: SkinFile, name: str) -> tuple[str, ...]:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from preprocessing.recipes.skin.changed_content import put, skin_from
+from preprocessing.recipes.checked_file import put, validated
 from preprocessing.recipes.skin.skin_file import SkinFile
-from preprocessing.recipes.skin.skin_tables import Table
 from toolkit.foundation.errors import InputError
 
 ELEMENTS = "skin.elements"
@@ -34,14 +33,7 @@ def with_keys(file: SkinFile, keys: Mapping[str, Any], stations: Callable[[], An
         _remesh(file, content, keys[ELEMENTS], stations)
     for key, value in keys.items():
         put(content, key.split("."), value)
-    return skin_from(content, "skin")
-
-
-def changed_tables(file: Table, other: Table) -> dict[str, Any]:
-    """Tables of the second file that differ from those of the first; only what is not the default in them, unless that is nothing."""
-    mine, theirs = (each.model_dump(exclude_none=True) for each in (file, other))
-    brief = other.model_dump(exclude_none=True, exclude_defaults=True)
-    return {name: brief.get(name) or table for name, table in theirs.items() if table != mine.get(name)}
+    return validated(SkinFile, content, "the changed skin")
 
 
 def _remesh(file: SkinFile, content: dict[str, Any], elements: int, stations: Callable[[], Any]) -> None:

@@ -19,14 +19,14 @@ from preprocessing.curve.skin import Skin
 from preprocessing.discretisation.slenderness import slenderness
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.curve_mesh import CurveMesh, mesh_curve
+from preprocessing.recipes.recipe import Remark
 from preprocessing.recipes.skin.shape_parameters import shape_parameters
 from preprocessing.recipes.skin.shaped_contours import Contours
 from preprocessing.recipes.skin.skin_file import SkinFile
 from toolkit.foundation.errors import InputError
 
-__all__ = ["Geometry", "Remark", "at_key", "read_geometry", "shape_parameters"]
+__all__ = ["Geometry", "at_key", "read_geometry", "shape_parameters"]
 
-Remark = Callable[[str], None]
 _METRES = {"mm-t-s": 1e-3, "m-kg-s": 1.0, "mm": 1e-3, "m": 1.0}
 """Metres per unit of length of the unit systems and of airfoil files."""
 

@@ -4,54 +4,23 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, FiniteFloat, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, model_validator
 
-from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.recipes.skin.shape_mode_name import mode_name
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import LARGEST
-
-
-def _ordinary(value: float) -> float:
-    if value and not 1 / LARGEST <= value <= LARGEST:
-        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} can be meant; mend the exponent or the units")
-    return value
-
-
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_ordinary)]
-NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(_ordinary)]
-
-
-def _file_name(name: str) -> str:
-    if "\0" in name:
-        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
-    return name
+from preprocessing.recipes.tables import FileName, NonNegative, Positive, Table, interface_name
 
 
 def _group_name(name: str) -> str:
     """It becomes part of the names of parameters, as numbers of single elements do."""
     if name.isdecimal():
         raise ValueError("numbers are for single elements; use a name with a letter")
-    return _interface_name(name)
+    return interface_name(name)
 
 
-def _interface_name(name: str) -> str:
-    """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
-    if not name.strip() or set(name) & set("./\0"):
-        raise ValueError("this is no legal name of a point; use letters, digits and _")
-    return name
-
-
-FileName = Annotated[str, AfterValidator(_file_name)]
-InterfaceName = Annotated[str, AfterValidator(_interface_name)]
 GroupName = Annotated[str, AfterValidator(_group_name)]
 ElementNumber = Annotated[int, Field(ge=0)]
 Quantity = Literal["youngs_modulus", "density", "thickness", "width", "damping_mass", "damping_stiffness"]
 ModeName = Annotated[str, AfterValidator(mode_name)]
-
-
-class Table(BaseModel):
-    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
 
 
 class Airfoil(Table):
@@ -80,7 +49,7 @@ class SkinCut(Table):
     spacing: Literal["equal", "curvature"] = "equal"
     grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
     clamp: Literal["F", "G"] = "F"  # the end that the body's frame is tied to
-    separate: list[Quantity] = []  # what every element has of its own: thickness_0 is that of the first element, and so on
+    separate: list[Quantity] = Field([])  # what every element has of its own: thickness_0 is that of the first element, and so on
 
 
 class ShapeMode(Table):
@@ -133,13 +102,6 @@ class Material(Table):
         return self
 
 
-class Damping(Table):
-    """Rayleigh damping D = mass M + stiffness K."""
-
-    mass: NonNegative = 0.0  # 1 / time
-    stiffness: NonNegative = 0.0  # time
-
-
 class ElementGroup(Table):
     """Elements that have quantities of their own; each becomes a design variable, for example `thickness_nose` of a group `nose`."""
 
@@ -161,29 +123,6 @@ class ElementGroup(Table):
     def values(self) -> dict[str, float]:
         """The quantities that are given."""
         return self.model_dump(exclude={"elements"}, exclude_none=True)
-
-
-class BasisTable(Table):
-    """What the elastic coordinates stand for; all nodal coordinates if left out. One of count, frequency, static_error says how many."""
-
-    kind: Literal["full", "eigenmodes", "craig-bampton", "static"] = "full"
-    boundary: Literal["clamped", "free"] = "clamped"  # of eigenmodes: clamped at the frame's end, or free about mean axes
-    count: Annotated[int, Field(ge=0)] | None = None  # of eigenmodes
-    frequency: Positive | None = None  # all eigenmodes up to this one, in Hz
-    static_error: Positive | None = None  # relative error of the displacements under forces at the interface points
-    derivative: Literal["differentiated", "frozen"] = "differentiated"  # whether the shapes follow the design
-
-    @model_validator(mode="after")
-    def _can_be_had(self) -> BasisTable:
-        try:
-            self.choice()
-        except InputError as error:
-            raise ValueError(str(error)) from error
-        return self
-
-    def choice(self) -> BasisChoice:
-        """The same, as the reduction wants it."""
-        return BasisChoice(**self.model_dump())
 
 
 class Place(Table):

@@ -10,7 +10,5 @@ A spatial body needs a mesh of tetrahedra, hexahedra or wedges with named groups
     pressure_surfaces.skin.group = "outside"
     basis = { kind = "craig-bampton", count = 12 }
 
-Then `ffrf-preprocess body.toml`, or `save(build_body("body.toml"), "body.h5")` with `build_body` of
-`preprocessing.recipes.solids.build_body` and `save` of
-`toolkit.reduced_model.file`.
+Then `ffrf-preprocess body.toml`, or `preprocessing.save(preprocessing.build("body.toml"), "body.h5")`.
 """

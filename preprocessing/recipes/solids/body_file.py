@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, model_validator
 
-from preprocessing.recipes.skin.skin_file import validated
-from preprocessing.recipes.skin.skin_tables import BasisTable, Damping, InterfaceName, Table
 from preprocessing.recipes.solids.body_tables import (
     MatricesTable,
     MeshTable,
@@ -20,7 +16,7 @@ from preprocessing.recipes.solids.body_tables import (
     StressTable,
     TiedRegion,
 )
-from toolkit.foundation.files.toml_file import read_toml
+from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Table
 
 
 class BodyFile(Table):
@@ -81,24 +77,3 @@ class BodyFile(Table):
         named += [variable.field for variable in self.shape_variables.values()]
         named += [matrices.mass, matrices.stiffness, matrices.nodes, matrices.stress] if matrices else []
         return [name for name in named if name is not None]
-
-
-def is_body(content: Mapping[str, Any]) -> bool:
-    """Whether a TOML file's content is meant as a body.toml rather than a skin.toml."""
-    return "mesh" in content or "matrices" in content
-
-
-def read_body_file(path: str | Path) -> BodyFile:
-    """Read and check body.toml.
-
-    Raises
-    ------
-    InputError
-        The file is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
-    """
-    return body_from(read_toml(Path(path), "a body.toml"), Path(path))
-
-
-def body_from(content: Mapping[str, Any], path: Path) -> BodyFile:
-    """The same from the content of the file at `path`; raises as `read_body_file`."""
-    return validated(BodyFile, content, path)

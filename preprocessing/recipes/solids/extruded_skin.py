@@ -11,9 +11,11 @@ import numpy as np
 
 from preprocessing.assembly.solids.elements import CUBE, CUBE_MIDDLES
 from preprocessing.input.at_key import at_key
-from preprocessing.recipes.skin.geometry import Geometry, Remark, read_geometry
-from preprocessing.recipes.skin.skin_file import SkinFile, read_skin_file
-from preprocessing.recipes.skin.skin_tables import Table
+from preprocessing.recipes.recipe import Remark
+from preprocessing.recipes.skin.geometry import Geometry, read_geometry
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.skin.skin_recipe import SkinRecipe
+from preprocessing.recipes.tables import Table
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced, write_whole
 
@@ -53,7 +55,7 @@ def extrude(path: Path, target: Path, layers: int = 8, remark: Remark | None = N
         )
     if taken := [str(each) for each in (target, described) if each.exists()]:
         raise InputError(f"{' and '.join(taken)} would be overwritten. Move it away, or name another file.")
-    file = read_skin_file(path)
+    file = SkinRecipe.read(path).file
     refuse_what_is_lost(path, file)
     geometry = read_geometry(path, file, remark)
     with at_key(path, "section.thickness"):

@@ -1,11 +1,7 @@
-"""From body.toml to the reduced model: every step of the preprocessing of solids, in order."""
+"""From the matrices of a body to its reduced model: basis, contractions and all derivatives."""
 
 from __future__ import annotations
 
-import hashlib
-from collections.abc import Mapping
-from importlib.metadata import version
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,97 +15,16 @@ from preprocessing.basis.solids.ties import Freedom, freedom
 from preprocessing.discretisation.body_change import BodyChange, rate_of
 from preprocessing.discretisation.discretisation import STEP
 from preprocessing.discretisation.surface_parts import pressure_on, surface_of
-from preprocessing.foreign_files.bounds import LARGEST_FILE
-from preprocessing.input.at_key import at_key
-from preprocessing.input.input_files import origin
-from preprocessing.mesh.included_files import drawn_on
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
-from preprocessing.recipes.skin.build import WRITER_VERSION
-from preprocessing.recipes.solids.body_file import BodyFile, read_body_file
-from preprocessing.recipes.solids.changed_body import changed_body
-from preprocessing.recipes.solids.discrete_body import DiscreteBody, discrete_body
+from preprocessing.recipes.solids.discrete_body import DiscreteBody
 from preprocessing.reduction.stored_entries import ROUND_OFF, derivatives, polynomials_without_round_off, without_round_off
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.regular_file import read_whole
 from toolkit.foundation.units import unit
-from toolkit.reduced_model.file import SCHEMA_VERSION
-from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, ReducedModel, StressPoints
+from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, StressPoints
 
 
-def build_body(
-    path: str | Path, values: Mapping[str, float] | None = None, keys: Mapping[str, Any] | None = None
-) -> ReducedModel:
-    """Build the reduced model that body.toml describes.
-
-    Parameters
-    ----------
-    path : str or Path
-        body.toml; the paths of other files in it are relative to it.
-    values : parameter -> value
-        Another design than that of the file, see `changed_body`.
-    keys : key -> value
-        Other keys than those of the file, for example {"basis": {...}}.
-
-    Raises
-    ------
-    InputError
-        A file is missing or cannot be meant; the message names the file and the key.
-    """
-    path, values, keys = Path(path), values or {}, keys or {}
-    file = changed_body(read_body_file(path), values, keys, path)
-    body = discrete_body(path, file)
-    with at_key(path, "basis"):
-        found = _reduced(body, file.basis.choice(), file.clamp.words if file.clamp else "")
-    points = len(found["invariants"].stress_operator)
-    return ReducedModel(
-        **found,
-        dimension=body.mesh.dimension,
-        units=file.units,
-        nominal_units={name: unit(file.units, QUANTITIES.get(name, "none")) for name in found["nominal"]},
-        input_hash=body_hash(path, file, {**values, **keys}),
-        **origin(path, body_inputs(path, file), values),
-        writers={"ffrf-toolkit": WRITER_VERSION} | {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")},
-        stress=StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
-    )
-
-
-def body_inputs(path: Path, file: BodyFile) -> list[Path]:
-    """The files that body.toml names, and those that its mesh draws on.
-
-    Raises
-    ------
-    InputError
-        A file that the mesh includes is there twice.
-    """
-    drawn = drawn_on(path.parent / file.mesh.file) if file.mesh else []
-    return [*(path.parent / name for name in file.inputs), *drawn]
-
-
-def body_hash(path: Path, file: BodyFile, changes: Mapping[str, Any] | None = None) -> str:
-    """SHA-256 of all that the result depends on: body.toml, the files of `body_inputs`, changes, schema and writer version.
-
-    Raises
-    ------
-    InputError
-        One of the files cannot be read.
-    """
-    digest = hashlib.sha256(f"body, schema {SCHEMA_VERSION}, writer {WRITER_VERSION}".encode())
-    for each in (path, *body_inputs(path, file)):
-        try:
-            content = read_whole(each, LARGEST_FILE)
-        except OSError as error:
-            raise InputError(
-                f"{str(each)!r} cannot be read ({error.strerror}). Mend the path in {path.name}; it is relative to that file."
-            ) from error
-        digest.update(f" {len(content)} ".encode() + content)
-    if changes:
-        digest.update(repr(sorted(changes.items())).encode())
-    return digest.hexdigest()
-
-
-def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, Any]:
-    """Basis and contractions: those fields of the reduced model that follow from them.
+def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str) -> dict[str, Any]:
+    """Basis and contractions: those fields of the reduced model that follow from them; `clamp` is what is held, in words.
 
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
@@ -131,15 +46,20 @@ def _reduced(body: DiscreteBody, choice: BasisChoice, clamp: str) -> dict[str, A
     if not computed:
         polynomials = polynomials_without_round_off(polynomials, invariants, list(nominal.values()))
         invariants = without_round_off(invariants)
+    points = len(invariants.stress_operator)
     return {
+        "dimension": body.mesh.dimension,
+        "units": units,
         "reference_condition": MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}"),
         "basis": shapes.words,
         "nominal": nominal,
+        "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         "invariants": invariants,
         "derivatives": found,
         "affine": polynomials,
         **_boundary_parts(body, z),
         "interfaces": interfaces,
+        "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }
 
 

@@ -1,0 +1,65 @@
+"""The content of an input file checked against its schema, and what is said about every wrong key."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from types import NoneType
+from typing import Any, TypeVar, get_args
+
+from pydantic import BaseModel, ValidationError
+
+from toolkit.foundation.errors import InputError
+
+File = TypeVar("File", bound=BaseModel)
+
+
+def validated(schema: type[File], content: Mapping[str, Any], whose: str) -> File:
+    """The content of a file, checked against its schema; `whose` it is begins the message.
+
+    Raises
+    ------
+    InputError
+        Names every key that is unknown, missing or has a value that cannot be meant.
+    """
+    try:
+        return schema.model_validate(content)
+    except ValidationError as error:
+        problems = "\n".join(f"  {explain(item, schema)}" for item in error.errors())
+        raise InputError(f"{whose} cannot be used:\n{problems}") from error
+
+
+def put(content: dict[str, Any], keys: Sequence[Any], value: Any) -> None:
+    """Set a table (`basis`), a key in one (`skin`, `elements`), or an item of a list there (`nodes`, `A`, 0)."""
+    *tables, last = keys
+    table: Any = content
+    for name in tables:
+        table = table.setdefault(name, {})
+    table[last] = value
+
+
+def explain(item: Any, schema: type[BaseModel]) -> str:
+    """One line on one wrong key of a file with this schema: where it is, what is wrong, what would be right."""
+    location = item["loc"][:-2] if item["loc"][-1:] == ("[key]",) else item["loc"]
+    key = ".".join(str(part) for part in location)
+    if item["type"] == "extra_forbidden":
+        return f"{key}: unknown key; allowed here: {', '.join(_keys(schema, location[:-1]))}."
+    if item["type"] == "missing":
+        return f"{key}: this key is missing; add it."
+    reason = item["msg"].removeprefix("Value error, ")
+    value = "" if isinstance(item["input"], dict) else f" (got {item['input']!r})"
+    return f"{key}: {reason[0].lower()}{reason[1:]}{value}.".removeprefix(": ")
+
+
+def _keys(schema: type[BaseModel], location: tuple[str | int, ...]) -> list[str]:
+    """Keys of the table at a location of the schema."""
+    table: Any = schema
+    for part in location:
+        of_group = get_args(table)  # (InterfaceName, Place) of dict, (BeamTable,) of list
+        table = of_group[-1] if of_group else _optional(table.model_fields[str(part)].annotation)
+    return [field.alias or name for name, field in table.model_fields.items()]
+
+
+def _optional(annotation: Any) -> Any:
+    """The type of a key, without the None of one that may be left out."""
+    options = get_args(annotation)
+    return options[0] if options[1:] == (NoneType,) else annotation

@@ -1,0 +1,76 @@
+"""All designs of a skin: its parameters, and the finite elements at any values of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from preprocessing.assembly.assembly import assemble
+from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, FiniteElements
+from preprocessing.elements.patches import distribute
+from preprocessing.input.at_key import at_key
+from preprocessing.recipes.skin.geometry import Geometry, Remark
+from preprocessing.recipes.skin.shape_parameters import shape_parameters
+from preprocessing.recipes.skin.skin_file import SkinFile
+from preprocessing.recipes.skin.skin_tables import Place
+from preprocessing.recipes.skin.spatial_skin import spatial_skin
+from toolkit.foundation.errors import InputError
+
+
+def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geometry: Geometry) -> DesignSpace:
+    """All designs of the skin: section, by groups of elements; Poisson's ratio, where it enters; and shape.
+
+    Parameters
+    ----------
+    values : those of parameters of single elements count, the others stand in `file` already
+    """
+    body = {**file.section.model_dump(), **file.material.model_dump()}
+    body |= {"damping_mass": file.damping.mass, "damping_stiffness": file.damping.stiffness}
+    with at_key(path, "groups"):
+        parameters = distribute(body, file.groups, file.skin.separate, file.skin.elements)
+    section = {name: values.get(name, value) for name, value in parameters.values.items()}
+    shape = shape_parameters(file)
+    in_plane, wide = file.dimension == 2, file.material.state == "plane-strain"
+    ratio = {"poisson_ratio": file.material.poisson_ratio or 0.0} if wide or not in_plane else {}
+
+    def discretise(design: Mapping[str, Any]) -> FiniteElements:
+        moved = {name: design[name] for name in shape if design[name] != shape[name]}
+        at = geometry.moved(moved) if moved else geometry
+        factor = 1 / (1 - design["poisson_ratio"] ** 2) if wide else 1.0
+        places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
+        if not in_plane:
+            return spatial_skin(at, parameters.patches, places, factor, design["poisson_ratio"])
+        return Discretisation(at.mesh, at.arc_lengths, assemble(at.mesh, parameters.patches, factor), places, at.target)
+
+    lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
+    quantities = {**parameters.quantities, **dict.fromkeys(ratio, "none"), **lengths}
+    return DesignSpace({**section, **ratio, **shape}, quantities, frozenset(section), discretise)
+
+
+def differentiable(space: DesignSpace, remark: Remark | None) -> DesignSpace:
+    """The space without the parameters of the shape that have no derivative; `remark` is told why."""
+    lost, steps = {}, {}
+    for name in space.values:
+        if name not in space.in_monomials:
+            try:
+                steps[name] = space.stepped(name)
+                steps[name].interface_rows()
+            except InputError as error:
+                lost[name] = str(error)
+                if remark is not None:
+                    remark(f"the model will have no derivatives by {name}: {error}")
+    values, discretise = space.values, space.discretise
+    return replace(
+        space,
+        values={name: value for name, value in values.items() if name not in lost},
+        quantities={name: meaning for name, meaning in space.quantities.items() if name not in lost},
+        discretise=lambda design: discretise({**values, **design}),
+        steps=steps,
+    )
+
+
+def _arc_length(path: Path, name: str, place: Place, geometry: Geometry) -> Any:
+    with at_key(path, f"interface_points.{name}"):
+        return geometry.skin.locate(**place.where, stations=geometry.arc_lengths)

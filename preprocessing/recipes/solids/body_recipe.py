@@ -1,0 +1,73 @@
+"""From body.toml to the reduced model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from preprocessing.mesh.included_files import drawn_on
+from preprocessing.recipes.recipe import Recipe, Remark, Seal
+from preprocessing.recipes.solids.body_file import BodyFile
+from toolkit.foundation.errors import InputError
+
+PLACES = {
+    "youngs_modulus": ("material", "youngs_modulus"),
+    "density": ("material", "density"),
+    "poisson_ratio": ("material", "poisson_ratio"),
+    "width": ("section", "width"),
+    "damping_mass": ("damping", "mass"),
+    "damping_stiffness": ("damping", "stiffness"),
+}
+"""Where the parameters of a body stand in body.toml, besides its shape variables."""
+
+
+class BodyRecipe(Recipe[BodyFile]):
+    """A body with a mesh of solid elements, or with finished matrices.
+
+    What needs scikit-fem is loaded when the body is built: it takes a second.
+    """
+
+    name = "body.toml"
+    schema = BodyFile
+    seal = Seal("body, ")
+    parts = ("invariants", "derivatives", "affine", "interfaces", "stress")
+
+    @classmethod
+    def means(cls, content: Mapping[str, Any]) -> bool:
+        return "mesh" in content or "matrices" in content
+
+    def _named(self) -> list[Path]:
+        drawn = drawn_on(self.path.parent / self.file.mesh.file) if self.file.mesh else []
+        return [*(self.path.parent / name for name in self.file.inputs), *drawn]
+
+    def _places(self) -> dict[str, tuple[Any, ...]]:
+        return {**PLACES, **{name: ("shape_variables", name, "value") for name in self.file.shape_variables}}
+
+    def _content_at(self, values: Mapping[str, float]) -> dict[str, Any]:
+        if values and self.file.matrices is not None:
+            raise InputError(
+                f"{str(self.path)!r}: finished matrices hold for the values that they were made with. Change {', '.join(values)} in the "
+                "scene, where the model follows it exactly, or export other matrices."
+            )
+        return super()._content_at(values)
+
+    def _designs(self, remark: Remark | None) -> Any:
+        try:
+            from preprocessing.recipes.solids.discrete_body import discrete_body
+        except ImportError as error:
+            raise InputError(
+                f"meshed bodies need scikit-fem, which cannot be loaded ({error}). Install it with: pip install "
+                "'ffrf-toolkit[preprocessing]'."
+            ) from error
+        return discrete_body(self.path, self.file)
+
+    def _fields(self, designs: Any) -> dict[str, Any]:
+        from preprocessing.recipes.solids.reduced_body import reduced_body
+
+        file = self.file
+        return reduced_body(designs, file.basis.choice(), file.clamp.words if file.clamp else "", file.units)
+
+    def _writers(self) -> dict[str, str]:
+        return {name: version(name) for name in ("scikit-fem", "meshio", "numpy", "scipy")}

@@ -1,0 +1,72 @@
+"""Tables and numbers that files of every kind have: what each key is, and what it can be."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+
+from preprocessing.basis.basis_choice import BasisChoice
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import LARGEST
+
+
+def _ordinary(value: float) -> float:
+    if value and not 1 / LARGEST <= value <= LARGEST:
+        raise ValueError(f"numbers from {1 / LARGEST:g} to {LARGEST:g} can be meant; mend the exponent or the units")
+    return value
+
+
+Positive = Annotated[float, Field(gt=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+NonNegative = Annotated[float, Field(ge=0, allow_inf_nan=False), AfterValidator(_ordinary)]
+
+
+def _file_name(name: str) -> str:
+    if "\0" in name:
+        raise ValueError("a file name cannot hold a zero byte; write the path of the file")
+    return name
+
+
+def interface_name(name: str) -> str:
+    """It becomes the name of a group of an HDF5 file, and part of paths in which dots separate."""
+    if not name.strip() or set(name) & set("./\0"):
+        raise ValueError("this is no legal name of a point; use letters, digits and _")
+    return name
+
+
+FileName = Annotated[str, AfterValidator(_file_name)]
+InterfaceName = Annotated[str, AfterValidator(interface_name)]
+
+
+class Table(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class Damping(Table):
+    """Rayleigh damping D = mass M + stiffness K."""
+
+    mass: NonNegative = 0.0  # 1 / time
+    stiffness: NonNegative = 0.0  # time
+
+
+class BasisTable(Table):
+    """What the elastic coordinates stand for; all nodal coordinates if left out. One of count, frequency, static_error says how many."""
+
+    kind: Literal["full", "eigenmodes", "craig-bampton", "static"] = "full"
+    boundary: Literal["clamped", "free"] = "clamped"  # of eigenmodes: clamped at the frame's end, or free about mean axes
+    count: Annotated[int, Field(ge=0)] | None = None  # of eigenmodes
+    frequency: Positive | None = None  # all eigenmodes up to this one, in Hz
+    static_error: Positive | None = None  # relative error of the displacements under forces at the interface points
+    derivative: Literal["differentiated", "frozen"] = "differentiated"  # whether the shapes follow the design
+
+    @model_validator(mode="after")
+    def _can_be_had(self) -> BasisTable:
+        try:
+            self.choice()
+        except InputError as error:
+            raise ValueError(str(error)) from error
+        return self
+
+    def choice(self) -> BasisChoice:
+        """The same, as the reduction wants it."""
+        return BasisChoice(**self.model_dump())
