@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import ast
+import copy
 import inspect
 import math
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import preprocessing
 import toolkit as ffrf
 from toolkit.description.profile import CURVES
 from toolkit.responses.response import Response
@@ -43,7 +46,8 @@ def test_all_names_are_there_and_type_checkers_see_the_same_ones():
 
 def test_no_name_hides_a_room_nor_is_hidden_by_one():
     """A room becomes an attribute of the package as soon as anybody imports it."""
-    assert not {path.name for path in Path(ffrf.__file__).parent.iterdir()} & set(ffrf.__all__)
+    for package in (ffrf, preprocessing):
+        assert not {path.name for path in Path(package.__file__).parent.iterdir()} & set(package.__all__)
 
 
 def test_importing_it_loads_nothing():
@@ -147,6 +151,69 @@ def test_a_motion_can_begin_where_another_ends():
     np.testing.assert_allclose(rest.solution.q[-1], whole.solution.q[-1], atol=1e-5)  # second order in the step
 
 
+@pytest.mark.parametrize("name", ["morphing_wing", "slider_crank", "four_bar_chain", "rotating_beam"])
+def test_a_motion_can_begin_in_a_state_whose_joints_are_as_open_as_its_steps_left_them(name):
+    model = ffrf.compile(ffrf.read_scene(MODELS / name / "scene.toml"))
+    short = {"solver.end_time": 10 * float(model.scene.solver.step)}
+    first = model.simulate(short)
+    second = model.simulate(short, start=first)
+    begun, ended = second.solution.q[0], first.solution.q[-1]
+    weights = second.solution.system.weights[: len(begun)]
+    assert np.max(weights * np.abs(begun - ended)) < 10 * model.scene.solver.drift_tolerance
+
+
+def test_a_motion_whose_driver_begins_elsewhere_cannot_be_gone_on_with():
+    """Curves begin at t = 0 again: the crank would have to be where it began."""
+    model = ffrf.compile(ffrf.read_scene(MODELS / "bracket" / "scene.toml", {"solver.end_time": 0.01}))
+    with pytest.raises(ffrf.ToolkitError, match="time curves"):
+        model.simulate(start=model.simulate())
+
+
+def test_a_model_file_that_changes_after_the_compilation_is_refused_everywhere(tmp_path):
+    folder = Path(shutil.copytree(WING.parent, tmp_path / "wing"))
+    model = ffrf.compile(ffrf.read_scene(folder / "scene.toml"), variables=["t_w"])
+    run = model.statics(gradients=True)
+    shutil.copyfile(MODELS / "snap_through" / "skin.h5", folder / "skin.h5")
+    calls = [
+        model.statics,
+        model.simulate,
+        model.modes,
+        lambda: model.statics({"t_w": 1.4}),
+        lambda: run.stress("skin"),
+        run.plot,
+    ]
+    for call in [*calls, run.table, lambda: run.render(tmp_path), lambda: run.save(tmp_path / "run.h5")]:
+        with pytest.raises(ffrf.ToolkitError, match="has changed since the scene was compiled"):
+            call()
+
+
+def test_any_number_of_changes_one_after_the_other_cost_no_more_than_one():
+    model = base = ffrf.compile(ffrf.read_scene(WING), variables=["t_w"])
+    for k in range(1500):
+        model = model.at({"t_w": 1.5 + 1e-4 * (k % 7), "M_t": 4200.0})
+    assert model._compiled.base is base._compiled
+    assert model.statics().values == base.statics({"t_w": 1.5 + 1e-4 * (1499 % 7)}).values
+
+
+def test_a_model_can_be_copied_as_processes_do_and_a_run_says_how_it_is_kept(wing):
+    wing.statics()
+    again = copy.deepcopy(wing)
+    assert again.statics({"t_w": 1.6}).values == wing.statics({"t_w": 1.6}).values
+    with pytest.raises(TypeError, match=r"run\.save"):
+        copy.deepcopy(wing.statics())
+
+
+def test_numbers_inside_of_sums_of_curves_are_checked_too(wing):
+    plane, drive = ffrf.plane, wing.scene.loads["drive"]
+    curve = plane.Sum(terms=(plane.SmoothStep(duration=1.0), plane.Sine(amplitude=0.1, frequency=1.0)))
+    loads = {"drive": drive.model_copy(update={"curve": curve})}
+    model = ffrf.compile(wing.scene.model_copy(update={"loads": loads}))
+    for value in (-1.0, 0.0, math.nan):
+        with pytest.raises(ffrf.ToolkitError, match=r"loads\.drive\.curve\.terms\.0\.duration"):
+            model.statics({"loads.drive.curve.terms.0.duration": value})
+    assert model.statics({"loads.drive.curve.terms.0.duration": 0.9}).values
+
+
 def test_modes_are_those_about_the_equilibrium(wing):
     found = wing.modes(count=2)
     assert len(found.frequencies) == 2
@@ -199,6 +266,19 @@ WRONG = {
     "a value that cannot be": (lambda m: m.statics({"points.A.x": math.nan}), "points.A.x.*finite"),
     "a rod without area": (lambda m: m.statics({"bodies.body2.area": 0.0}), "bodies.body2.area: .*greater than 0"),
     "a solver without steps": (lambda m: m.simulate({"solver.step": -1.0}), "solver.step: .*greater than 0"),
+    "a number that is no float": (lambda m: m.statics({"t_w": 10**400}), "larger than any number"),
+    "a name that is none": (lambda m: m.statics({1: 1.0}), "1 is no name"),
+    "nothing instead of numbers": (lambda m: m.statics(0), "numbers are given by name"),
+    "a path instead of a scene": (lambda m: ffrf.compile("scene.toml"), r"compile takes a scene, .*ffrf\.read_scene"),
+    "a number as variable": (lambda m: ffrf.compile(m.scene, [1]), "variables are names"),
+    "half a mode": (lambda m: m.modes(count=2.5), "whole number of modes"),
+    "no mode": (lambda m: m.modes(count=0), "at least one"),
+    "half a process": (lambda m: m.map([{}], processes=1.5), "processes = 1.5"),
+    "one design": (lambda m: m.map({"t_w": 1.6}), "designs are a list"),
+    "a list as method": (lambda m: m.statics(gradients=["direct"]), "no method"),
+    "a body that is not there": (lambda m: m.statics().stress("nix"), "body 'nix', which does not exist"),
+    "a picture of nothing": (lambda m: m.statics().render(width=0), "width = 0"),
+    "a price with a start": (lambda m: m.statics(start=m.statics(), timed=True), "Leave out one of timed and start"),
     "a text": (lambda m: m.statics({"t_w": "1.6"}), "t_w = '1.6' is no number"),
     "a truth value": (lambda m: m.statics({"t_w": True}), "t_w = True is no number"),
     "one number twice": (lambda m: m.statics({"t_w": 1.6, "bodies.skin.thickness": 1.7}), "same number.*Give it once"),

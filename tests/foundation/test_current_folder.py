@@ -138,7 +138,7 @@ def namesake(tmp_path, monkeypatch):
 def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     message = re.escape(f"'{namesake}' has the name of a part of this program, '{HOME / 'preprocessing'}', and comes before it")
     with pytest.raises(InputError, match=message):
-        preprocessing_process.run("preprocessing.new_wing.command", [])
+        preprocessing_process.run("preprocessing.wings.command", [])
     with pytest.raises(InputError, match=message):
         list(side_by_side(os.path.basename, {1: "a", 2: "b"}, 2, ""))
 

@@ -15,8 +15,8 @@ from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
-from preprocessing.new_wing.new_wing import DROOP, new_wing
 from preprocessing.recipes.skin.droop import drooped
+from preprocessing.wings.new_wing import DROOP, new_wing
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene

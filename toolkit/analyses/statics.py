@@ -48,7 +48,8 @@ def solve_statics(
     progress
         Called with the steps done and the steps in all.
     start
-        An equilibrium of the same scene at other numbers. If Newton goes straight from there to a stable one close by, the path from the
+        An equilibrium of the same scene at other numbers; not used for `continuation` "arc-length", where the path decides which one is
+        meant. If Newton goes straight from there to a stable one close by, the path from the
         unloaded state is not followed, and the verdict says so; otherwise it is.
 
     Raises
@@ -69,7 +70,7 @@ def solve_statics(
     options = options or system.scene.solver
     check_dense(system, options)
     begun = clock.perf_counter()
-    if start is not None and (near := _equilibrium_near(system, options, start)):
+    if start is not None and options.continuation == "load" and (near := _equilibrium_near(system, options, start)):
         state, count = near
         return _with_sensitivities(system, options, state, begun, newton_iterations=count, own_start=True)
     state, factor, count = start_of_path(system, options)

@@ -18,6 +18,8 @@ from toolkit.sensitivity.direct import evaluated, values_alone
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, check_kind
+from toolkit.solvers.start.continued import continued_start
+from toolkit.system.model_files import refuse_changed
 from toolkit.system.system import System
 
 
@@ -41,7 +43,10 @@ def analysed(
     check_method(gradients)
     if gradients and not compiled.names:
         raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")
+    refuse_changed(compiled.files)
     if start is not None:
+        if timed:
+            raise InputError("the price of a run with a start is not measured. Leave out one of timed and start.")
         return _from_start(compiled, kind, gradients, start, progress)
     clock = repeated if timed else once
     if not gradients:
@@ -57,7 +62,7 @@ def check_method(gradients: bool | str) -> None:
     InputError
         It is neither a truth value nor a name of a method.
     """
-    if not isinstance(gradients, bool) and gradients not in METHODS:
+    if not isinstance(gradients, bool) and not (isinstance(gradients, str) and gradients in METHODS):
         raise InputError(f"there is no method {gradients!r} for gradients. Write True, False, or one of: {', '.join(METHODS)}.")
 
 
@@ -74,7 +79,7 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
         raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
     if kind == "static":
         return Run.of(evaluated(compiled.scene, solve_statics(system, progress=progress, start=known), bool(gradients)))
-    q, v = known.q[-1], known.v[-1]
+    q, v = continued_start(system, known.q[-1], known.v[-1], compiled.scene.solver)
     solution = simulate(system, q=q, v=v, progress=progress)
     repeat = partial(_again_from, system, q, v, bool(gradients))
     return Run.of(evaluated(compiled.scene, solution, bool(gradients), repeat))

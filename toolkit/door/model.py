@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 from toolkit.analyses.modes import Modes, solve_modes
 from toolkit.analyses.modes import undeformed as at_rest
 from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
 from toolkit.door.run import Run
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+from toolkit.system.model_files import refuse_changed
 
 
 def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
@@ -42,9 +45,13 @@ def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
     >>> model = ffrf.compile(ffrf.read_scene("wing.toml"), variables=["t_w"])
     >>> model.statics({"t_w": 1.6}, gradients=True).gradients["max_stress"]["t_w"]
     """
+    if not isinstance(scene, Scene):
+        raise InputError(f"compile takes a scene, not {scene!r}. Read one: ffrf.read_scene(path).")
     check_names(variables)
+    if not all(isinstance(name, str) for name in variables):
+        raise InputError("variables are names: short names of the scene, or paths of its numbers.")
     compiled = Compiled(scene, tuple(variables))
-    _ = compiled.design  # refuses unknown names now, not when the first gradient is wanted
+    _ = compiled.files, compiled.design  # refuses unknown names now, not when the first gradient is wanted
     return Model(compiled)
 
 
@@ -92,7 +99,7 @@ class Model:
         InputError
             There is no such number, or its value cannot be meant.
         """
-        if not numbers:
+        if isinstance(numbers, Mapping) and not numbers:
             return self
         return Model(self._compiled.at(numbers))
 
@@ -115,7 +122,8 @@ class Model:
             Whether gradients by the model's variables are wanted; or the method: "direct", "adjoint", "auto" (the cheaper one of these),
             "complex-step", "forward-difference", "central-difference".
         start
-            A run whose last state the motion begins in, with its velocities; it does not depend on the design then.
+            A run whose last state the motion begins in, with its velocities; it does not depend on the design then. Time begins at 0 again,
+            and so do all time curves.
         progress
             Called with the steps done and the steps in all.
         timed
@@ -202,14 +210,17 @@ class Model:
         InputError, ConvergenceError, SingularSystemError
             As `statics`; or nothing can move.
         """
-        system = self.at(numbers or {})._compiled.primal
+        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+            raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
+        refuse_changed(self._compiled.files)
+        system = self.at({} if numbers is None else numbers)._compiled.primal
         state = at_rest(system) if undeformed else solve(system, "static", progress)
         found = solve_modes(state, count)
         return found._replace(verdict=Verdict.of([*found.verdict.warnings, *state.verdict.warnings]))
 
     def map(
         self,
-        designs: Sequence[Mapping[str, float]],
+        designs: Iterable[Mapping[str, float]],
         analysis: str = "transient",
         *,
         gradients: bool | str = False,
@@ -246,6 +257,11 @@ class Model:
             There is no such analysis or method.
         """
         kind = kind_of(analysis)
+        designs = designs if isinstance(designs, Mapping | str) else list(designs)
+        if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
+            raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
+        if isinstance(processes, bool) or not isinstance(processes, int) or processes < 1:
+            raise InputError(f"processes = {processes!r}: give a whole number, at least 1.")
         check_method(gradients)
         return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, progress)
 
@@ -281,7 +297,12 @@ class Model:
         InputError
             There is no such analysis; and all that `simulate` and `statics` raise.
         """
-        return analysed(self.at(numbers or {})._compiled, analysis, gradients, start, progress, timed, keep_states)
+        return analysed(
+            self.at({} if numbers is None else numbers)._compiled, analysis, gradients, start, progress, timed, keep_states
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return compile_model, (self.scene, self._compiled.names)
 
     def __repr__(self) -> str:
         variables = ", ".join(f"{name} = {value:g}" for name, value in self.variables.items())
@@ -296,6 +317,8 @@ def kind_of(analysis: str) -> Kind:
     InputError
         There is no such analysis.
     """
-    found = {"simulate": "transient", "statics": "static"}.get(analysis, analysis)
+    found = (
+        {"simulate": "transient", "statics": "static"}.get(analysis, analysis) if isinstance(analysis, str) else repr(analysis)
+    )
     check_kind(found)
     return "static" if found == "static" else "transient"

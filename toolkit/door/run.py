@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from functools import cached_property
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, NoReturn, Self
 
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import moving
 from toolkit.sensitivity.result import Result
@@ -16,6 +19,9 @@ if TYPE_CHECKING:
 
     import numpy as np
     from matplotlib.figure import Figure
+
+NARROWEST, WIDEST = 200, 10_000
+"""Pixels of a picture."""
 
 
 class Run(Result):
@@ -45,6 +51,18 @@ class Run(Result):
     def of(cls, result: Result) -> Self:
         """The result of an analysis as a run."""
         return cls(**{field.name: getattr(result, field.name) for field in fields(Result)})
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether the numbers can be trusted, and why not, see `Result.verdict`."""
+        self.solution.system.refuse_changed_files()
+        found: Verdict = Result.verdict.func(self)  # type: ignore[attr-defined]
+        return found
+
+    def __reduce__(self) -> NoReturn:
+        raise TypeError(
+            "a run cannot be pickled: keep it with run.save(path), or hand out run.values, run.gradients, run.verdict"
+        )
 
     @property
     def scene(self) -> Scene:
@@ -79,12 +97,14 @@ class Run(Result):
         Raises
         ------
         InputError
-            There is no flexible body of that name.
+            There is no flexible body of that name; or the file of its reduced model has changed since the scene was compiled.
         ModelFileError
             Its reduced model holds no stress.
         """
         from toolkit.responses.stress.stress import stress_field
 
+        self.scene.body(body)
+        self.solution.system.refuse_changed_files()
         return stress_field(self.solution, body)
 
     def plot(self) -> Figure:
@@ -102,6 +122,7 @@ class Run(Result):
         """
         from toolkit.render.figures import figure_of
 
+        self.solution.system.refuse_changed_files()
         return figure_of(self.solution)
 
     def render(
@@ -135,6 +156,13 @@ class Run(Result):
         from toolkit.render.pictures import render_solution
         from toolkit.render.view import View
 
+        if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:
+            raise InputError(f"width = {width!r}: give a whole number of pixels from {NARROWEST} to {WIDEST}.")
+        if isinstance(instants, (int, float)):
+            raise InputError(f"instants = {instants!r}: give a list of times, [{instants!r}].")
+        if Path(directory).is_file():
+            raise InputError(f"{str(directory)!r} is a file. Give a folder for the pictures.")
+        self.solution.system.refuse_changed_files()
         return render_solution(self.solution, directory, instants, width, View(format=format))
 
     def save(self, path: str | Path) -> Path:
@@ -157,6 +185,7 @@ class Run(Result):
         """
         from toolkit.results.results_file import save_results
 
+        self.solution.system.refuse_changed_files()
         save_results(self, Path(path))
         return Path(path)
 

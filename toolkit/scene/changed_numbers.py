@@ -33,13 +33,19 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
         raise InputError(f'numbers are given by name, as in {{"points.A.x": 73.0}}, not as {type(numbers).__name__}.')
     paths: list[str] = []
     for name, value in numbers.items():
+        if not isinstance(name, str):
+            raise InputError(f"{name!r} is no name of a number. Give short names or paths.")
         if isinstance(value, bool) or not isinstance(value, Real):
             raise InputError(f"{name} = {value!r} is no number. Give a real one.")
+        try:
+            real = float(value)
+        except OverflowError as error:
+            raise InputError(f"{name} is larger than any number that can be meant. Mend the exponent.") from error
         path = scene.path_of(scene.design.get(name, name))
         if path in paths:
             raise InputError(f"{name!r} is the same number as another one that is given, {path}. Give it once.")
         paths.append(path)
-        scene = scene.with_number(path, float(value))
+        scene = scene.with_number(path, real)
     for path in paths:
         _check(scene, path)
     return scene, paths
@@ -51,21 +57,21 @@ def _check(scene: Scene, path: str) -> None:
     found: list[tuple[str, Description]] = []
     owner: Any = scene
     for depth, key in enumerate(keys, 1):
-        owner = (
-            getattr(owner, key, None)
-            if isinstance(owner, Description)
-            else owner.get(key)
-            if isinstance(owner, Mapping)
-            else None
-        )
+        owner = _below(owner, key)
         if isinstance(owner, Description):
             found.append((".".join(keys[:depth]), owner))
-    problems: list[str] = []
     for where, record in reversed(found):
         given = {**dict(record), **(record.model_extra or {})}
         try:
             type(record).model_validate(given)
         except ValidationError as error:
-            problems += messages(error, type(record), given, where, {})
-    if problems:
-        raise InputError("\n".join(dict.fromkeys(problems)))
+            raise InputError("\n".join(messages(error, type(record), given, where, {}))) from error
+
+
+def _below(owner: Any, key: str) -> Any:
+    """What a record, a table or a list holds under a key; None where the path goes on inside of a vector."""
+    if isinstance(owner, Description):
+        return getattr(owner, key, None)
+    if isinstance(owner, Mapping):
+        return owner.get(key)
+    return owner[int(key)] if isinstance(owner, tuple | list) and key.isdigit() and int(key) < len(owner) else None

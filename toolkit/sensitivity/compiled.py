@@ -10,6 +10,7 @@ from toolkit.description.design import Design
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare
+from toolkit.system.model_files import FileStates, file_states
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
 
@@ -25,7 +26,7 @@ class Compiled:
     names
         Design variables, by short name or path.
     base
-        The same scene at other numbers, which it is made from.
+        The same scene at its own numbers, which it is made from: one, however many changes there were.
     paths
         Where these numbers differ.
     """
@@ -46,6 +47,11 @@ class Compiled:
     def design(self) -> Design:
         """The design variables."""
         return self.scene.design_variables(list(self.names))
+
+    @cached_property
+    def files(self) -> FileStates:
+        """States of the files of reduced models when they were first asked for; all of one origin share them."""
+        return file_states(self.scene) if self.base is None else self.base.files
 
     @cached_property
     def primal(self) -> System:
@@ -75,4 +81,5 @@ class Compiled:
             There is no such number, or its value cannot be meant.
         """
         scene, paths = with_numbers(self.scene, numbers)
-        return Compiled(scene, self.names, self, tuple(paths))
+        root = self if self.base is None else self.base
+        return Compiled(scene, self.names, root, tuple(dict.fromkeys([*self.paths, *paths])))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
@@ -28,6 +28,7 @@ from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
 from toolkit.scene.scene import Scene
+from toolkit.system.model_files import file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
 
@@ -49,6 +50,7 @@ class System:
     functions: tuple
     dtype: type
     weights: np.ndarray  # (n,) see `numbering.weights`
+    files: FileStates = field(default_factory=dict)  # of reduced models, when the scene was compiled
 
     @property
     def n_q(self) -> int:
@@ -105,6 +107,10 @@ class System:
             return plain(evaluate_all)
         _ = self._evaluation  # compiled by now
         return first_class(evaluate_all, self._signature())
+
+    def refuse_changed_files(self) -> None:
+        """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
+        refuse_changed(self.files)
 
     def compiled_as(self, other: System) -> System:
         """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
@@ -174,6 +180,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     InputError
         A name, a path, a body's grip or a parameter is wrong; or a driver is redundant.
     """
+    files = file_states(scene)
     check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
@@ -185,5 +192,5 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes)
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

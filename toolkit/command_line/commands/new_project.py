@@ -12,7 +12,7 @@ import typer
 
 from toolkit.foundation.processes.preprocessing_process import run
 
-PROGRAM = "preprocessing.new_wing.command"
+PROGRAM = "preprocessing.wings.command"
 
 app = typer.Typer(help="Start a project of your own.", no_args_is_help=True)
 

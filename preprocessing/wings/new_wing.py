@@ -11,8 +11,8 @@ import numpy as np
 from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
-from preprocessing.new_wing.texts import README, SCENE, SKIN
 from preprocessing.recipes.skin.droop import drooped
+from preprocessing.wings.texts import README, SCENE, SKIN
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
 
@@ -54,7 +54,9 @@ class Section:
         return [float(f"{number:.5g}") for number in (x, lower + height * (upper - lower))]
 
 
-def new_wing(folder: Path, airfoil: Path, target: Path | None = None, chord: float = REFERENCE_CHORD) -> list[Path]:
+def new_wing(
+    folder: str | Path, airfoil: str | Path, target: str | Path | None = None, chord: float = REFERENCE_CHORD
+) -> list[Path]:
     """Write a folder with airfoil.dat, target.dat, skin.toml, scene.toml and README.md.
 
     Parameters
@@ -72,6 +74,7 @@ def new_wing(folder: Path, airfoil: Path, target: Path | None = None, chord: flo
         raise InputError(
             f"a chord of {chord:g} mm cannot be. Give a length from {CHORDS[0]:g} to {CHORDS[1]:g} mm, for example --chord 550."
         )
+    folder, airfoil, target = Path(folder), Path(airfoil), None if target is None else Path(target)
     _refuse_occupied(folder)
     section = Section.of(airfoil, chord)
     content = {

@@ -1,4 +1,4 @@
-"""The program behind `ffrf new wing`, which runs it in a process of its own (`python -m preprocessing.new_wing.command`)."""
+"""The program behind `ffrf new wing`, which runs it in a process of its own (`python -m preprocessing.wings.command`)."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from preprocessing.new_wing.new_wing import REFERENCE_CHORD, new_wing
+from preprocessing.wings.new_wing import REFERENCE_CHORD, new_wing
 from toolkit.foundation.errors import ToolkitError, refusal
 
 

@@ -1,0 +1,48 @@
+"""A start in the last state of another run, whose joints are closed as well as its steps have kept them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import ConvergenceError, InputError
+from toolkit.solvers.start.initial_conditions import closed_positions
+from toolkit.solvers.start.start_velocities import project_velocities
+from toolkit.system.system import System
+
+MOVED = 10.0
+"""Times `solver.drift_tolerance` that coordinates may move: closing a joint by a little can take a larger motion."""
+CHANGED = 0.05
+"""Part of the largest velocity by which one may be off those that the joints allow: what coarse steps leave."""
+AGAIN = (
+    "A motion with a start begins at t = 0 again, and so do its time curves: give the drivers curves that begin where the start is, and "
+    "the same geometry."
+)
+
+
+def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOptions) -> tuple[np.ndarray, np.ndarray]:
+    """Coordinates and velocities (n_q,) next to given ones that satisfy every joint at t = 0.
+
+    Raises
+    ------
+    InputError
+        The joints are not where the state is, by more than ten times `solver.drift_tolerance`: it belongs to other numbers, or a driver begins
+        elsewhere than it has led to.
+    """
+    n_q, still = system.n_q, np.zeros((system.n, system.n_x))
+    padded = np.concatenate([v, np.zeros(system.n - n_q)])
+    try:
+        closed, _ = closed_positions(system, q, 0.0, options.model_copy(update={"assemble": True}))
+    except ConvergenceError as error:
+        raise InputError(f"the start is off the joints of this scene at t = 0: {error} {AGAIN}") from error
+    found, _ = project_velocities(system, closed, padded, still, still, 0.0)
+    weights = system.weights[:n_q]
+    moved = float(np.max(weights * np.abs(closed[:n_q] - q), initial=0.0))
+    largest = float(np.max(weights * np.abs(v), initial=0.0))
+    changed = float(np.max(weights * np.abs(found[:n_q] - v), initial=0.0))
+    if moved > MOVED * options.drift_tolerance or changed > CHANGED * largest:
+        raise InputError(
+            f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the scene's size in position, by {changed:.1e} of "
+            f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"
+        )
+    return closed[:n_q], found[:n_q]
