@@ -151,7 +151,7 @@ def test_a_motion_can_begin_where_another_ends():
     np.testing.assert_allclose(rest.solution.q[-1], whole.solution.q[-1], atol=1e-5)  # second order in the step
 
 
-@pytest.mark.parametrize("name", ["morphing_wing", "slider_crank", "four_bar_chain", "rotating_beam"])
+@pytest.mark.parametrize("name", ["slider_crank", "four_bar_chain", "rotating_beam"])
 def test_a_motion_can_begin_in_a_state_whose_joints_are_as_open_as_its_steps_left_them(name):
     model = ffrf.compile(ffrf.read_scene(MODELS / name / "scene.toml"))
     short = {"solver.end_time": 10 * float(model.scene.solver.step)}

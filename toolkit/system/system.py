@@ -28,7 +28,7 @@ from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
 from toolkit.scene.scene import Scene
-from toolkit.system.model_files import file_states, refuse_changed
+from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
 

@@ -26,8 +26,8 @@ def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOp
     Raises
     ------
     InputError
-        The joints are not where the state is, by more than ten times `solver.drift_tolerance`: it belongs to other numbers, or a driver begins
-        elsewhere than it has led to.
+        The joints are not where the state is, by more than ten times `solver.drift_tolerance`: it belongs to other numbers, or
+        a driver begins elsewhere than it has led to.
     """
     n_q, still = system.n_q, np.zeros((system.n, system.n_x))
     padded = np.concatenate([v, np.zeros(system.n - n_q)])
