@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from preprocessing.basis.constrained_pencil import ConstrainedPencil
 from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error, static_errors
 from preprocessing.basis.normal_modes import cluster, normal_modes
 from preprocessing.basis.rigid_modes import rigid_modes
@@ -197,3 +198,10 @@ def test_a_static_error_that_cannot_be_meant_is_refused(every, rows, wanted):
 def test_a_static_error_without_a_point_that_moves_is_refused(every):
     with pytest.raises(InputError, match="name one away from the clamped node"):
         count_by_static_error(every, clamp(wing()), 0.1)
+
+
+@pytest.mark.parametrize("entry", [-1.0, -1e-300])
+def test_a_stiffness_that_sets_energy_free_is_refused(entry):
+    pencil = ConstrainedPencil(np.diag([entry, 1.0, 2.0]), np.eye(3), np.zeros((0, 3)))
+    with pytest.raises(InputError, match="1 negative entries on its diagonal"):
+        normal_modes(pencil)

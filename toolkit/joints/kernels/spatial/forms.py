@@ -42,8 +42,8 @@ def perpendicular(i: int, j: int, name: str) -> Row:
     return Row(f"rotation {name}", "angle", Form(pairs=((i, 4 + j, 1.0),)))
 
 
-ALIGNED = (perpendicular(2, 3, "about the first axis"), perpendicular(3, 1, "about the second axis"))
-"""The third axes of both markers stay parallel."""
+ALIGNED = (perpendicular(2, 3, "about the first axis"), perpendicular(1, 3, "about the second axis"))
+"""The third axes of both markers stay parallel: that of b is normal to two axes of a, whatever the angle between the bodies about it."""
 LOCKED = (*ALIGNED, perpendicular(1, 2, "about the third axis"))
 """No relative rotation."""
 
