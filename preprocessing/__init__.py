@@ -16,10 +16,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from preprocessing.elements.section import Section
-    from preprocessing.recipes.build_model import build
+    from preprocessing.recipes.build_model import build, save
     from preprocessing.recipes.frame.polygon_beam import polygon_beam
     from preprocessing.wings.new_wing import new_wing
-    from toolkit.reduced_model.file import save
 
 _SPEC, _OWN = find_spec("toolkit"), Path(__file__).resolve().parents[1] / "toolkit"
 if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent != _OWN:
@@ -33,7 +32,7 @@ _PLACES = {
     "build": "preprocessing.recipes.build_model",
     "new_wing": "preprocessing.wings.new_wing",
     "polygon_beam": "preprocessing.recipes.frame.polygon_beam",
-    "save": "toolkit.reduced_model.file",
+    "save": "preprocessing.recipes.build_model",
 }
 """Name -> its module."""
 

@@ -10,7 +10,10 @@ from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from preprocessing.recipes.recipe import Recipe, Remark
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
+from toolkit.reduced_model.file import is_reduced_model
+from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
 
 RECIPES: tuple[type[Recipe[Any]], ...] = (
@@ -65,3 +68,26 @@ def build(
         The file, or one that it names, is missing or wrong; says what would be right.
     """
     return read_recipe(path).at(values, keys).build(remark)
+
+
+def save(model: ReducedModel, path: str | Path) -> None:
+    """Write a reduced model in one stroke: an interrupted run leaves the old file or none.
+
+    Parameters
+    ----------
+    model
+        What `build` or `polygon_beam` has returned.
+    path
+        The file, by custom ending in .h5. An older reduced model of that name is replaced.
+
+    Raises
+    ------
+    InputError
+        There is a file of that name that is no reduced model, or the place cannot be written to.
+    ModelFileError
+        The model is incomplete, or that of no body.
+    """
+    path = Path(path)
+    if path.exists() and not is_reduced_model(path):
+        raise InputError(f"{str(path)!r} is there and is not a reduced model, or a damaged one. Name another file, or remove it.")
+    write(model, path)

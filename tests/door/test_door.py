@@ -343,3 +343,21 @@ def test_an_equilibrium_in_space_says_where_its_pictures_are():
     model = ffrf.compile(scene)
     with pytest.raises(ffrf.ToolkitError, match=r"run\.render"):
         model.statics().plot()
+
+
+def test_a_reduced_model_replaces_nothing_but_a_reduced_model(tmp_path):
+    section = preprocessing.Section(youngs_modulus=7e10, density=2700.0, thickness=0.01, width=0.02)
+    beam = preprocessing.polygon_beam(np.array([[0.0, 0.0], [1.0, 0.0]]), section, {"tip": 1.0})
+    (tmp_path / "notes.txt").write_text("mine")
+    with pytest.raises(ffrf.ToolkitError, match="not a reduced model"):
+        preprocessing.save(beam, tmp_path / "notes.txt")
+    assert (tmp_path / "notes.txt").read_text() == "mine"
+    for _ in range(2):
+        preprocessing.save(beam, str(tmp_path / "beam.h5"))
+
+
+@pytest.mark.parametrize("quantity", ["youngs_modulus", "density", "thickness", "width", "damping_mass"])
+def test_a_beam_of_nothing_is_refused(quantity):
+    section = dict(youngs_modulus=7e10, density=2700.0, thickness=0.01, width=0.02) | {quantity: -1.0}
+    with pytest.raises(ffrf.ToolkitError, match=f"{quantity} = -1.0"):
+        preprocessing.polygon_beam(np.array([[0.0, 0.0], [1.0, 0.0]]), preprocessing.Section(**section), {})

@@ -44,8 +44,12 @@ def polygon_beam(
     Raises
     ------
     InputError
-        Fewer than two nodes, two neighbours at one place, an interface point off the beam, unknown units, or an impossible basis.
+        A quantity of the section that is not positive, fewer than two nodes, two neighbours at one place, an interface point off the beam,
+        unknown units, or an impossible basis.
     """
+    for name, value in asdict(section).items():
+        if not np.all(np.real(value) >= 0) or (not name.startswith("damping") and not np.all(np.real(value) > 0)):
+            raise InputError(f"{name} = {value} of the section must be {'zero or ' * name.startswith('damping')}positive.")
     nodes = np.asarray(nodes, float)
     mesh, arc_lengths = _mesh(nodes)
     parameters = distribute(asdict(section), {}, separate, len(mesh.connectivity))
