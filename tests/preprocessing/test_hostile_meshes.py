@@ -22,9 +22,11 @@ from typer.testing import CliRunner
 
 from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
+from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.commands.cli import main
 from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from tests.models.solid_bodies import rectangle, write_body
@@ -468,3 +470,12 @@ def test_a_model_that_is_no_file_is_not_waited_for(tmp_path, make):
         ModelFileError, match=r"skin\.h5' cannot be read \(it is a .*, not a regular file\)\. Give a reduced model"
     ):
         load(tmp_path / "skin.h5")
+
+
+def test_elements_that_do_not_share_the_nodes_between_their_corners_are_refused():
+    """A corner of the fourth element is the middle of a side of the fifth, as a wrong line of a mesh file makes it."""
+    mesh = rectangle("quad8", (3, 2), 1.0, 0.4)
+    blocks = mesh.blocks["quad8"].copy()
+    blocks[3, 1] = blocks[5, 4]
+    with pytest.raises(InputError, match="quad8 elements do not fit together"):
+        element_blocks(SolidMesh(mesh.nodes, {"quad8": blocks}))

@@ -91,7 +91,7 @@ def element_blocks(mesh: SolidMesh) -> list[ElementBlock]:
     Raises
     ------
     InputError
-        An element is degenerate or folded over; names it by its nodes and its place.
+        An element is degenerate or folded over; names it by its nodes and its place. Or elements do not meet at all of their nodes.
     """
     found = [_block(kind, connectivity, mesh.nodes) for kind, connectivity in mesh.blocks.items()]
     for block in found:
@@ -109,7 +109,13 @@ def _block(kind: str, connectivity: np.ndarray, nodes: np.ndarray) -> ElementBlo
         known = np.stack([shapes().lbasis(further, i)[0] for i in range(connectivity.shape[1])])
         local = np.column_stack([local, len(points) + np.arange(len(local) * further.shape[1]).reshape(len(local), -1)])
         points = np.vstack([points, np.einsum("kf,ekd->efd", known, nodes[connectivity]).reshape(-1, nodes.shape[1])])
-    made = geometry(np.ascontiguousarray(points.T), np.ascontiguousarray(local.T), sort_t=False)
+    try:
+        made = geometry(np.ascontiguousarray(points.T), np.ascontiguousarray(local.T), sort_t=False)
+    except IndexError as error:  # scikit-fem counts nodes between corners by the sides of the elements
+        raise InputError(
+            f"the {kind} elements do not fit together: what is a corner of one lies between the corners of another, or two that meet have "
+            "not the same node between their corners. Mend the mesh, or mesh it again."
+        ) from error
     return ElementBlock(kind, connectivity, made, shapes())
 
 
