@@ -44,10 +44,21 @@ def refuse_output(output: Path, described: Path, inputs: list[Path], input_hash:
         _refuse_others(output, described, input_hash)
 
 
+def refuse_foreign(output: Path, remedy: str) -> None:
+    """Refuse to replace a file that is no reduced model.
+
+    Raises
+    ------
+    InputError
+        There is one of that name; `remedy` tells what to do then.
+    """
+    if output.exists() and not is_reduced_model(output):
+        raise InputError(f"{str(output)!r} is there and is not a reduced model, or a damaged one. {remedy}")
+
+
 def _refuse_others(output: Path, described: Path, input_hash: str) -> None:
     """Refuse to replace what is no model, or another body's."""
-    if not is_reduced_model(output):
-        raise InputError(f"{str(output)!r} is there and is not a reduced model, or a damaged one. {OTHERS}")
+    refuse_foreign(output, OTHERS)
     sources = [os.path.realpath(output.parent / name) for name in described_by(output)]
     own = Path(os.path.realpath(described))
     same = str(own) in sources if sources else Path(os.path.realpath(output)) == own.with_suffix(".h5")

@@ -6,13 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from preprocessing.input.output_file import refuse_foreign
 from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from preprocessing.recipes.recipe import Recipe, Remark
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
-from toolkit.reduced_model.file import is_reduced_model
 from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
 
@@ -87,7 +86,5 @@ def save(model: ReducedModel, path: str | Path) -> None:
     ModelFileError
         The model is incomplete, or that of no body.
     """
-    path = Path(path)
-    if path.exists() and not is_reduced_model(path):
-        raise InputError(f"{str(path)!r} is there and is not a reduced model, or a damaged one. Name another file, or remove it.")
+    refuse_foreign(Path(path), "Name another file, or remove it.")
     write(model, path)

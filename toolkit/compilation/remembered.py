@@ -7,9 +7,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
 from toolkit.reduced_model.model import ReducedModel
-from toolkit.scene.scene import Scene, size_of
+from toolkit.scene.scene import Scene, position_in, size_of
 
 T = TypeVar("T")
 
@@ -32,7 +31,7 @@ class Remembered:
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, (d,)."""
-        return self._once(("position", point), lambda: self._position(point))
+        return self._once(("position", point), lambda: position_in(self, point))
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model of that file."""
@@ -46,12 +45,6 @@ class Remembered:
     def size(self) -> float:
         """The length that displacements are compared with, see `Scene.size`."""
         return self._once("size", lambda: size_of(self))
-
-    def _position(self, point: str) -> np.ndarray:
-        written = self._scene.interface(point)
-        owner = getattr(written, "body", "")
-        body = self._scene.bodies.get(owner)
-        return body.position_at_rest(self, point, owner) if isinstance(body, ModelBody) else self._scene.position(point)
 
     def _once(self, key: Hashable, make: Callable[[], T]) -> T:
         if key not in self._kept:

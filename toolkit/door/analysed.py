@@ -3,24 +3,19 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
-
-import numpy as np
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.description.run_options import RunOptions
 from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
 from toolkit.sensitivity.clock import Progress, once, repeated
 from toolkit.sensitivity.compiled import Compiled
-from toolkit.sensitivity.direct import evaluated, values_alone
+from toolkit.sensitivity.direct import again, evaluated, values_alone
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.preparation import Kind, check_kind
 from toolkit.solvers.start.continued import continued_start
 from toolkit.system.model_files import refuse_changed
-from toolkit.system.system import System
 
 
 def analysed(
@@ -78,13 +73,7 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
     if known.system.numbering.names != system.numbering.names:
         raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
     if kind == "static":
-        return Run.of(evaluated(compiled.scene, solve_statics(system, progress=progress, start=known), bool(gradients)))
+        return Run.of(evaluated(solve_statics(system, progress=progress, start=known), bool(gradients)))
     q, v = continued_start(system, known.q[-1], known.v[-1], compiled.scene.solver)
     solution = simulate(system, q=q, v=v, progress=progress)
-    repeat = partial(_again_from, system, q, v, bool(gradients))
-    return Run.of(evaluated(compiled.scene, solution, bool(gradients), repeat))
-
-
-def _again_from(system: System, q: np.ndarray, v: np.ndarray, gradients: bool, options: RunOptions) -> tuple[Any, Any]:
-    found = evaluated(system.scene, simulate(system, options, q, v), gradients)
-    return found.values, found.gradients
+    return Run.of(evaluated(solution, bool(gradients), partial(again, system, q=q, v=v)))

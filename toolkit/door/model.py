@@ -47,10 +47,9 @@ def compile_model(scene: Scene, variables: Sequence[str] = ()) -> Model:
     """
     if not isinstance(scene, Scene):
         raise InputError(f"compile takes a scene, not {scene!r}. Read one: ffrf.read_scene(path).")
-    check_names(variables)
-    if not all(isinstance(name, str) for name in variables):
-        raise InputError("variables are names: short names of the scene, or paths of its numbers.")
-    compiled = Compiled(scene, tuple(variables))
+    names = variables if isinstance(variables, str) else tuple(variables)
+    check_names(names)
+    compiled = Compiled(scene, tuple(names))
     _ = compiled.files, compiled.design  # refuses unknown names now, not when the first gradient is wanted
     return Model(compiled)
 

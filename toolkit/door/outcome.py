@@ -69,19 +69,20 @@ def outcomes(
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
+    tell = progress or (lambda *_: None)
     if processes <= 1:
-        return [
-            _told(progress, k, len(designs), _outcome(compiled, design, kind, gradients, judged))
-            for k, design in enumerate(designs, 1)
-        ]
+        done: list[Outcome] = []
+        for design in designs:
+            done.append(_outcome(compiled, design, kind, gradients, judged))
+            tell(len(done), len(designs))
+        return done
     size = -(-len(designs) // (PIECES * processes)) or 1
     starts = range(0, len(designs), size)
     tasks = {k: Task(compiled.scene, compiled.names, list(designs[k : k + size]), kind, gradients, judged) for k in starts}
     found: dict[int, list[Outcome]] = {}
     for k, piece in side_by_side(analyse, tasks, processes, "Ask for fewer processes."):
         found[k] = piece
-        if progress:
-            progress(sum(map(len, found.values())), len(designs))
+        tell(sum(map(len, found.values())), len(designs))
     return [outcome for k in starts for outcome in found[k]]
 
 
@@ -97,9 +98,3 @@ def _outcome(compiled: Compiled, numbers: Mapping[str, float], kind: Kind, gradi
         return Outcome(dict(numbers), run.values, run.gradients, run.verdict if judged else None)
     except ToolkitError as error:
         return Outcome(dict(numbers), error=str(error))
-
-
-def _told(progress: Progress | None, done: int, total: int, outcome: Outcome) -> Outcome:
-    if progress:
-        progress(done, total)
-    return outcome

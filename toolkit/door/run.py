@@ -8,7 +8,6 @@ from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, Self
 
-from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import moving
@@ -19,9 +18,6 @@ if TYPE_CHECKING:
 
     import numpy as np
     from matplotlib.figure import Figure
-
-NARROWEST, WIDEST = 200, 10_000
-"""Pixels of a picture."""
 
 
 class Run(Result):
@@ -156,12 +152,6 @@ class Run(Result):
         from toolkit.render.pictures import render_solution
         from toolkit.render.view import View
 
-        if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:
-            raise InputError(f"width = {width!r}: give a whole number of pixels from {NARROWEST} to {WIDEST}.")
-        if isinstance(instants, (int, float)):
-            raise InputError(f"instants = {instants!r}: give a list of times, [{instants!r}].")
-        if Path(directory).is_file():
-            raise InputError(f"{str(directory)!r} is a file. Give a folder for the pictures.")
         self.solution.system.refuse_changed_files()
         return render_solution(self.solution, directory, instants, width, View(format=format))
 

@@ -20,6 +20,8 @@ from toolkit.system.solution import Solution
 
 _INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
+NARROWEST, WIDEST = 200, 10_000
+"""Pixels of a picture."""
 _SMALL = 800
 """Width of a moving picture at most, in pixels."""
 _PLAIN = View()
@@ -60,6 +62,7 @@ def render_solution(
         An instant lies outside the solution, or the scene cannot be looked at like this.
     """
     view.check(solution.system.scene)
+    _check(directory, instants, width)
     steps = chosen_steps(solution, instants)
     directory = Path(directory)
     require("matplotlib")
@@ -84,6 +87,16 @@ def render_solution(
             frames = [artist.moment(step) for step in shown]
             write_animation(frames, artist.instant, look, files[-1], min(width, _SMALL))
     return files
+
+
+def _check(directory: str | Path, instants: Any, width: Any) -> None:
+    """Refuse arguments of `render_solution` that cannot be meant."""
+    if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:
+        raise InputError(f"width = {width!r}: give a whole number of pixels from {NARROWEST} to {WIDEST}.")
+    if isinstance(instants, int | float):
+        raise InputError(f"instants = {instants!r}: give a list of times, [{instants!r}].")
+    if Path(directory).is_file():
+        raise InputError(f"{str(directory)!r} is a file. Give a folder for the pictures.")
 
 
 def refuse_what_cannot_be_drawn(scene: Scene, view: View) -> None:

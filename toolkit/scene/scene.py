@@ -118,13 +118,7 @@ class Scene(Description):
         InputError
             There is no such point, or it is an interface point of a body that has none.
         """
-        written = self.interface(point)
-        if isinstance(written, Point):
-            return written.position()
-        body = self.bodies[written.body]
-        if not isinstance(body, ModelBody):
-            raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
-        return body.position_at_rest(self, point, written.body)
+        return position_in(self, point)
 
     def model_files(self) -> list[Path]:
         """Files of the reduced models of its bodies, each once."""
@@ -303,6 +297,17 @@ class Scene(Description):
                 raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
             variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
         return Design(tuple(variables))
+
+
+def position_in(scene: Any, point: str) -> np.ndarray:
+    """Position of a point in a scene, or in one that remembers its models, see `Scene.position`."""
+    written = scene.interface(point)
+    if isinstance(written, Point):
+        return written.position()
+    body = scene.bodies[written.body]
+    if not isinstance(body, ModelBody):
+        raise InputError(f"points.{point} is an interface point of body {written.body!r}, which is not flexible.")
+    return body.position_at_rest(scene, point, written.body)
 
 
 def size_of(scene: Any) -> float:

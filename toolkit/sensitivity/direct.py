@@ -5,6 +5,8 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
+import numpy as np
+
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene
@@ -53,24 +55,31 @@ def by_direct(compiled: Compiled, kind: Kind, progress: Progress | None = None, 
         extra = None if primal is None else max(total - primal, 0.0)
     elif primal is None:
         primal = total - extra
-    evaluated = evaluate_with_gradients(solution)
-    return result(compiled.scene, solution, *evaluated, "direct", primal, extra, partial(again, compiled.full))
-
-
-def evaluated(scene: Scene, solution: Solution, gradients: bool, repeat: Repeat | None = None) -> Result:
-    """The result of a run that was solved without a look at the clock; `repeat` as in `Result`."""
-    values, slopes = evaluate_with_gradients(solution) if gradients else (evaluate_responses(solution), {})
-    return result(scene, solution, values, slopes, "direct" if gradients else "none", None, None, repeat)
+    return evaluated(solution, True, partial(again, compiled.full), primal, extra)
 
 
 def values_alone(compiled: Compiled, kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
     """Responses of a compiled scene without gradients."""
     primal, solution = clock(partial(solve, compiled.primal, kind), progress)
-    values = evaluate_responses(solution)
-    return result(compiled.scene, solution, values, {}, "none", primal, 0.0, partial(again, compiled.primal))
+    return evaluated(solution, False, partial(again, compiled.primal), primal, 0.0)
 
 
-def again(system: System, options: RunOptions) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
-    """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options."""
-    values, gradients = evaluate_with_gradients(simulate(system, options))
+def evaluated(
+    solution: Solution,
+    gradients: bool,
+    repeat: Repeat | None = None,
+    primal: float | None = None,
+    extra: float | None = None,
+) -> Result:
+    """The result of a solution, with the gradients that its derivatives give or without; other arguments as the fields of `Result`."""
+    values, slopes = evaluate_with_gradients(solution) if gradients else (evaluate_responses(solution), {})
+    return result(solution.system.scene, solution, values, slopes, "direct" if gradients else "none", primal, extra, repeat)
+
+
+def again(
+    system: System, options: RunOptions, q: np.ndarray | None = None, v: np.ndarray | None = None
+) -> tuple[dict[str, Any], dict[str, dict[str, float]]]:
+    """Values of a motion, and gradients by direct differentiation if the system has design variables, with other options; `q` and `v` are
+    its start if it is not the scene's."""
+    values, gradients = evaluate_with_gradients(simulate(system, options, q, v))
     return values, gradients if system.n_x else {}

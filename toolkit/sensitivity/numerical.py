@@ -44,15 +44,7 @@ def numerical(
     relative_step: float | None = None,
     clock: Clock = once,
 ) -> Result:
-    """Responses with gradients by repeated runs of the whole analysis.
-
-    Raises
-    ------
-    InputError
-        The method is unknown.
-    """
-    if method not in NUMERICAL:
-        raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
+    """Responses with gradients by repeated runs of the whole analysis; raises as `by_repetition`."""
     check_kind(kind)
     check_names(design)
     return by_repetition(Compiled(scene, tuple(design)), kind, method, progress, relative_step, clock)
@@ -66,7 +58,15 @@ def by_repetition(
     relative_step: float | None = None,
     clock: Clock = once,
 ) -> Result:
-    """The same of a compiled scene."""
+    """The same of a compiled scene.
+
+    Raises
+    ------
+    InputError
+        The method is unknown.
+    """
+    if method not in NUMERICAL:
+        raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
     variables = compiled.design
     primal, solution = clock(partial(solve, compiled.primal, kind), None)
     base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection
 from typing import Literal, get_args
 
 from toolkit.analyses.statics import solve_statics
@@ -63,13 +63,15 @@ def check_kind(kind: str) -> None:
         raise InputError(f"there is no analysis {kind!r}. Choose one of: {', '.join(get_args(Kind))}.")
 
 
-def check_names(design: Iterable[str]) -> None:
-    """Refuse a text where names of design variables belong: it would be taken for its letters.
+def check_names(design: Collection[str]) -> None:
+    """Refuse what are no names of design variables, above all one text: it would be taken for its letters.
 
     Raises
     ------
     InputError
-        It is one text.
+        It is one text, or something in it is none.
     """
     if isinstance(design, str):
         raise InputError(f"design variables are a list of names, not the text {design!r}. Write [{design!r}].")
+    if not all(isinstance(name, str) for name in design):
+        raise InputError("design variables are names: short names of the scene, or paths of its numbers.")

@@ -54,7 +54,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))
-    sizes = weights(scene) if affected.items or affected.markers else system.weights
+    moved = any(group in ("points", "bodies") for group, _ in affected.items)
+    sizes = weights(scene) if moved else system.weights
     changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
     design = Design(tuple(replace(each, value=float(np.real(scene.number(each.path)))) for each in system.design))
