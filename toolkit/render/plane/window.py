@@ -71,9 +71,8 @@ def _fit(windows: Windows) -> None:
 
 def figure_of(axes: Axes) -> Figure:
     """The figure that axes are on."""
-    found = axes.get_figure(root=True)
-    assert found is not None
-    return found
+    found = axes.figure
+    return found if isinstance(found, Figure) else found.figure  # Not get_figure(root=True), which matplotlib 3.9 lacks.
 
 
 def shown(axes: Axes) -> np.ndarray:
