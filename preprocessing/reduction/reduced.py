@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.assembly.invariants import contract_at, contract_derivative, polynomials
 from preprocessing.basis.basis import Basis
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import reduced_basis
@@ -70,14 +71,14 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
     rates = {
         parameter: {
-            **vars(change.stepped.contract_derivative(matrices, change.matrices, basis.z, d)),
+            **vars(contract_derivative(matrices, change.matrices, basis.z, d)),
             **_item_rates(change, basis, d),
         }
         for (parameter, change), d in zip(changes.items(), d_z, strict=True)
     }
     computed, names, interfaces = choice.kind != "full", list(space.values), nominal.interfaces(basis.z)
-    constant = nominal.polynomials(names, basis.z, computed) if exact else {}
-    invariants = nominal.contract(space.values, basis.z)
+    constant = polynomials(nominal.parts, names, basis.z, computed) if exact else {}
+    invariants = contract_at(nominal.parts, space.values, basis.z)
     found = derivatives(invariants, rates, names, computed, interfaces)
     if not computed:
         constant = polynomials_without_round_off(constant, invariants, [float(np.real(value)) for value in space.values.values()])

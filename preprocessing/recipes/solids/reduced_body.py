@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.solids.contraction import contractions
-from preprocessing.assembly.solids.parts import QUANTITIES
+from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import clamped_in_tangent_frame
 from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
@@ -15,6 +14,7 @@ from preprocessing.basis.solids.ties import Freedom, freedom
 from preprocessing.discretisation.body_change import BodyChange, rate_of
 from preprocessing.discretisation.discretisation import STEP
 from preprocessing.discretisation.surface_parts import pressure_on, surface_of
+from preprocessing.elements.kinds.solid import QUANTITIES
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
@@ -29,7 +29,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
     """
-    by, free = contractions(body.mesh), freedom(body.mesh, body.clamped, body.ties)
+    free = freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
     mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in (matrices.mass, matrices.stiffness))
     motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
@@ -38,13 +38,13 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     rates = {}
     for parameter, change in body.changes.items():
         d_z = _basis_rates(body, matrices, change, choice, free, shapes)
-        rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
+        rates[parameter] = vars(contract_derivative(matrices, change.matrices, z, d_z)) | _item_rates(change, z, d_z)
     nominal, computed = {**body.values, **body.others}, choice.kind != "full"
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
-    invariants, polynomials = by.contract(matrices, z), by.polynomials(body.parts, list(nominal), z, computed=computed)
+    invariants, affine = contract(matrices, z), polynomials(body.parts, list(nominal), z, computed)
     found = derivatives(invariants, rates, list(nominal), computed, interfaces)
     if not computed:
-        polynomials = polynomials_without_round_off(polynomials, invariants, list(nominal.values()))
+        affine = polynomials_without_round_off(affine, invariants, list(nominal.values()))
         invariants = without_round_off(invariants)
     points = len(invariants.stress_operator)
     return {
@@ -56,7 +56,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         "invariants": invariants,
         "derivatives": found,
-        "affine": polynomials,
+        "affine": affine,
         **_boundary_parts(body, z),
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
