@@ -36,10 +36,16 @@ def contract(matrices: Matrices, z: np.ndarray) -> Any:
 
 
 def contract_at(parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
-    """The same at values of the parameters, with the digits of the energies that the roots of the parts keep."""
+    """The same at values of the parameters, with the digits that the roots of the parts keep."""
+    return with_roots(contract(parts.at(values), z), parts, values, z)
+
+
+def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
+    """The invariants with stiffness and damping from the roots of the parts, if these have any."""
+    if not any(part.root for part in parts.parts):
+        return invariants
     psi = parts.coordinates.undeformed(z)[:, 1:]
-    own = {name: energies(parts, values, name, psi) for name in ("stiffness", "damping")}
-    return replace(contract(parts.at(values), z), **own)
+    return replace(invariants, **{name: energies(parts, values, name, psi) for name in ("stiffness", "damping")})
 
 
 def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None) -> Any:
