@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from preprocessing.assembly.assembly import assemble
-from preprocessing.assembly.invariants import contract, polynomials
+from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.section import Patch
 from preprocessing.reduction.reduced import reduce
 from tests.models.elements import ELEMENTS, STEP, VALUES, Case, stepped_values
 from tests.models.new_elements import ShearBeam
+from toolkit.reduced_model.spatial_model import all_second_moments
 
 every_element = pytest.mark.parametrize("case", ELEMENTS, ids=lambda case: case.name)
 
@@ -88,6 +89,23 @@ def test_the_undeformed_body_has_the_moments_of_its_points(case):
 
 
 @every_element
+def test_turning_with_the_frame_a_rigid_motion_through_the_nodes_has_the_angular_momentum_of_the_points(case):
+    """sum m x cross v, from the first row of every M_ab - M_ba: rows and columns of M_ab must not be mistaken."""
+    nodes, (mass, places) = case.nodes(case.values), case.points(case.values)
+    coordinates, d = case.nominal.coordinates, places.shape[1]
+    xi = np.column_stack([nodes, np.zeros((len(nodes), coordinates.per_node - d))]).ravel()
+    found, motions = contract(case.matrices, np.column_stack([xi, np.eye(len(xi))])), rigid(case, case.values)
+    x, v = (np.moveaxis(each, 1, 0) for each in (places, motions_at(places)))
+    moment = {(a, b): np.einsum("p,p,pm->m", np.broadcast_to(mass, len(places)), x[a], v[b]) for a in range(d) for b in range(d)}
+    if d == 2:
+        close(found.gyroscopic[0, 1:] @ motions, moment[0, 1] - moment[1, 0])
+        return
+    every = all_second_moments(found.second_moment)[:, :, 0, 1:] @ motions
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        close(every[a, b] - every[b, a], moment[a, b] - moment[b, a])
+
+
+@every_element
 def test_constant_strain_has_its_energy_and_its_stress_and_leaves_no_force(case):
     matrices, state = case.matrices, case.state(case.values)
     u = complete(case, state.u)[:, 0]
@@ -128,15 +146,23 @@ def test_derivatives_by_every_parameter_are_the_complex_steps_of_the_closed_form
 
 
 @every_element
+@pytest.mark.parametrize("parameter", ["density", "youngs_modulus", "damping_stiffness"])
+def test_the_product_rule_of_the_invariants_is_the_complex_step_through_matrices_and_basis(case, parameter):
+    z, d_z = np.random.default_rng(9).normal(size=(2, case.nominal.coordinates.nodal, 4))
+    exact = contract(case.parts.at(stepped_values(case.values, parameter)), z + 1j * STEP * d_z)
+    ours = contract_derivative(case.matrices, case.rate(parameter), z, d_z)
+    for name in (each.name for each in fields(ours)):
+        expected = np.imag(getattr(exact, name)) / STEP
+        close(getattr(ours, name), expected, 1e-11, max(np.abs(expected).max(), np.abs(np.real(getattr(exact, name))).max()))
+
+
+@every_element
 def test_invariants_are_the_polynomials_that_are_stored_at_any_design(case):
-    parts, nodes = case.parts, case.nodes(case.values)
-    coordinates, names = parts.coordinates, list(case.values)
-    rng = np.random.default_rng(7)
-    z = rng.normal(size=(coordinates.nodal, 5))
+    parts, names = case.parts, list(case.values)
+    z = np.random.default_rng(7).normal(size=(parts.coordinates.nodal, 5))
     inside = {name for part in parts.parts for name in dict(part.factors)}
     other = {name: value * (1.3 if name in inside else 1.0) for name, value in case.values.items()}
     found, fresh = polynomials(parts, names, z), contract(parts.at(other), z)
-    assert len(nodes) == coordinates.n_nodes
     for name in (each.name for each in fields(fresh)):
         expected = getattr(fresh, name)
         close(found[name](np.array(list(other.values())), expected.size).reshape(expected.shape), expected, 1e-11)
