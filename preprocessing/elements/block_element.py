@@ -63,7 +63,10 @@ class BlockElement(Element):
 
 @dataclass(frozen=True, eq=False)
 class LineElement(BlockElement):
-    """Straight elements between two nodes that turn too: interface points lie on them."""
+    """Straight elements between two nodes, on which interface points lie.
+
+    The nodes turn too: their coordinates are x, y and a rotation, in space the displacements along and the rotations about x, y and z.
+    """
 
     @property
     @abstractmethod

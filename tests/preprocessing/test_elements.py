@@ -13,9 +13,13 @@ from preprocessing.assembly.invariants import contract, contract_derivative, pol
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.section import Patch
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.recipes.solids.reduced_body import reduced_body
 from preprocessing.reduction.reduced import reduce
 from tests.models.elements import ELEMENTS, STEP, VALUES, Case, stepped_values
 from tests.models.new_elements import ShearBeam
+from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.spatial_model import all_second_moments
 
 every_element = pytest.mark.parametrize("case", ELEMENTS, ids=lambda case: case.name)
@@ -184,3 +188,19 @@ def test_a_new_line_element_becomes_a_reduced_model_with_the_deflection_of_timos
     bending, area = e * b * t**3 / 12, t * b
     expected = length**3 / (3 * bending) * (1 - 1 / (4 * n**2)) + length / (shear * e * area)
     np.testing.assert_allclose(across @ np.linalg.solve(model.invariants.stiffness, across), expected, rtol=1e-10)
+
+
+def test_a_new_element_without_rotations_becomes_a_reduced_model_with_the_stiffness_of_its_bars():
+    """Two bars that meet at the only free node: sum E A / L e e^T."""
+    truss = next(case for case in ELEMENTS if case.name == "bar")
+    nodes, parameters = truss.nodes(truss.values), {k: v for k, v in truss.values.items() if k != "reach"}
+    body = DiscreteBody(SolidMesh(nodes), truss.parts, parameters, {}, {}, np.array([0, 1]), {}, None, {})
+    model = reduced_body(body, BasisChoice("full"), "the hinges", "m-kg-s")
+    arms = nodes[2] - nodes[:2]
+    expected = (
+        sum(np.outer(arm, arm) / np.linalg.norm(arm) ** 3 for arm in arms) * parameters["youngs_modulus"] * parameters["area"]
+    )
+    close(model["invariants"].stiffness, expected)
+    k = list(parameters).index("area")
+    slope = scattered(*model["affine"]["stiffness"].rates(np.array(list(parameters.values()))).by(k), 4).reshape(2, 2)
+    close(slope, expected / parameters["area"])
