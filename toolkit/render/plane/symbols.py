@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.joints.planar.joint import Joint
+from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
