@@ -22,8 +22,8 @@ from typer.testing import CliRunner
 
 from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.commands.cli import main
+from preprocessing.elements.solids.elements import element_blocks
 from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
