@@ -42,8 +42,8 @@ class Basis:
 
     @property
     def constant(self) -> bool:
-        """Whether Psi keeps its values at every design."""
-        return not self.parts
+        """Whether Psi keeps its values at every design that leaves nodes and interface points where they are."""
+        return not any(part.follows_matrices for part in self.parts)
 
     def rate(
         self, d_stiffness: Any, d_mass: Any, d_xi: np.ndarray, d_interface_rows: Mapping[str, np.ndarray] | None = None
@@ -67,7 +67,9 @@ class Basis:
         rates[:, 0] = np.column_stack([change.xi for change in changes])
         if self.parts and self.boundary is not None:
             d_pencils = [
-                ConstrainedPencil(change.stiffness, change.mass, self.boundary.rates(change.interface_rows)) for change in changes
+                ConstrainedPencil(change.stiffness, change.mass, self.boundary.rates(change.interface_rows, change.xi))
+                for change in changes
             ]
             rates[:, 1:] = np.concatenate([part.rates(d_pencils) for part in self.parts], axis=1)
+            rates[self.boundary.always_still, 1:] = 0
         return rates

@@ -24,16 +24,19 @@ class BasisChoice:
     """A basis before it is computed; `count`, `frequency` and `static_error` are three ways to say how many modes."""
 
     kind: str
-    boundary: str = "clamped"  # of eigenmodes: clamped at the body's clamped node, or free about mean axes
+    boundary: str = "clamped"  # of eigenmodes: held with the body's frame, or free about mean axes
     count: int | None = None
     frequency: float | None = None  # highest, in Hz
     static_error: float | None = None  # relative error of the compliance at the interface points
     derivative: str = "differentiated"  # or "frozen": the shapes stay what they are when the design changes
+    chord: tuple[str, ...] | None = None  # two interface points that the body's frame goes through, instead of a clamp
 
     @property
-    def follows_places(self) -> bool:
-        """Whether the shapes change with the places of the interface points."""
-        return self.kind in ("craig-bampton", "static") and self.derivative == "differentiated"
+    def followed(self) -> tuple[str, ...] | None:
+        """Interface points whose places the shapes follow; None for all of them."""
+        if self.derivative != "differentiated":
+            return ()
+        return None if self.kind in ("craig-bampton", "static") else tuple(self.chord or ())
 
     def __post_init__(self) -> None:
         for name, allowed in (("kind", KINDS), ("boundary", BOUNDARIES), ("derivative", DERIVATIVES)):
@@ -41,7 +44,20 @@ class BasisChoice:
                 raise InputError(f"{name} {getattr(self, name)!r} is unknown; available: {', '.join(allowed)}.")
         if self.boundary == "free" and self.kind != "eigenmodes":
             raise InputError(f'boundary "free" belongs to eigenmodes; a {self.kind} basis is clamped. Leave the key out.')
+        self._check_chord()
         self._check_number_of_modes()
+
+    def _check_chord(self) -> None:
+        if self.chord is None:
+            return
+        if len(self.chord) != 2 or self.chord[0] == self.chord[1]:
+            raise InputError(
+                f"chord goes through two interface points; got {', '.join(self.chord) or 'none'}. Name two different ones."
+            )
+        if self.boundary == "free":
+            raise InputError(
+                'boundary "free" floats about mean axes, and a chord holds the frame at two points. Leave one of them out.'
+            )
 
     def _check_number_of_modes(self) -> None:
         ways = _WAYS_OF_KIND[self.kind]

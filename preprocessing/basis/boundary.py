@@ -31,8 +31,20 @@ class Boundary:
         """Number of rows that belong to the clamped nodes."""
         return len(self.rows) - self.per_point * len(self.points)
 
-    def rates(self, d_interface_rows: Mapping[str, np.ndarray]) -> np.ndarray:
+    @property
+    def still(self) -> np.ndarray:
+        """Numbers of coordinates whose round-off in computed shapes is to be zero."""
+        return np.zeros(0, int)
+
+    @property
+    def always_still(self) -> np.ndarray:
+        """Those of them that are held at every design."""
+        return np.zeros(0, int)
+
+    def rates(self, d_interface_rows: Mapping[str, np.ndarray], d_xi: np.ndarray | None = None) -> np.ndarray:
         """dR (n_r, n) from the derivatives (3 or 6, n) of the rows of points; points that are not named do not change.
+
+        Nor do the clamped nodes with the undeformed shape, whose derivative is `d_xi` (n,).
 
         Raises
         ------
@@ -49,9 +61,9 @@ class Boundary:
         return np.vstack([np.zeros_like(self.rows[: self.n_clamp]), *(d_interface_rows.get(name, still) for name in self.points)])
 
 
-def free_boundary(n: int) -> Boundary:
+def free_boundary(n: int, per_point: int = 3) -> Boundary:
     """No rows on n nodal coordinates."""
-    return Boundary(np.zeros((0, n)))
+    return Boundary(np.zeros((0, n)), per_point=per_point)
 
 
 def clamped_boundary(n: int, nodes: int | Sequence[int], per_node: int = 3) -> Boundary:

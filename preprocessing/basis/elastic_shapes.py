@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -18,6 +18,10 @@ class ElasticShapes(Protocol):
     """Some columns of Psi."""
 
     @property
+    def follows_matrices(self) -> bool:
+        """Whether they change with stiffness and mass, or with the places of nodes and interface points alone."""
+
+    @property
     def columns(self) -> np.ndarray:
         """Shapes on the nodal coordinates, (n, k)."""
 
@@ -27,10 +31,11 @@ class ElasticShapes(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class InterfaceShapes:
-    """Constraint modes of the interface points; those of the clamped nodes, the first `n_clamp`, are held at zero."""
+    """Constraint modes of the interface points; those that hold the body, the first `n_clamp`, are zero."""
 
     modes: ConstraintModes
     n_clamp: int
+    follows_matrices: ClassVar[bool] = True
 
     @property
     def columns(self) -> np.ndarray:
@@ -47,6 +52,7 @@ class ModeShapes:
     """Eigenmodes, which change within the derivative of their span."""
 
     modes: NormalModes
+    follows_matrices: ClassVar[bool] = True
 
     @property
     def columns(self) -> np.ndarray:

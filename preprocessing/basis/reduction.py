@@ -15,8 +15,11 @@ from preprocessing.basis.constraint_modes import constraint_modes
 from preprocessing.basis.elastic_shapes import ElasticShapes, InterfaceShapes, ModeShapes
 from preprocessing.basis.mode_count import count_by_frequency, count_by_static_error
 from preprocessing.basis.normal_modes import NormalModes, normal_modes
+from preprocessing.basis.reference.chord_boundary import chord_boundary
+from preprocessing.basis.reference.pinned_coordinates import pinned_coordinates
 from preprocessing.basis.subspace_rates import refuse_cut_cluster
 from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.model import MEAN_AXES
 
 IDENTITY = "differentiated: identity on the free coordinates, the same at every design"
@@ -72,7 +75,7 @@ def reduced_basis(
         M and K on all n = 3 n_nodes nodal coordinates, in space 6 n_nodes.
     nodes : (n_nodes, d)
     node, name : int or several, str
-        The node that is clamped (unless the boundary is free), and what to call it.
+        The node that is clamped (unless the boundary is free, or there is a chord), and what to call it.
     interface_rows : name -> (3, n), in space (6, n)
         Rows that give displacement and rotation of an interface point from the nodal coordinates.
 
@@ -81,26 +84,55 @@ def reduced_basis(
     InputError
         The choice asks for what the mesh or its interface points cannot give.
     """
+    chord = None if choice.chord is None else Chord(*choice.chord)
     if choice.kind == "full":
-        return tangent_frame(nodes, node, name)
+        return tangent_frame(nodes, node, name) if chord is None else _chord_frame(choice, chord, nodes, interface_rows)
     pencil = constrained_pencil(stiffness, mass)
-    clamped = clamped_boundary(len(pencil.mass), node, per_node(nodes))
-    if choice.kind == "eigenmodes":
-        boundary = free_boundary(len(pencil.mass)) if choice.boundary == "free" else clamped
-    else:
-        boundary = with_points(clamped, interface_rows, pencil.mass)
+    boundary = _boundary(choice, chord, pencil.mass, nodes, node, interface_rows)
     interface, modes = _interface_shapes(choice, pencil, boundary), _modes(choice, pencil, boundary, interface_rows)
     parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
     psi = np.column_stack([part.columns for part in parts])
+    psi[boundary.still] = 0
     _refuse_dependent(np.column_stack([_motions_of_the_frame(nodes), psi]), pencil.mass, boundary)
     return Basis(
         np.column_stack([undeformed(nodes), psi]),
-        MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
+        chord.condition if chord else MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
         _description(choice, boundary, modes),
         np.concatenate([found.frequencies for found in modes] or [np.zeros(0)]),
         boundary,
         tuple(parts) if choice.derivative == "differentiated" else (),
     )
+
+
+def _chord_frame(choice: BasisChoice, chord: Chord, nodes: np.ndarray, interface_rows: Mapping[str, np.ndarray]) -> Basis:
+    """All nodal coordinates but as many as the chord holds; nothing is reduced."""
+    boundary = chord_boundary(chord, interface_rows, undeformed(nodes), None, points=False)
+    shapes = pinned_coordinates(boundary)
+    return Basis(
+        np.column_stack([undeformed(nodes), shapes.columns]),
+        chord.condition,
+        f"{choice.derivative}: all coordinates that the chord leaves free",
+        boundary=boundary,
+        parts=(shapes,) if choice.derivative == "differentiated" else (),
+    )
+
+
+def _boundary(
+    choice: BasisChoice,
+    chord: Chord | None,
+    mass: np.ndarray,
+    nodes: np.ndarray,
+    node: int | Sequence[int],
+    interface_rows: Mapping[str, np.ndarray],
+) -> Boundary:
+    """What holds the body, and, unless only its modes are asked for, its interface points."""
+    points = choice.kind != "eigenmodes"
+    if chord is not None:
+        return chord_boundary(chord, interface_rows, undeformed(nodes), mass, points)
+    if choice.boundary == "free":
+        return free_boundary(len(mass))
+    clamped = clamped_boundary(len(mass), node, per_node(nodes))
+    return with_points(clamped, interface_rows, mass) if points else clamped
 
 
 def _interface_shapes(choice: BasisChoice, pencil: ConstrainedPencil, boundary: Boundary) -> list[ElasticShapes]:
@@ -168,8 +200,8 @@ def _description(choice: BasisChoice, boundary: Boundary, modes: list[NormalMode
     shapes = []
     if boundary.points:
         shapes.append(
-            f"{boundary.per_point * len(boundary.points)} constraint modes of the interface points {', '.join(boundary.points)}"
+            f"{len(boundary.rows) - boundary.n_clamp} constraint modes of the interface points {', '.join(boundary.points)}"
         )
-    fixed = "fixed-interface" if boundary.points else choice.boundary
+    fixed = "fixed-interface" if boundary.points else "pinned" if choice.chord else choice.boundary
     shapes += [f"{found.count} {fixed} eigenmodes up to {found.frequencies[-1]:.6g} Hz" for found in modes if found.count]
     return f"{choice.derivative}: {choice.kind}, {' and '.join(shapes)}"

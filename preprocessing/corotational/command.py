@@ -27,7 +27,7 @@ class Body:
     modulus: list  # of each element, as thickness and width
     thickness: list
     width: list
-    held: list  # (3, n) rows that tie the frame to the body
+    held: list  # (m, n) rows that tie the frame to the body
     displacements: list  # (n,) linear, in the body's frame
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
@@ -53,11 +54,14 @@ class BasisTable(Table):
     """What the elastic coordinates stand for; all nodal coordinates if left out. One of count, frequency, static_error says how many."""
 
     kind: Literal["full", "eigenmodes", "craig-bampton", "static"] = "full"
-    boundary: Literal["clamped", "free"] = "clamped"  # of eigenmodes: clamped at the frame's end, or free about mean axes
+    boundary: Literal["clamped", "free"] = "clamped"  # of eigenmodes: held with the body's frame, or free about mean axes
     count: Annotated[int, Field(ge=0)] | None = None  # of eigenmodes
     frequency: Positive | None = None  # all eigenmodes up to this one, in Hz
     static_error: Positive | None = None  # relative error of the displacements under forces at the interface points
     derivative: Literal["differentiated", "frozen"] = "differentiated"  # whether the shapes follow the design
+    chord: Annotated[list[InterfaceName], Field(min_length=2, max_length=2)] | None = (
+        None  # two interface points that the body's frame goes through, instead of a clamp
+    )
 
     @model_validator(mode="after")
     def _can_be_had(self) -> BasisTable:
@@ -69,4 +73,25 @@ class BasisTable(Table):
 
     def choice(self) -> BasisChoice:
         """The same, as the reduction wants it."""
-        return BasisChoice(**self.model_dump())
+        return BasisChoice(**{**self.model_dump(), "chord": None if self.chord is None else tuple(self.chord)})
+
+    def complaint(self, what: str, clamped: bool, clamp: str, points: Collection[str]) -> str:
+        """What is wrong with the place of the body's frame; empty if nothing is.
+
+        Parameters
+        ----------
+        what : of the body, and whether it is `clamped` by the key `clamp`
+        points : names of its interface points
+        """
+        if self.boundary == "free" and clamped:
+            return f'{what} with boundary = "free" floats about mean axes; leave {clamp} out'
+        if self.chord is not None and clamped:
+            return f"basis.chord: {what} has its frame either on a chord or at a clamp; leave {clamp} or the chord out"
+        if unknown := [name for name in self.chord or [] if name not in points]:
+            return f"basis.chord: there is no interface point {unknown[0]!r}; there are {', '.join(points) or 'none'}"
+        if self.boundary != "free" and self.chord is None and not clamped:
+            return (
+                f'the body\'s frame needs a place; add {clamp}, or chord = [...] with two interface points, or kind = "eigenmodes" with '
+                'boundary = "free", in [basis]'
+            )
+        return ""

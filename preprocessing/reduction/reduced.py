@@ -60,7 +60,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     InputError
         The basis cannot be had, see `reduced_basis`.
     """
-    space = with_places(space) if choice.follows_places else space
+    space = with_places(space, choice.followed)
     nominal = space.nominal()
     matrices = nominal.parts.at(space.values)
     mass, stiffness = nominal.nodal(matrices.mass), nominal.nodal(matrices.stiffness)

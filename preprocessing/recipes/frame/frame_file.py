@@ -82,7 +82,5 @@ class FrameFile(Table):
             yield f"materials.{min(unused)}: no section is made of this material; leave it out"
 
     def _unheld(self) -> Iterator[str]:
-        if self.basis.boundary == "free" and self.clamp is not None:
-            yield 'a frame with boundary = "free" floats about mean axes; leave clamp out'
-        if self.basis.boundary != "free" and self.clamp is None:
-            yield 'the body\'s frame needs a place; add clamp, or take kind = "eigenmodes" with boundary = "free" in [basis]'
+        if complaint := self.basis.complaint("a frame", self.clamp is not None, "clamp", self.interface_points):
+            yield complaint

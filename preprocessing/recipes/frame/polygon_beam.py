@@ -31,7 +31,7 @@ def polygon_beam(
     separate: Collection[str] = (),
     basis: BasisChoice = FULL,
 ) -> ReducedModel:
-    """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node.
+    """A beam along a polygon, one Euler-Bernoulli element per side, its frame tied to the first node or, by the basis, to a chord.
 
     Parameters
     ----------
@@ -58,7 +58,10 @@ def polygon_beam(
     discrete = Discretisation(beams, assemble(beams), interfaces, arc_lengths)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, basis, 0, "the first node")
-    inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), asdict(basis), WRITER_VERSION))
+    chosen = {
+        key: value for key, value in asdict(basis).items() if key != "chord" or value is not None
+    }  # as before there were chords
+    inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), chosen, WRITER_VERSION))
     return ReducedModel(
         **found.fields(units),
         input_hash=hashlib.sha256(inputs.encode()).hexdigest(),

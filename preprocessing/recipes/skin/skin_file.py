@@ -40,3 +40,18 @@ class SkinFile(Table):
         if self.dimension == 3 and self.material.poisson_ratio is None:
             raise ValueError("material.poisson_ratio: a skin in space (dimension = 3) twists with G = E / (2 (1 + nu)); add it")
         return self
+
+    @model_validator(mode="after")
+    def _has_one_frame(self) -> SkinFile:
+        other = self.basis.chord is not None or self.basis.boundary == "free"
+        clamped = self.skin.clamp is not None or not other
+        if self.basis.boundary != "free" and (
+            complaint := self.basis.complaint("a skin", clamped, "skin.clamp", self.interface_points)
+        ):
+            raise ValueError(complaint)
+        return self
+
+    @property
+    def clamp(self) -> Literal["F", "G"]:
+        """The end that the frame is tied to, if it is tied to one."""
+        return self.skin.clamp or "F"

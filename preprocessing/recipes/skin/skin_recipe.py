@@ -70,7 +70,7 @@ class SkinRecipe(Recipe[SkinFile]):
 
     def _fields(self, designs: tuple[Geometry, DesignSpace]) -> dict[str, Any]:
         geometry, space = designs
-        clamp = self.file.skin.clamp
+        clamp = self.file.clamp
         found = reduce(space, self.file.basis.choice(), _CLAMPED_NODE[clamp], clamp)
         return {**found.fields(self.file.units), **_shape_and_pictures(found, geometry)}
 

@@ -48,7 +48,7 @@ class SkinCut(Table):
     elements: Annotated[int, Field(ge=2, le=500)]
     spacing: Literal["equal", "curvature"] = "equal"
     grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
-    clamp: Literal["F", "G"] = "F"  # the end that the body's frame is tied to
+    clamp: Literal["F", "G"] | None = None  # the end that the body's frame is tied to, F if not given
     separate: list[Quantity] = Field([])  # what every element has of its own: thickness_0 is that of the first element, and so on
 
 

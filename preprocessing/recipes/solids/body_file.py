@@ -63,11 +63,7 @@ class BodyFile(Table):
         return ""
 
     def _frame(self) -> str:
-        if self.basis.boundary == "free" and self.clamp is not None:
-            return 'a body with boundary = "free" floats about mean axes; leave [clamp] out'
-        if self.basis.boundary != "free" and self.clamp is None:
-            return 'the body\'s frame needs a place; add [clamp], or take kind = "eigenmodes" with boundary = "free" in [basis]'
-        return ""
+        return self.basis.complaint("a body", self.clamp is not None, "[clamp]", self.interface_points)
 
     @property
     def inputs(self) -> list[str]:

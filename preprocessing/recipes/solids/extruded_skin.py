@@ -154,7 +154,7 @@ def _used(blocks: list[tuple[str, np.ndarray]]) -> tuple[np.ndarray, list[tuple[
 def _description(file: SkinFile, mesh: str) -> str:
     """Text of the body.toml."""
     points = {name: f"{{ group = {json.dumps(name)} }}" for name in file.interface_points}
-    clamp = file.skin.clamp
+    clamp = [] if file.basis.chord or file.basis.boundary == "free" else [f'clamp = {{ group = "{file.clamp}" }}']
     material = {key: getattr(file.material, key) for key in ("youngs_modulus", "density", "poisson_ratio")}
     basis = file.basis if file.basis.kind != "full" else file.basis.model_copy(update={"kind": "craig-bampton", "count": 10})
     lines = [
@@ -163,7 +163,7 @@ def _description(file: SkinFile, mesh: str) -> str:
         f"mesh = {{ file = {json.dumps(mesh)} }}",
         f"material = {_inline(material)}",
         f"damping = {_inline(file.damping)}",
-        f'clamp = {{ group = "{clamp}" }}',
+        *clamp,
         f"basis = {_inline(basis)}",
         *(["", "[interface_points]"] if points else []),
         *(f"{json.dumps(name)} = {place}" for name, place in points.items()),

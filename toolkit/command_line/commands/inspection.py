@@ -128,7 +128,12 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.foundation.files.outside_files import outside_files
     from toolkit.sensitivity.preparation import responses_of
+    from toolkit.validity.description.frame_choice import frame_choices
 
+    try:
+        frames = {body: choice.words for body, choice in frame_choices(scene).items()}
+    except ToolkitError:  # which is said below
+        frames = {}
     outside = outside_files(scene.directory / "scene", scene.model_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
@@ -136,6 +141,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         "dimension": scene.dimension,
         **({"files outside of the scene's folder": ", ".join(outside)} if outside else {}),
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
+        **({"reference_conditions": frames} if frames else {}),
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
         "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},

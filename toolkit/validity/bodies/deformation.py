@@ -15,10 +15,12 @@ import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.model import MEAN_AXES
+from toolkit.reduced_model.chord_condition import chord_of
+from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chord_rows import chord_rows
 from toolkit.validity.bodies.element_sections import Elements, Sections, sections
 from toolkit.validity.bodies.second_order import clamped_rows, mean_rows, second_order_displacement
 
@@ -58,7 +60,7 @@ class Chain:
     elements: Elements
     made_of: Sections
     shapes: np.ndarray  # (n, n_f)
-    held: np.ndarray  # (3, n) rows of displacements that the body's frame does not feel
+    held: np.ndarray  # (m, n) rows of displacements that the body's frame does not feel
 
     def displacements(self, elastic: np.ndarray) -> np.ndarray:
         """Nodal displacements (n_t, n) of elastic coordinates (n_t, n_f)."""
@@ -79,16 +81,24 @@ def chain(scene: Scene, body: str) -> Chain | None:
 
     Those of bodies in space and of solids do not.
     """
-    design = design_point(scene, body, "mesh", "stress")
+    design = design_point(scene, body, "mesh", "stress", "interfaces")
     mesh, places = design.model.mesh, design.model.stress
     if mesh is None or places is None:
         return None
     modulus = next((value for name, value in design.model.nominal.items() if name.startswith("youngs_modulus")), 1.0)
     operator, stiffness = (np.real(design.value(item)) for item in ("stress_operator", "stiffness"))
     elements, shapes = Elements(mesh.nodes, mesh.connectivity), mesh.recovery[:, 1:]
-    free = design.model.reference_condition == MEAN_AXES
-    held = mean_rows(elements) if free else clamped_rows(elements, shapes)
+    held = _held(design.model, elements, shapes)
     return Chain(elements, sections(mesh, places, operator, stiffness, modulus), shapes, held)
+
+
+def _held(model: ReducedModel, elements: Elements, shapes: np.ndarray) -> np.ndarray:
+    """Rows of displacements that the reference condition keeps at zero."""
+    if model.reference_condition == MEAN_AXES:
+        return mean_rows(elements)
+    if chord := chord_of(model.reference_condition):
+        return chord_rows(elements, *((model.interfaces or {})[name].position[0, :, 0] for name in chord))
+    return clamped_rows(elements, shapes)
 
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:

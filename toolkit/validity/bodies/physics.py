@@ -10,7 +10,8 @@ from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
-from toolkit.validity.bodies.deformation import LIMIT, deformations
+from toolkit.validity.bodies.deformation import LIMIT, chain, deformations, flexible_bodies
+from toolkit.validity.description.frame_choice import advice_of_frame
 
 
 def large_deformations(solution: Solution) -> Iterator[Caution]:
@@ -23,16 +24,23 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
                 f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
                 f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
-                "body, or several bodies in a row instead of one, make it smaller.",
+                f"body, or several bodies in a row instead of one, make it smaller.{advice_of_frame(solution.system.scene, body)}",
             )
 
 
 def critical_loads(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
     for found, doubt in critical_compressions(solution):
-        yield Caution(
-            "critical-load", _feigned(found) if found.feigned > found.missed else _buckling(found, solution.steps > 0), doubt
-        )
+        text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution.steps > 0)
+        yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body), doubt)
+
+
+def unmeasured_frames(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose frame is not that of their joints, where no meter tells what this costs."""
+    scene = solution.system.scene
+    for body in flexible_bodies(scene):
+        if (advice := advice_of_frame(scene, body)) and chain(scene, body) is None:
+            yield Caution("reference-condition", f"the frame of {body} turns with one part of it.{advice}", doubt=False)
 
 
 def _buckling(found: Compression, moving: bool) -> str:

@@ -22,7 +22,6 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
 
-from toolkit.foundation.near_ties import first_smallest
 from toolkit.validity.bodies.element_sections import BENDING, Elements, Sections
 
 STILL = 1e-9
@@ -58,7 +57,7 @@ def second_order_forces(elements: Elements, made_of: Sections, u: np.ndarray) ->
 
 
 def second_order_displacement(elements: Elements, made_of: Sections, held: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """u_2 for displacements u (n_t, n) of a chain whose frame is held by the rows `held` (3, n) u = 0, (n_t, n).
+    """u_2 for displacements u (n_t, n) of a chain whose frame is held by the rows `held` (m, n) u = 0, (n_t, n).
 
     Unknowns are scaled to a unit diagonal, because a skin is far stiffer in tension than in bending.
     """
@@ -74,9 +73,10 @@ def second_order_displacement(elements: Elements, made_of: Sections, held: np.nd
 
 
 def clamped_rows(elements: Elements, shapes: np.ndarray) -> np.ndarray:
-    """Rows (3, n) of the node that a tangent frame is tied to: the one that the shapes (n, n_f) of the basis do not move."""
-    node = first_smallest(np.abs(shapes).reshape(len(elements.nodes), -1).max(axis=1), STILL)
-    return np.eye(3, shapes.shape[0], 3 * node)
+    """Rows (m, n) of the nodes that a tangent frame is tied to: those that the shapes (n, n_f) of the basis do not move."""
+    moves = np.abs(shapes).reshape(len(elements.nodes), -1).max(axis=1)
+    nodes = np.flatnonzero(moves <= moves.min() + STILL * moves.max())
+    return np.eye(shapes.shape[0])[(3 * nodes[:, None] + np.arange(3)).ravel()]
 
 
 def mean_rows(elements: Elements) -> np.ndarray:

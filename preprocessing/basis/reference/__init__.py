@@ -1,0 +1,1 @@
+"""Reference conditions that tie a body's frame to two of its interface points."""

@@ -1,0 +1,111 @@
+"""Which reference condition a flexible body should have, by the joints that hold it.
+
+Forces between two points of a body act along the line through both. In a frame that is tied to one end, this line turns with the
+deformation, and linear FFRF lets the forces turn with the frame instead: their lever arms are wrong by as much as the deflection itself. A
+frame on the chord goes with the line, and no force along it bends the body. A body that is clamped at one end has its forces in the frame
+of this end.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from toolkit.bodies.model_body import ModelBody
+from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.near_ties import first_largest
+from toolkit.joints.joint import Joint
+from toolkit.reduced_model.chord_condition import Chord, chord_of
+from toolkit.reduced_model.model import MEAN_AXES
+from toolkit.scene.scene import Scene
+
+
+@dataclass(frozen=True)
+class FrameChoice:
+    """What the joints of a scene say about the frame of one body."""
+
+    condition: str  # of its model, in words
+    reason: str
+    advice: str  # empty if the model has the frame that its joints ask for
+
+    @property
+    def words(self) -> str:
+        """Everything in one sentence."""
+        return f"{self.condition}; {self.reason}" + (f": {self.advice}" if self.advice else ", as it should be")
+
+
+def frame_choices(scene: Scene) -> dict[str, FrameChoice]:
+    """Flexible bodies with a frame that turns, and what their joints say about it; those are left out of which they say nothing."""
+    return {
+        name: found
+        for name, body in scene.bodies.items()
+        if isinstance(body, ModelBody) and (found := _choice(scene, name, body))
+    }
+
+
+def advice_of_frame(scene: Scene, body: str) -> str:
+    """What to do about the frame of one body, a sentence to append; empty if there is nothing to do."""
+    found = frame_choices(scene).get(body)
+    return f" It is {found.reason}: {found.advice}." if found and found.advice else ""
+
+
+def _choice(scene: Scene, name: str, body: ModelBody) -> FrameChoice | None:
+    if not body.turns:
+        return None
+    condition = scene.model(body.model).reference_condition
+    held = dict(_held(scene, name))
+    clamped = [point for point, whole in held.items() if whole]
+    if not clamped and len(held) > 1:
+        return _on_chord(scene, body, condition, list(held))
+    if len(clamped) == 1 and len(held) == 1:
+        return _at_end(condition, clamped[0])
+    return None
+
+
+def _held(scene: Scene, name: str) -> Iterator[tuple[str, bool]]:
+    """Interface points of a body that joints grip, and whether these hold all its rotations there."""
+    turns, interfaces = Counter[str](), scene.model(scene.bodies[name].model).interfaces or {}  # type: ignore[attr-defined]
+    for joint in (each for each in scene.joints.values() if isinstance(each, Joint)):
+        for grip, point in joint.grips:
+            interface = getattr(scene.interface(point), "interface", None)
+            if grip == name and interface in interfaces:
+                turns[interface] += sum(quantity == "angle" for _, quantity in joint.rows)
+    rotations = scene.dimension * (scene.dimension - 1) // 2
+    yield from ((interface, count >= rotations) for interface, count in turns.items())
+
+
+def _on_chord(scene: Scene, body: ModelBody, condition: str, held: list[str]) -> FrameChoice | None:
+    """Of the points that joints hold, the two that are farthest apart."""
+    interfaces = scene.model(body.model).interfaces or {}
+    pairs = [Chord(one, other) for k, one in enumerate(held) for other in held[k + 1 :]]
+    place = {name: interfaces[name].here[0][:, 0] for name in held}
+    apart = np.array([np.linalg.norm(place[one] - place[other]) for one, other in pairs])
+    if not apart.max() > 0:
+        return None
+    chord, now = pairs[first_largest(apart)], chord_of(condition)
+    good = condition == MEAN_AXES or (now is not None and set(now) <= set(held))
+    return FrameChoice(
+        condition,
+        f"held at {quoted(held)} by joints that let it turn",
+        ""
+        if good
+        else f"a frame through these points leaves out much less of their forces, basis.chord = {_list(chord)} in the file that its model "
+        "is built from",
+    )
+
+
+def _at_end(condition: str, point: str) -> FrameChoice:
+    return FrameChoice(
+        condition,
+        f"clamped at {point!r} alone",
+        "a frame that is clamped there leaves out less of its forces, clamp instead of basis.chord in the file that its model is built from"
+        if chord_of(condition)
+        else "",
+    )
+
+
+def _list(names: Chord) -> str:
+    return f'["{names.first}", "{names.second}"]'
