@@ -106,7 +106,7 @@ def reduced_basis(
 
 def _chord_frame(choice: BasisChoice, chord: Chord, nodes: np.ndarray, interface_rows: Mapping[str, np.ndarray]) -> Basis:
     """All nodal coordinates but as many as the chord holds; nothing is reduced."""
-    boundary = chord_boundary(chord, interface_rows, undeformed(nodes), None, points=False)
+    boundary = chord_boundary(chord, interface_rows, undeformed(nodes))
     shapes = pinned_coordinates(boundary)
     return Basis(
         np.column_stack([undeformed(nodes), shapes.columns]),
@@ -128,7 +128,7 @@ def _boundary(
     """What holds the body, and, unless only its modes are asked for, its interface points."""
     points = choice.kind != "eigenmodes"
     if chord is not None:
-        return chord_boundary(chord, interface_rows, undeformed(nodes), mass, points)
+        return chord_boundary(chord, interface_rows, undeformed(nodes), mass if points else None)
     if choice.boundary == "free":
         return free_boundary(len(mass))
     clamped = clamped_boundary(len(mass), node, per_node(nodes))

@@ -248,7 +248,7 @@ WRONG = [
     ("thickness = 0.01", "thickness = -0.01", "sections.arm.thickness: input should be greater than 0 (got -0.01)"),
     ("poisson_ratio = 0.3,", "", "materials.steel.poisson_ratio: this key is missing; add it"),
     ('clamp = ["A"]', "", "the body's frame needs a place; add clamp"),
-    ("A = [0, 0, 0]", "A = [0, 0]", "nodes.A: list should have at least 3 items"),
+    ("A = [0, 0, 0]", "A = [0, 0]", "nodes.A: a frame in space (dimension = 3) has 3 coordinates (got [0.0, 0.0])"),
 ]
 
 

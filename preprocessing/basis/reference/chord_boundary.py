@@ -50,15 +50,15 @@ class ChordBoundary(Boundary):
 
 
 def chord_boundary(
-    chord: Chord, interface_rows: Mapping[str, np.ndarray], xi: np.ndarray, mass: np.ndarray | None, points: bool
+    chord: Chord, interface_rows: Mapping[str, np.ndarray], xi: np.ndarray, mass: np.ndarray | None = None
 ) -> ChordBoundary:
-    """The rows of a chord, with those of its points and of all others if `points`.
+    """The rows of a chord, with those of its points and of all others if there is a mass matrix.
 
     Parameters
     ----------
     interface_rows : name -> (3, n), in space (6, n)
     xi : (n,), of the undeformed nodal coordinates
-    mass : (n, n), whose diagonal makes displacements and rotations comparable; not asked for without points
+    mass : (n, n), whose diagonal makes displacements and rotations comparable; None for the rows of the chord alone
 
     Raises
     ------
@@ -68,7 +68,7 @@ def chord_boundary(
     refuse_unknown(chord, interface_rows)
     refuse_short(chord, *(interface_rows[name][: _dimension(interface_rows)] @ xi for name in chord))
     names: tuple[str, ...] = ()
-    if points:
+    if mass is not None:
         ordered = {name: interface_rows[name] for name in dict.fromkeys([*chord, *interface_rows])}
         names = with_points(free_boundary(len(xi), per_point(interface_rows)), ordered, mass).points
     rows = _rows(chord, interface_rows, xi, names)

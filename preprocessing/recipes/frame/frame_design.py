@@ -1,12 +1,13 @@
 """All designs of a frame: its parameters, where they stand in frame.toml, and the finite elements at any values of them.
 
-The parameters are named by what they are and what owns them: `youngs_modulus_steel`, `width_leg`, `x_A` of a node A, and `damping_mass`
-and `damping_stiffness` of the whole frame. By Poisson's ratios and nodes there are derivatives, by all others the matrices are polynomials.
+The parameters are named by what they are and what owns them: `youngs_modulus_steel`, `width_leg`, `x_A` of a node A, `length_B` and
+`angle_B` of a node at a length and an angle from another, and `damping_mass` and `damping_stiffness` of the whole frame. By Poisson's
+ratios and nodes there are derivatives, by all others the matrices are polynomials.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial, reduce
 from operator import getitem
 from typing import Any
@@ -15,24 +16,35 @@ import numpy as np
 
 from preprocessing.assembly.assembly import assemble
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
 from preprocessing.elements.section import Patch
 from preprocessing.recipes.frame.frame_file import ALONG, FrameFile
+from preprocessing.recipes.frame.frame_nodes import AXES, POLAR, positions
 from preprocessing.recipes.frame.frame_tables import DIMENSIONS, BeamTable
 
 _MATERIAL = {"youngs_modulus": "stress", "density": "density", "poisson_ratio": "none"}
 _DAMPING = {"mass": "rate", "stiffness": "time"}
+_OF_NODES = ("nodes", "polar_nodes")
 _ABOVE = np.array([0.0, 0.0, 1.0])
 
 
 def places(file: FrameFile) -> dict[str, tuple[Any, ...]]:
     """Parameter -> keys that lead to it in frame.toml."""
     found: dict[str, tuple[Any, ...]] = {
-        f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _MATERIAL
+        f"{key}_{name}": ("materials", name, key) for name in file.materials for key in _material(file)
     }
     found |= {f"{key}_{name}": ("sections", name, key) for name, each in file.sections.items() for key in DIMENSIONS[each.kind]}
     found |= {f"damping_{key}": ("damping", key) for key in _DAMPING}
-    return found | {f"{axis}_{name}": ("nodes", name, number) for name in file.nodes for number, axis in enumerate("xyz")}
+    found |= {
+        f"{axis}_{name}": ("nodes", name, number) for name in file.nodes for number, axis in enumerate(AXES[: file.dimension])
+    }
+    return found | {f"{key}_{name}": ("polar_nodes", name, key) for name in file.polar_nodes for key in POLAR}
+
+
+def _material(file: FrameFile) -> dict[str, str]:
+    """Numbers of a material: beams in the plane do not twist."""
+    return {key: quantity for key, quantity in _MATERIAL.items() if file.dimension == 3 or key != "poisson_ratio"}
 
 
 def quantities(file: FrameFile) -> dict[str, str]:
@@ -42,62 +54,76 @@ def quantities(file: FrameFile) -> dict[str, str]:
         if table == "sections":
             found[parameter] = DIMENSIONS[file.sections[rest[0]].kind][rest[1]]
         else:
-            found[parameter] = {**_MATERIAL, **_DAMPING}.get(rest[-1], "length")
+            found[parameter] = {**_MATERIAL, **_DAMPING, **POLAR}.get(rest[-1], "length")
     return found
 
 
 def frame_space(file: FrameFile) -> DesignSpace:
     """All designs of the frame."""
     values = _values(file)
-    by_steps = {name for name, (table, *rest) in places(file).items() if table == "nodes" or rest[-1] == "poisson_ratio"}
+    by_steps = {name for name, (table, *rest) in places(file).items() if table in _OF_NODES or rest[-1] == "poisson_ratio"}
     return DesignSpace(values, quantities(file), frozenset(values) - by_steps, partial(frame_elements, file))
 
 
 def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> Discretisation:
     """The finite elements at one design, which gives every parameter a value, real or complex."""
     beams = frame_beams(file, design)
-    at_nodes = {name: list(file.nodes).index(point.node) for name, point in file.interface_points.items()}
+    at_nodes = {name: node_number(file, point.node) for name, point in file.interface_points.items()}
     return Discretisation(beams, assemble(beams), at_nodes)
 
 
-def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam:
+def node_number(file: FrameFile, name: str) -> int:
+    """Number of a named node among all nodes of the elements."""
+    return list(file.places).index(name)
+
+
+def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | PlanarBeam:
     """The named nodes, then those between the ends of each beam; elements in the order of the beams."""
-    names = list(file.nodes)
-    corners = np.array([[design[f"{axis}_{name}"] for axis in "xyz"] for name in names])
-    nodes, connectivity, orientation, count = [corners], [], [], len(corners)
+    places = positions(file.nodes, file.polar_nodes, design)
+    names, corners = list(places), np.array(list(places.values()))
+    nodes, connectivity, count = [corners], [], len(corners)
     for beam in file.beams:
         one, two = names.index(beam.start), names.index(beam.end)
         ratio = (np.arange(1, beam.elements) / beam.elements)[:, None]
         nodes.append(corners[one] + ratio * (corners[two] - corners[one]))
         chain = np.array([one, *range(count, count + beam.elements - 1), two])
         connectivity.append(np.column_stack([chain[:-1], chain[1:]]))
-        orientation += [_orientation(file, beam)] * beam.elements
         count += beam.elements - 1
-    return SpatialBeam(np.vstack(nodes), np.vstack(connectivity), np.array(orientation), _patches(file, design))
+    mesh = np.vstack(nodes), np.vstack(connectivity)
+    if file.dimension == 2:
+        return PlanarBeam(*mesh, [patch for _, patch in _sections(file)])
+    orientation = np.repeat([_orientation(file, beam) for beam in file.beams], [beam.elements for beam in file.beams], axis=0)
+    return SpatialBeam(*mesh, orientation, _patches(file, design))
 
 
 def _orientation(file: FrameFile, beam: BeamTable) -> np.ndarray:
     """As given, or else z; x of beams along z."""
     if beam.orientation is not None:
         return np.array(beam.orientation)
-    along = np.subtract(file.nodes[beam.end], file.nodes[beam.start])
+    along = file.places[beam.end] - file.places[beam.start]
     return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= ALONG * np.linalg.norm(along) else _ABOVE
 
 
 def _values(file: FrameFile) -> dict[str, float]:
     """Parameter -> its value in the file."""
-    content: Any = file.model_dump()
+    content: Any = file.model_dump(by_alias=True)
     return {parameter: reduce(getitem, keys, content) for parameter, keys in places(file).items()}
 
 
 def _patches(file: FrameFile, design: Mapping[str, Any]) -> list[SpatialPatch]:
-    """The elements of every section."""
-    section_of = np.repeat([beam.section for beam in file.beams], [beam.elements for beam in file.beams])
+    """The elements of every section in space, which also twist."""
     found = []
+    for name, patch in _sections(file):
+        shear = 1 / (2 * (1 + design[f"poisson_ratio_{file.sections[name].material}"]))
+        found.append(SpatialPatch(patch, file.sections[name].shape, shear))
+    return found
+
+
+def _sections(file: FrameFile) -> Iterator[tuple[str, Patch]]:
+    """Every section with its elements, and the parameters that they take their quantities from."""
+    section_of = np.repeat([beam.section for beam in file.beams], [beam.elements for beam in file.beams])
     for name, section in file.sections.items():
         own = {key: f"{key}_{name}" for key in section.dimensions}
         own |= {key: f"{key}_{section.material}" for key in ("youngs_modulus", "density")}
         own |= {f"damping_{key}": f"damping_{key}" for key in _DAMPING}
-        shear = 1 / (2 * (1 + design[f"poisson_ratio_{section.material}"]))
-        found.append(SpatialPatch(Patch(np.flatnonzero(section_of == name), own), section.shape, shear))
-    return found
+        yield name, Patch(np.flatnonzero(section_of == name), own)

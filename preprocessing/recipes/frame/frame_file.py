@@ -1,4 +1,4 @@
-"""The file frame.toml: straight spatial beams between named nodes, checked key by key."""
+"""The file frame.toml: straight beams between named nodes, in the plane or in space, checked key by key."""
 
 from __future__ import annotations
 
@@ -8,7 +8,16 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from preprocessing.recipes.frame.frame_tables import NAMED, BeamTable, FrameMaterial, FramePoint, FrameSection, Triple
+from preprocessing.recipes.frame.frame_nodes import hanging_in_the_air, positions
+from preprocessing.recipes.frame.frame_tables import (
+    NAMED,
+    BeamTable,
+    Coordinates,
+    FrameMaterial,
+    FramePoint,
+    FrameSection,
+    PolarNode,
+)
 from preprocessing.recipes.tables import BasisTable, Damping, InterfaceName, Table
 
 ALONG = 1e-6
@@ -21,7 +30,9 @@ class FrameFile(Table):
     """Schema of frame.toml; all numbers in the units of the named system."""
 
     units: Literal["mm-t-s", "m-kg-s"]
-    nodes: dict[NAMED, Triple]  # name -> x, y, z
+    dimension: Literal[2, 3] = 3  # of space
+    nodes: dict[NAMED, Coordinates]  # name -> x, y and, in space, z
+    polar_nodes: dict[NAMED, PolarNode] = Field(default_factory=dict)  # in the plane, nodes at a length and an angle from others
     beams: Annotated[list[BeamTable], Field(min_length=1)]
     sections: dict[NAMED, FrameSection]
     materials: dict[NAMED, FrameMaterial]
@@ -32,10 +43,15 @@ class FrameFile(Table):
 
     @model_validator(mode="after")
     def _can_be_meant(self) -> FrameFile:
-        for complaints in (self._unknown(), self._shapeless(), self._loose(), self._unheld()):
+        for complaints in (self._unknown(), self._misplaced(), self._shapeless(), self._loose(), self._unheld()):
             if complaint := next(complaints, ""):
                 raise ValueError(complaint)
         return self
+
+    @property
+    def places(self) -> dict[str, np.ndarray]:
+        """Name -> place (d,) of every node."""
+        return positions(self.nodes, self.polar_nodes)
 
     def _unknown(self) -> Iterator[str]:
         """Names that do not exist."""
@@ -48,16 +64,43 @@ class FrameFile(Table):
         used += [(f"sections.{name}.material", section.material, "material") for name, section in self.sections.items()]
         used += [("clamp", name, "node") for name in self.clamp or []]
         used += [(f"interface_points.{name}.node", point.node, "node") for name, point in self.interface_points.items()]
+        used += [(f"polar_nodes.{name}.from", each.start, "node") for name, each in self.polar_nodes.items()]
         for key, name, kind in used:
-            existing = getattr(self, f"{kind}s")
+            existing = [*self.nodes, *self.polar_nodes] if kind == "node" else getattr(self, f"{kind}s")
             if name not in existing:
                 yield f"{key}: there is no {kind} {name!r}; there are {', '.join(existing) or 'none'}"
 
+    def _misplaced(self) -> Iterator[str]:
+        """What belongs to the plane or to space alone."""
+        plane = self.dimension == 2
+        for name, place in self.nodes.items():
+            if len(place) != self.dimension:
+                where = "in the plane" if plane else "in space"
+                yield f"nodes.{name}: a frame {where} (dimension = {self.dimension}) has {self.dimension} coordinates (got {place})"
+        if self.polar_nodes and not plane:
+            yield "polar_nodes: nodes at one angle lie in the plane; write dimension = 2, or give them coordinates in nodes"
+        if both := set(self.nodes) & set(self.polar_nodes):
+            yield f"polar_nodes.{min(both)}: this node has coordinates in nodes already; leave it out of one of them"
+        if lost := hanging_in_the_air(self.nodes, self.polar_nodes):
+            yield f"polar_nodes: {', '.join(lost)} start from each other; let one of them start from a node with coordinates"
+        for name, material in self.materials.items():
+            if plane and material.poisson_ratio is not None:
+                yield f"materials.{name}.poisson_ratio: beams in the plane (dimension = 2) do not twist; leave it out"
+            if not plane and material.poisson_ratio is None:
+                yield f"materials.{name}.poisson_ratio: this key is missing; add it, because beams in space twist"
+        for name, section in self.sections.items():
+            if plane and section.kind != "rectangle":
+                yield f'sections.{name}: beams in the plane (dimension = 2) have sections of kind "rectangle" (got {section.kind!r})'
+        for k, beam in enumerate(self.beams):
+            if plane and beam.orientation is not None:
+                yield f"beams.{k}.orientation: the thickness of a beam in the plane (dimension = 2) lies in the plane; leave it out"
+
     def _shapeless(self) -> Iterator[str]:
         """Beams without a length or with an orientation along them."""
-        size = max(np.linalg.norm(np.ptp(list(self.nodes.values()), axis=0)), np.finfo(float).tiny)
+        places = self.places
+        size = max(np.linalg.norm(np.ptp(list(places.values()), axis=0)), np.finfo(float).tiny)
         for k, beam in enumerate(self.beams):
-            along = np.subtract(self.nodes[beam.end], self.nodes[beam.start])
+            along = places[beam.end] - places[beam.start]
             length = np.linalg.norm(along)
             if length <= 1e-9 * size:
                 yield f"beams.{k}: its ends {beam.start} and {beam.end} are at one place; a beam needs a length"
@@ -74,7 +117,7 @@ class FrameFile(Table):
         for _ in self.beams:
             for beam in self.beams:
                 reached |= {beam.start, beam.end} if reached & {beam.start, beam.end} else set()
-        if lost := [name for name in self.nodes if name not in reached]:
+        if lost := [name for name in [*self.nodes, *self.polar_nodes] if name not in reached]:
             yield f"nodes: no beams lead from {self.beams[0].start} to {', '.join(lost)}; connect them, or leave them out"
         if unused := set(self.sections) - {beam.section for beam in self.beams}:
             yield f"sections.{min(unused)}: no beam has this section; leave it out"

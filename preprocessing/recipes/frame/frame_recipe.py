@@ -6,28 +6,37 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from preprocessing.discretisation.discretisation import DesignSpace
 from preprocessing.discretisation.fibre_lines import fibre_lines
-from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, places
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
+from preprocessing.elements.kinds.spatial_beam import SpatialBeam
+from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
-from preprocessing.reduction.reduced import reduce
+from preprocessing.reduction.reduced import Reduced, reduce
+from toolkit.reduced_model.model import Mesh
 
 STOCKY = 1.5
 """Width of a rectangle in parts of its thickness below which the polynomial for its torsion is off by more than 1.3 %."""
 
 
 class FrameRecipe(Recipe[FrameFile]):
-    """A frame of spatial beams; remarks name every section whose torsion is only roughly known."""
+    """A frame of beams; remarks name every section whose torsion is only roughly known."""
 
     name = "frame.toml"
     schema = FrameFile
     seal = Seal("frame, ", lengths_of_files=False)
-    parts = ("invariants", "derivatives", "affine", "interfaces", "stress", "surface")
 
     @classmethod
     def means(cls, content: Mapping[str, Any]) -> bool:
         return "beams" in content or "nodes" in content
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        picture = "mesh" if self.file.dimension == 2 else "surface"
+        return ("invariants", "derivatives", "affine", "interfaces", "stress", picture)
 
     def _named(self) -> list[Path]:
         return []
@@ -46,18 +55,36 @@ class FrameRecipe(Recipe[FrameFile]):
 
     def _fields(self, designs: DesignSpace) -> dict[str, Any]:
         file, clamp = self.file, self.file.clamp or []
-        clamped = [list(file.nodes).index(node) for node in clamp]
+        clamped = [node_number(file, node) for node in clamp]
         found = reduce(
             designs, file.basis.choice(), clamped, ("the node " if len(clamp) == 1 else "the nodes ") + ", ".join(clamp)
         )
-        return {
-            **found.fields(file.units),
-            "surface": fibre_lines(frame_beams(file, designs.values), found.basis.z, designs.values),
-        }
+        return {**found.fields(file.units), **_picture(found, frame_beams(file, designs.values), outline(file))}
 
     def _stocky(self) -> Iterator[str]:
         """Names of rectangles that are hardly wider than thick."""
         for name, section in self.file.sections.items():
             sides = sorted([section.thickness or 0.0, section.width or 0.0])
-            if section.kind == "rectangle" and sides[1] < STOCKY * sides[0]:
+            if self.file.dimension == 3 and section.kind == "rectangle" and sides[1] < STOCKY * sides[0]:
                 yield name
+
+
+def _picture(found: Reduced, beams: SpatialBeam | PlanarBeam, line: np.ndarray) -> dict[str, Any]:
+    """In the plane the mesh, in space the surface."""
+    if isinstance(beams, SpatialBeam):
+        return {"surface": fibre_lines(beams, found.basis.z, found.space.values)}
+    return {"mesh": Mesh(beams.nodes, beams.connectivity, found.basis.z, line, np.zeros((0, 2)))}
+
+
+def outline(file: FrameFile) -> np.ndarray:
+    """A line (n, d) along all beams, there and back where they branch."""
+    places, left = file.places, list(file.beams)
+
+    def walk(name: str) -> Iterator[np.ndarray]:
+        yield places[name]
+        while at := [beam for beam in left if name in (beam.start, beam.end)]:
+            left.remove(at[0])
+            yield from walk(at[0].end if at[0].start == name else at[0].start)
+            yield places[name]
+
+    return np.array(list(walk(file.beams[0].start)))

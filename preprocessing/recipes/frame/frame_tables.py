@@ -9,6 +9,7 @@ from pydantic import Field, FiniteFloat, model_validator
 from preprocessing.elements.section_shape import SectionShape, circle, general, rectangle, tube
 from preprocessing.recipes.tables import InterfaceName, Positive, Table
 
+Coordinates = Annotated[list[FiniteFloat], Field(min_length=2, max_length=3)]
 Triple = Annotated[list[FiniteFloat], Field(min_length=3, max_length=3)]
 Pair = Annotated[list[FiniteFloat], Field(min_length=2, max_length=2)]
 NAMED = InterfaceName
@@ -29,6 +30,14 @@ DIMENSIONS: dict[str, dict[str, str]] = {
 """Kind of a section -> its numbers, and what they are, for their units."""
 
 
+class PolarNode(Table):
+    """A node of a plane frame at a length and an angle from another one; both are design variables, `length_B` and `angle_B`."""
+
+    start: str = Field(alias="from")  # name of a node
+    length: Positive  # length
+    angle: FiniteFloat = 0.0  # rad, from the x axis, counter-clockwise
+
+
 class BeamTable(Table):
     """A straight beam between two nodes, of equal elements."""
 
@@ -37,7 +46,7 @@ class BeamTable(Table):
     elements: Annotated[int, Field(ge=1, le=500)] = 4
     section: str  # name of a section
     orientation: Triple | None = (
-        None  # direction of the section's third axis, less its part along the beam; by default z, or x of a beam along z
+        None  # in space, direction of the section's third axis, less its part along the beam; by default z, or x of a beam along z
     )
 
 
@@ -45,7 +54,8 @@ class FrameSection(Table):
     """A section by its dimensions, or by its numbers (`general`), and the material that it is made of.
 
     The third axis of a section is the orientation of its beam, the second one is perpendicular to that and to the beam: the width of a
-    rectangle lies along the third, its thickness along the second. I_y is int y_3^2 dA (bending about the second axis), I_z is
+    rectangle lies along the third, its thickness along the second: in the plane, where every section is a rectangle, the thickness lies
+    in the plane and the width across it. I_y is int y_3^2 dA (bending about the second axis), I_z is
     int y_2^2 dA, J the torsion constant, and I_p the polar moment of the section's mass, I_y + I_z of a homogeneous section.
     """
 
@@ -98,7 +108,7 @@ class FrameMaterial(Table):
 
     youngs_modulus: Positive  # stress
     density: Positive  # mass / length^3
-    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)]
+    poisson_ratio: Annotated[float, Field(gt=-1, lt=0.5)] | None = None  # in space, where beams twist
 
 
 class FramePoint(Table):

@@ -65,7 +65,14 @@ def drawn_model(configuration: Configuration, body: str) -> ReducedModel:
 
 
 def _undeformed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Points and unit tangents (n_e, POINTS, 2) of the spline through the nodes by chord length."""
+    """Points and unit tangents (n_e, POINTS, 2) of the spline through the nodes by chord length.
+
+    Beams that follow no airfoil are straight.
+    """
+    if not len(mesh.target_outline):
+        start, side = mesh.nodes[mesh.connectivity[:, 0]], np.diff(mesh.nodes[mesh.connectivity], axis=1)
+        tangent = side / np.linalg.norm(side, axis=2, keepdims=True)
+        return start[:, None] + _ratios()[:, None] * side, np.repeat(tangent, len(_ratios()), axis=1)
     chain = np.append(mesh.connectivity[:, 0], mesh.connectivity[-1, 1])
     if np.any(mesh.connectivity[:, 1] != chain[1:]):
         raise InputError("only a body whose elements follow one another can be drawn; number its mesh from one end to the other.")
