@@ -11,15 +11,20 @@ with the acceleration a_A of the crank's pin and the rod's normal n. Of elongati
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from scipy.integrate import solve_ivp
 
 from preprocessing import build
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
+from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.commands.inspection import describe_scene
+from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.rigid_joint import RigidJoint
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.point_force import PointForce
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -28,8 +33,10 @@ from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import prepare
 from toolkit.system.solution import Solution
+from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.deformation import deformation
+from toolkit.validity.bodies.turning_frame import lateral_compliance, turning_frames
 from toolkit.validity.description.frame_choice import frame_choices
 
 CRANK, ROD, DIAMETER, BLOCK = 0.15, 0.3, 0.006, 0.033
@@ -142,6 +149,15 @@ def deflection(solution: Solution) -> np.ndarray:
     return np.einsum("td,td->t", middle - one, np.column_stack([-e[:, 1], e[:, 0]]))
 
 
+def end_turn(solution: Solution) -> float:
+    """Rotation of the first end against the line through both, of a rod along x."""
+    model = solution.system.scene.model("rod.h5")
+    q = np.real(solution.q[-1, solution.coordinates("rod")])
+    elastic = np.append(1.0, q[3:])
+    one, other = (model.interfaces[name].here[0] @ elastic for name in "AB")
+    return float(model.interfaces["A"].here[1] @ elastic - np.arctan2(*(other - one)[::-1]))
+
+
 def test_only_a_frame_on_the_chord_gives_the_deflection_of_a_rod_between_two_pins(tmp_path):
     """The end frame is off by a third and more: the force along the rod turns with the rod's end instead of its chord."""
     errors = {}
@@ -200,10 +216,9 @@ def test_gradients_by_length_and_section_are_those_of_models_built_afresh(tmp_pa
 
 
 def test_a_run_and_inspect_say_which_frame_the_joints_ask_for(tmp_path):
-    moving = scene(tmp_path, END, 200)
-    run = simulate(prepare(moving))
-    told = {caution.code: caution.text for caution in run.warnings}
-    for code in ("large-deformation", "critical-load"):
+    moving = scene(tmp_path, BasisChoice("craig-bampton", count=2), 400)
+    told = {caution.code: caution.text for caution in simulate(prepare(moving)).warnings}
+    for code in ("large-deformation", "critical-load", "reference-condition"):
         assert "held at 'A' and 'B' by joints that let it turn: a frame through these points" in told[code]
         assert 'basis.chord = ["A", "B"]' in told[code]
     words = describe_scene(moving)["reference_conditions"]["rod"]
@@ -212,6 +227,49 @@ def test_a_run_and_inspect_say_which_frame_the_joints_ask_for(tmp_path):
     moving = scene(tmp_path, CHORD, 200)
     assert describe_scene(moving)["reference_conditions"]["rod"].endswith("by joints that let it turn, as it should be")
     assert not any("basis.chord" in caution.text for caution in simulate(prepare(moving)).warnings)
+
+
+def test_modes_without_elongation_hide_nothing(tmp_path):
+    """Bending modes do not tell the force along the rod: the joints do. The estimate is that of a rod at rest under it."""
+    run = simulate(prepare(scene(tmp_path, END, 400)))
+    (doubt,) = [caution for caution in run.warnings if caution.code == "reference-condition"]
+    assert doubt.doubt
+    assert doubt.text in run.verdict.reasons
+    (found,) = turning_frames(run)
+    assert found.chord == ("A", "B")
+    assert found.force > 0
+    np.testing.assert_allclose(
+        lateral_compliance(run, "rod", found.chord),
+        ROD**2 / (3 * MODULUS * np.pi * DIAMETER**4 / 64),
+        rtol=2e-3,  # of five modes
+    )
+    assert list(turning_frames(simulate(prepare(scene(tmp_path, CHORD, 400))))) == []
+
+
+@pytest.mark.parametrize("tension", [60.0, -60.0])
+def test_the_meter_of_turning_frames_is_right_for_a_beam_at_rest(tension, tmp_path):
+    """A beam on a pin and a slider under a force along it and a small one across: how its end turns against its chord in both frames."""
+    found, meters = {}, []
+    for name, choice in (("end", BasisChoice("full")), ("chord", CHORD)):
+        held = scene(tmp_path, choice, 200)
+        joints = {
+            "A": Revolute(bodies=("rod", "ground"), point="A"),
+            "B": Slider(bodies=("rod", "ground"), point="B", axis=(1.0, 0.0)),
+        }
+        loads = {
+            "pull": PointForce(body="rod", point="B", force=(tension, 0.0)),
+            "push": PointForce(body="rod", point="M", force=(0.0, 0.1)),
+        }
+        held = held.model_copy(update={"bodies": {"rod": held.bodies["rod"]}, "joints": joints, "loads": loads})
+        points = {name: point for name, point in held.points.items() if name != "O"}
+        run = solve_statics(compile_scene(held.model_copy(update={"points": points})))
+        found[name] = end_turn(run)
+        meters += turning_frames(run)
+    (meter,) = meters
+    np.testing.assert_allclose(meter.force, tension, rtol=1e-3)  # small rotations
+    off = found["end"] / found["chord"] - 1
+    np.testing.assert_allclose(np.sign(tension) * meter.error, off, rtol=0.02)
+    assert abs(off) > 0.1
 
 
 def test_a_rod_on_a_chord_that_is_clamped_is_told_to_have_an_end_frame(tmp_path):

@@ -7,7 +7,7 @@ from typing import Any
 
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, unmeasured_frames
+from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
@@ -61,7 +61,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from left_over(solution)
     yield from large_deformations(solution)
     yield from critical_loads(solution)
-    yield from unmeasured_frames(solution)
+    yield from turning(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(
             "extrapolated",

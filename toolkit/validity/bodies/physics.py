@@ -10,7 +10,8 @@ from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
-from toolkit.validity.bodies.deformation import LIMIT, chain, deformations, flexible_bodies
+from toolkit.validity.bodies.deformation import LIMIT, chain, deformations
+from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 
 
@@ -35,12 +36,23 @@ def critical_loads(solution: Solution) -> Iterator[Caution]:
         yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body), doubt)
 
 
-def unmeasured_frames(solution: Solution) -> Iterator[Caution]:
-    """Flexible bodies whose frame is not that of their joints, where no meter tells what this costs."""
-    scene = solution.system.scene
-    for body in flexible_bodies(scene):
-        if (advice := advice_of_frame(scene, body)) and chain(scene, body) is None:
-            yield Caution("reference-condition", f"the frame of {body} turns with one part of it.{advice}", doubt=False)
+def turning(solution: Solution) -> Iterator[Caution]:
+    """Flexible bodies whose frame turns with one of the two ends that joints hold, where that falsifies their deflection.
+
+    `critical_loads` says the same of equilibria of plane beams.
+    """
+    force = unit(solution.system.scene.units, "force")
+    for found in turning_frames(solution):
+        if found.exceeded and (solution.steps or chain(solution.system.scene, found.body) is None):
+            what = "too large" if found.force > 0 else "too small"
+            when = f" at t = {found.time:.4g}" if solution.steps else ""
+            how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
+            yield Caution(
+                "reference-condition",
+                f"{found.body} has a frame that turns with one of its parts, and forces of {abs(found.force):.4g} {force} along the line "
+                f"through {found.chord.first!r} and {found.chord.second!r} turn with it{when}: deflections across this line are {how}."
+                f"{advice_of_frame(solution.system.scene, found.body)}",
+            )
 
 
 def _buckling(found: Compression, moving: bool) -> str:

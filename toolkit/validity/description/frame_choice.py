@@ -30,6 +30,7 @@ class FrameChoice:
     condition: str  # of its model, in words
     reason: str
     advice: str  # empty if the model has the frame that its joints ask for
+    chord: Chord | None = None  # that its joints ask for
 
     @property
     def words(self) -> str:
@@ -94,6 +95,7 @@ def _on_chord(scene: Scene, body: ModelBody, condition: str, held: list[str]) ->
         if good
         else f"a frame through these points leaves out much less of their forces, basis.chord = {_list(chord)} in the file that its model "
         "is built from",
+        chord,
     )
 
 

@@ -1,0 +1,95 @@
+"""What it costs that a body between two joints has a frame which is tied to one of its ends.
+
+A force N along the line through both points, L apart, keeps its direction in the frame of a linear body. Tied to one end, the frame turns
+against the line by psi = n . (u_2 - u_1) / L with the deformation, so that the equations have a stiffness that the body has not:
+
+    K_1 = N / L c^T c,    c = n . (Z_2 - Z_1) of the elastic coordinates,    mu = N / L  c K^-1 c^T
+
+Under tension (N > 0) it is taken away, and psi is too large by mu / (1 - mu); under compression it is too small by |mu| / (1 + |mu|). Other
+deflections are off by less. Of a straight beam that is clamped in its frame mu = N L^2 / (3 E I). A frame on the chord has c = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.reduced_model.chord_condition import Chord
+from toolkit.responses.forces.joint_force import JointForce
+from toolkit.system.flexible_bodies import design_point
+from toolkit.system.marker_states import marker_states
+from toolkit.system.solution import Solution
+from toolkit.validity.description.frame_choice import frame_choices
+
+LIMIT = 0.05
+"""Part of a deflection that may be wrong without a word; the same as that of the other meters."""
+INSTANTS = 100
+"""The meter looks at about so many instants of a run."""
+BOUNDLESS = 1e9
+"""Stands for an error without bound where instants are compared."""
+
+
+class TurningFrame(NamedTuple):
+    """The instant at which the frame of a body falsifies its deflection most."""
+
+    body: str
+    chord: Chord
+    time: float
+    force: float  # along the chord, positive in tension
+    error: float  # part by which deflections across the chord are off, about
+
+    @property
+    def exceeded(self) -> bool:
+        """Whether deflections are not to be trusted."""
+        return not self.error <= LIMIT
+
+
+def turning_frames(solution: Solution) -> Iterator[TurningFrame]:
+    """Bodies that two joints hold and whose frame is tied to one end."""
+    for body, choice in frame_choices(solution.system.scene).items():
+        if choice.chord is not None and choice.advice:
+            compliance = lateral_compliance(solution, body, choice.chord)
+            steps = np.arange(len(solution.times))[:: -(-len(solution.times) // INSTANTS)]
+            forces = np.array([_along(solution, body, choice.chord, int(step)) for step in steps])
+            errors = np.array([_error(force * compliance) for force in forces])
+            worst = first_largest(errors)
+            yield TurningFrame(
+                body, choice.chord, float(solution.times[steps[worst]]), float(forces[worst]), float(errors[worst])
+            )
+
+
+def _error(mu: float) -> float:
+    if mu < 0:
+        return -mu / (1 - mu)
+    return min(mu / (1 - mu), BOUNDLESS) if mu < 1 else BOUNDLESS
+
+
+def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
+    """mu for a unit force: the most that c K^-1 c^T / L can be across the chord."""
+    design = design_point(solution.system.scene, body)
+    one, other = (np.real(design.interface(name).here[0]) for name in chord)
+    stiffness, side, moved = np.real(design.value("stiffness")), (other - one)[:, 0], (other - one)[:, 1:]
+    length = np.linalg.norm(side)
+    across = moved - np.outer(side, side @ moved) / length**2
+    scale = 1 / np.sqrt(np.diag(stiffness))
+    found = (across * scale) @ np.linalg.solve(scale[:, None] * stiffness * scale, (across * scale).T)
+    return float(np.linalg.eigvalsh((found + found.T) / 2)[-1] / length)
+
+
+def _along(solution: Solution, body: str, chord: Chord, step: int) -> float:
+    """The larger of the forces that joints exert at both ends, along the line through them: loads and inertia take up the rest."""
+    system, d = solution.system, solution.system.scene.dimension
+    states, forces, places = marker_states(system, solution.q[step]), np.zeros((2, d)), np.zeros((2, d))
+    for name, joint in system.scene.joints.items():
+        for sign, (gripped, point) in zip((1, -1), joint.grips, strict=True):
+            interface = getattr(system.scene.interface(point), "interface", None)
+            if gripped == body and interface in chord:
+                end = chord.index(interface)
+                forces[end] += sign * np.real(JointForce(joint=name, component="x").force(solution, step)[0][:d])
+                places[end] = np.real(states.y[system.numbering.marker((body, point))][:d])
+    side = places[1] - places[0]
+    pulls = np.array([-forces[0] @ side, forces[1] @ side]) / np.linalg.norm(side)
+    return float(pulls[first_largest(np.abs(pulls))])
