@@ -13,6 +13,7 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.mode_count import count_by_frequency
 from preprocessing.basis.normal_modes import NormalModes
 from preprocessing.basis.solids.basis_change import BasisChange
+from preprocessing.basis.solids.chord_turn import chord_turn, supported
 from preprocessing.basis.solids.free_system import free_system
 from preprocessing.basis.solids.held_system import held_system
 from preprocessing.basis.solids.sparse_modes import System, lowest_modes, mode_rates
@@ -20,6 +21,7 @@ from preprocessing.basis.solids.static_error import count_by_static_error
 from preprocessing.basis.solids.ties import Freedom, Tie
 from preprocessing.basis.subspace_rates import refuse_cut_cluster
 from toolkit.foundation.errors import InputError
+from toolkit.reduced_model.chord_condition import Chord
 
 LARGEST_FULL = 3000
 """Coordinates of the largest full basis: its dense matrices take some 100 MB."""
@@ -40,6 +42,9 @@ class SolidShapes:
     modes: NormalModes | None = None
     n_held: int = 0  # last coordinates, which the system does not have
     averaged: tuple[str, ...] = ()  # interface points whose rows the system has, in their order
+    points: tuple[str, ...] = ()  # interface points with constraint modes, in their order
+    of_points: np.ndarray | None = None  # their constraint modes (n^, k) before a chord took some of their motions
+    turn: np.ndarray | None = None  # T of `chord_turn`
 
     def rates(self, change: BasisChange) -> np.ndarray:
         """Derivatives (n^, n_f) by a variable that changes what is on the independent coordinates."""
@@ -48,7 +53,11 @@ class SolidShapes:
             return found
         inside = len(found) - self.n_held
         n_static = self.columns.shape[1] - (self.modes.count if self.modes else 0)
-        if n_static:
+        if n_static and self.of_points is not None and self.turn is not None:
+            found[:inside, :n_static] = self._static_rates(self.of_points, change, inside) @ self.turn
+            if change.turn is not None:
+                found[:, :n_static] += self.of_points @ change.turn
+        elif n_static:
             found[:inside, :n_static] = self._static_rates(self.columns[:, :n_static], change, inside)
         if self.modes:
             found[:inside, n_static:] = self.modes.turned(mode_rates(self.system, self.modes, change.inside(inside)))
@@ -88,6 +97,10 @@ def solid_shapes(
     n = stiffness.shape[0]
     if n == 0:
         raise InputError("the clamp holds all nodes, so that nothing of the body can deform. Clamp fewer, or take a rigid body.")
+    if choice.chord is not None and choice.kind in ("full", "eigenmodes"):
+        raise InputError(
+            f'a solid on a chord cannot have a basis of kind {choice.kind!r}. Take "craig-bampton", whose constraint modes know the chord.'
+        )
     if choice.kind == "full":
         if n > LARGEST_FULL:
             raise InputError(
@@ -97,7 +110,8 @@ def solid_shapes(
     rows = {name: (each.rows @ free.map) for name, each in ties.items()}
     moving = {name: row for name, row in rows.items() if abs(row).max() > STILL}
     if choice.kind != "eigenmodes":
-        return _with_interface(choice, mass, stiffness, places, free, moving)
+        turn = None if choice.chord is None else chord_turn(Chord(*choice.chord), list(moving), ties)
+        return _with_interface(choice, mass, stiffness, places, free, moving, turn)
     if choice.boundary == "clamped":
         system: System = held_system(stiffness, sparse.csr_array((0, n)), places)
     else:
@@ -107,16 +121,25 @@ def solid_shapes(
 
 
 def _with_interface(
-    choice: BasisChoice, mass: Any, stiffness: Any, places: np.ndarray, free: Freedom, rows: Mapping[str, Any]
+    choice: BasisChoice,
+    mass: Any,
+    stiffness: Any,
+    places: np.ndarray,
+    free: Freedom,
+    rows: Mapping[str, Any],
+    turn: np.ndarray | None,
 ) -> SolidShapes:
-    """Constraint modes of the points in their order, then fixed-interface modes."""
+    """Constraint modes of the points in their order, or of what a chord leaves of their motions, then fixed-interface modes."""
     if not rows:
         raise InputError(f"a {choice.kind} basis needs an interface point away from the clamp.")
     m, inside = free.motions, free.n_free
     n_held = m * len(free.rigid)
     averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
-    system = held_system(stiffness[:inside, :inside].tocsr(), border[:, :inside], places[:inside])
+    inner = stiffness[:inside, :inside].tocsr()
+    if turn is not None and not free.rigid:
+        inner = supported(inner, [rows[name][:, :inside] for name in averaged])
+    system = held_system(inner, border[:, :inside], places[:inside])
     unit = np.eye(n_held)
     carried = system.solve(-(stiffness[:inside, inside:] @ unit), -(border[:, inside:] @ unit))
     lifted = system.solve(np.zeros((inside, border.shape[0])), np.eye(border.shape[0]))
@@ -124,11 +147,15 @@ def _with_interface(
     for k, name in enumerate(averaged):
         shapes[name] = np.vstack([lifted, np.zeros((n_held, border.shape[0]))])[:, m * k : m * k + m]
     static = np.column_stack([shapes[name] for name in rows])
+    all_points, static = static, static if turn is None else static @ turn
     if choice.kind == "static":
-        return SolidShapes(static, _words(choice, rows, None), stiffness, system, None, n_held, averaged)
+        words = _words(choice, rows, None)
+        return SolidShapes(static, words, stiffness, system, None, n_held, averaged, tuple(rows), all_points, turn)
     kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
-    inner = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
-    return SolidShapes(np.column_stack([static, inner]), _words(choice, rows, kept), stiffness, system, kept, n_held, averaged)
+    inside_only = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
+    columns = np.column_stack([static, inside_only])
+    words = _words(choice, rows, kept)
+    return SolidShapes(columns, words, stiffness, system, kept, n_held, averaged, tuple(rows), all_points, turn)
 
 
 def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> NormalModes:
@@ -157,7 +184,8 @@ def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: Syst
 
 
 def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:
-    n_static = sum(row.shape[0] for row in points.values())
+    sizes = [row.shape[0] for row in points.values()]
+    n_static = sum(sizes) - (sizes[0] if choice.chord else 0)
     found = [f"{n_static} constraint modes of the interface points {', '.join(points)}"] if points else []
     if modes and modes.count:
         fixed = "fixed-interface" if points else choice.boundary

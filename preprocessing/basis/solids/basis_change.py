@@ -16,6 +16,7 @@ class BasisChange:
     mass: Any = None  # dM, sparse (n, n)
     rows: Any = None  # dB of the averaged interface points, sparse (m, n)
     motions: np.ndarray | None = None  # rate of the rigid motions, (n, m)
+    turn: np.ndarray | None = None  # rate of what a chord leaves of the points' motions, see `chord_turn`
 
     def inside(self, n: int) -> BasisChange:
         """The same of the first n coordinates."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import clamped_in_tangent_frame
 from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
+from preprocessing.basis.solids.chord_turn import chord_turn
 from preprocessing.basis.solids.ties import Freedom, freedom
 from preprocessing.discretisation.body_change import BodyChange, rate_of
 from preprocessing.discretisation.discretisation import STEP
@@ -21,6 +23,7 @@ from preprocessing.recipes.solids.discrete_body import DiscreteBody
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.stored_entries import ROUND_OFF
 from toolkit.foundation.units import unit
+from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, StressPoints
 
 
@@ -38,13 +41,15 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
+    if choice.chord is not None:
+        interfaces[choice.chord[0]].position[..., 1:] = 0  # which round-off moves
     rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes.items())
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     points = len(found.invariants.stress_operator)
     return {
         "dimension": body.mesh.dimension,
         "units": units,
-        "reference_condition": MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}"),
+        "reference_condition": _condition(choice, clamp),
         "basis": shapes.words,
         "nominal": nominal,
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
@@ -53,6 +58,12 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }
+
+
+def _condition(choice: BasisChoice, clamp: str) -> str:
+    if choice.chord is not None:
+        return Chord(*choice.chord).condition
+    return MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(f"the nodes of {clamp}")
 
 
 def _rate(
@@ -70,6 +81,9 @@ def _rate(
     if choice.derivative == "differentiated":
         stepped = change.freedom(body.clamped)
         on_independent = change.on(free, stepped, matrices, shapes.averaged)
+        if choice.chord is not None and change.moves:
+            turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
+            on_independent = replace(on_independent, turn=rate_of(turned))
         d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
     return Rate(change.matrices, d_z, _item_rates(change, z, d_z))
 
