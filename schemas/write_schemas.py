@@ -16,7 +16,7 @@ skin = tidy({"$schema": DRAFT, **SkinFile.model_json_schema(), "title": "A flexi
 body = tidy(
     {"$schema": DRAFT, **BodyFile.model_json_schema(), "title": "A flexible body of ffrf-toolkit from a mesh or matrices"}
 )
-frame = tidy({"$schema": DRAFT, **FrameFile.model_json_schema(), "title": "A frame of spatial beams of ffrf-toolkit"})
+frame = tidy({"$schema": DRAFT, **FrameFile.model_json_schema(), "title": "A frame of beams of ffrf-toolkit"})
 schemas = {"scene": scene_schema(), "skin": skin, "body": body, "frame": frame}
 texts = {name: json.dumps(schema, indent=1) + "\n" for name, schema in schemas.items()}
 

@@ -11,7 +11,7 @@ from docs.generators.comments import words
 from docs.generators.file_layout import layout
 from docs.generators.key_tables import key_table
 from preprocessing.recipes.frame.frame_file import FrameFile
-from preprocessing.recipes.frame.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection
+from preprocessing.recipes.frame.frame_tables import BeamTable, FrameMaterial, FramePoint, FrameSection, PolarNode
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_tables import (
     Airfoil,
@@ -114,6 +114,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "body-shape-variables": table(ShapeVariable),
     "body-stress": table(StressTable),
     "frame-file": table(FrameFile),
+    "frame-polar-nodes": table(PolarNode),
     "frame-beams": table(BeamTable),
     "frame-sections": table(FrameSection),
     "frame-materials": table(FrameMaterial),

@@ -1,1 +1,1 @@
-"""frame.toml: straight beams in space between named nodes."""
+"""frame.toml: straight beams in the plane or in space between named nodes."""
