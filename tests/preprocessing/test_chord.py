@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -315,3 +317,44 @@ def test_points_that_tell_no_line_are_refused():
         beam(0.3, CHORDS["full"], ends=(0.1, 0.101))
     with pytest.raises(InputError, match="there is no 'Q'; there are A, M, B"):
         beam(0.3, BasisChoice("full", chord=("A", "Q")))
+
+
+WING = Path(__file__).parents[2] / "models" / "morphing_wing"
+
+
+@pytest.mark.parametrize("basis", [{"kind": "full"}, {"kind": "craig-bampton", "count": 4}])
+def test_a_skin_on_a_chord_follows_its_thickness_and_its_airfoil(basis, tmp_path):
+    """The compliance between all its points, against central differences of fourth order of skins that are built afresh."""
+    for name in ("high_speed.dat", "low_speed.dat"):
+        shutil.copy(WING / name, tmp_path)
+    path = tmp_path / "skin.toml"
+    path.write_text((WING / "skin.toml").read_text().replace('clamp = "F"', ""))
+    keys = {"basis": {**basis, "chord": ["C", "E"]}}
+    model = build(path, keys=keys)
+    assert chord_of(model.reference_condition) == Chord("C", "E")
+
+    def compliance(built: ReducedModel) -> np.ndarray:
+        rows = np.vstack([point.position[0][:, 1:] for point in built.interfaces.values()])
+        return rows @ np.linalg.solve(built.invariants.stiffness, rows.T)
+
+    for parameter in ("thickness", "y_scale"):
+        h = 1e-3 * model.nominal[parameter]
+        near = {
+            k: compliance(build(path, values={parameter: model.nominal[parameter] + k * h}, keys=keys)) for k in (-2, -1, 1, 2)
+        }
+        expected = (8 * (near[1] - near[-1]) - near[2] + near[-2]) / (12 * h)
+        moved = {
+            name: point.position + 1e-30j * rate(model, f"interfaces.{name}.position", parameter)
+            for name, point in model.interfaces.items()
+        }
+        rows = np.vstack([position[0][:, 1:] for position in moved.values()])
+        stiffness = model.invariants.stiffness + 1e-30j * rate(model, "stiffness", parameter)
+        close(
+            np.imag(rows @ np.linalg.solve(stiffness, rows.T)) / 1e-30, expected, 1e-7
+        )  # round-off of the skin's stiffness over h
+
+    path.write_text((WING / "skin.toml").read_text())
+    with pytest.raises(
+        InputError, match=r"a skin has its frame either on a chord or at a clamp; leave skin.clamp or the chord out"
+    ):
+        build(path, keys=keys)
