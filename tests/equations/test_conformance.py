@@ -29,8 +29,8 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
+from toolkit.joints.both.driver import PositionDriver
 from toolkit.joints.joint import Joint, RowQuantity
-from toolkit.joints.planar.driver import PositionDriver
 from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.load import Load

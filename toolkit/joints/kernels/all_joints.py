@@ -1,6 +1,6 @@
 """All joints of a scene, in the plane and in space alike; which formulas run is known when they are compiled, as in `bodies.poses`.
 
-In space the lengths of quaternions are constraints too, and every joint is its own row of numbers instead of a function of its family.
+In space the lengths of quaternions are constraints too.
 """
 
 from toolkit.foundation.kernel import inlined
@@ -9,7 +9,7 @@ from toolkit.joints.kernels.planar.joint_jacobian import joint_jacobian
 from toolkit.joints.kernels.planar.joint_kernel import evaluate_joint, joint_residual
 from toolkit.joints.kernels.spatial.joint_design import spatial_joint_design
 from toolkit.joints.kernels.spatial.joint_jacobian import spatial_joint_jacobian
-from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, gap, spatial_joint_residual
+from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, spatial_joint_residual
 from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 
 
@@ -17,17 +17,9 @@ from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc, work):
     """Rows of one joint, their derivatives, and its force g_z^T lam."""
     if plane is not None:
-        evaluate_joint(functions, joints, j, markers, state, acc, work)
+        evaluate_joint(functions, joints, j, state, acc, work)
     if frames is not None:
-        evaluate_spatial_joint(joints, j, state, acc, work)
-
-
-@inlined
-def gap_of(frames, joints, j, i, value, target):
-    """value - target of row i, which may be an angle."""
-    if frames is not None:
-        return gap(joints, j, i, value, target)
-    return value - target
+        evaluate_spatial_joint(functions, joints, j, state, acc, work)
 
 
 @inlined
@@ -35,7 +27,7 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
     """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
         for j in range(len(joints.row)):
-            evaluate_joint(functions, joints, j, markers, state, acc, work)
+            evaluate_joint(functions, joints, j, state, acc, work)
             joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
             if linearize:
                 joint_jacobian(joints, j, markers, state, inputs.levels, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
@@ -44,7 +36,7 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
         if linearize:
             lengths_jacobian(frames, q, v, acc, inputs.levels, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
         for j in range(len(joints.row)):
-            evaluate_spatial_joint(joints, j, state, acc, work)
+            evaluate_spatial_joint(functions, joints, j, state, acc, work)
             spatial_joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
             if linearize:
                 spatial_joint_jacobian(
@@ -68,12 +60,24 @@ def add_joint_design(
 ):
     """Those of one joint."""
     if plane is not None:
-        evaluate_joint(functions, joints, j, markers, state, acc, work)
+        evaluate_joint(functions, joints, j, state, acc, work)
         joint_design(
-            joints, j, markers, state, q, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, terms.I_x, terms.A_x
+            joints,
+            j,
+            markers,
+            state,
+            q,
+            acc,
+            curve_variable,
+            curve_index,
+            inputs.curves_x,
+            inputs.levels,
+            work,
+            terms.I_x,
+            terms.A_x,
         )
     if frames is not None:
-        evaluate_spatial_joint(joints, j, state, acc, work)
+        evaluate_spatial_joint(functions, joints, j, state, acc, work)
         spatial_joint_design(
             joints,
             j,

@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import Joints, evaluate_joint
+from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_joint
 from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.responses.forces.least_squares_forces import least_squares_forces
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
@@ -102,14 +102,13 @@ def _planar_force(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
     plan = system.plan
-    assert isinstance(plan.joints, Joints)
     work, markers = allocate_work(plan, system.dtype), plan.markers
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
     acc = np.concatenate([rest[: system.n_q], lam])
     for function in (update_poses, update_pose_designs):
         system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    system.run(evaluate_joint, system.functions[0], plan.joints, j, markers, work.markers, acc, work.joint)
+    system.run(evaluate_joint, system.functions[0], plan.joints, j, work.markers, acc, work.joint)
     rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
     force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
     force_lam[:, rows] = -work.joint.phi_z[: plan.joints.n_rows[j], :3].T
@@ -124,8 +123,9 @@ def _planar_force(
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             force_x[:, markers.design_variable[d]] += np.real(by_pose @ work.markers.y_x[d])
     for d in range(plan.joints.design_start[j], plan.joints.design_start[j + 1]):
-        by_parameter = stiffness[:, 6 + plan.joints.design_parameter[d]]
-        force_x[:, plan.joints.design_variable[d]] += np.real(by_parameter) * plan.joints.design_value[d]
+        of_row = acc[plan.joints.row[j] + plan.joints.design[d, 1]]
+        system.run(change_number, plan.joints, j, d, of_row, np.zeros(3), work.joint)
+        force_x[:, plan.joints.design[d, 0]] -= np.real(work.joint.dforce[:3])
     return -work.joint.force[:3], force_q, force_lam, force_x
 
 

@@ -4,7 +4,8 @@ import numpy as np
 
 from toolkit.foundation.kernel import kernel
 from toolkit.foundation.near_ties import BAND
-from toolkit.joints.kernels.all_joints import evaluate_any_joint, gap_of
+from toolkit.joints.kernels.all_joints import evaluate_any_joint
+from toolkit.joints.kernels.composition import gap
 from toolkit.markers.poses import update_poses
 
 
@@ -25,7 +26,7 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
                 target = 0.0
                 if plan.joints.curve[j] >= 0 and i == rows - 1:
                     target = curves[n, plan.joints.curve[j], 0]
-                value = gap_of(frames, plan.joints, j, i, work.joint.phi[i], target)
+                value = gap(plan.joints, j, i, work.joint.phi[i], target)
                 row = plan.joints.row[j] + i
                 violation = weights[row] * abs(value.real)
                 if not violation <= found[0] and not np.isnan(found[0]):

@@ -1,6 +1,6 @@
 """Joints in the compiled loop: derivatives of their rows and forces by the state, direction by direction.
 
-A direction is a coordinate or a design variable, given by its derivatives of y, B v, B a and b (see `joint_kernel`).
+A direction is a coordinate or a design variable of one marker, given by its derivatives of y, B v, B a and b (see `joint_kernel`).
 """
 
 from toolkit.foundation.kernel import inlined
@@ -8,23 +8,23 @@ from toolkit.markers.planar.marker_forces import add_geometric_stiffness
 
 
 @inlined
-def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, levels, work):
+def direction_rows(joints, j, first, y, rate, acceleration, centripetal, levels, work):
     """Derivatives of the constraint rows in one direction, given its derivatives of y, B v, B a and b.
 
-    `first` and `size` say which arguments z it moves. For a coordinate's direction (y, rate) = (B, B_v), and row 2 is the derivative
-    by its velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
+    `first` is the first of the three numbers z that it moves. For a coordinate's direction (y, rate) = (B, B_v), and row 2 is the
+    derivative by its velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
     """
     k2, k1, k0 = levels[0], levels[1], levels[2]
     for i in range(joints.n_rows[j]):
         inertial, total, velocity, position, bent = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
-        for c in range(size):
+        for c in range(3):
             g = work.phi_z[i, first + c]
             inertial += g * acceleration[c]
             total += g * centripetal[c]
             velocity += g * rate[c]
             position += g * y[c]
         if joints.curved[j]:
-            for c in range(size):
+            for c in range(3):
                 k = first + c
                 inertial += work.along[i, 1, k] * y[c]
                 total += work.along[i, 2, k] * y[c] + 2 * work.along[i, 0, k] * rate[c]
@@ -36,11 +36,11 @@ def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, l
 
 
 @inlined
-def direction_force(first, size, y, work):
+def direction_force(first, y, work):
     """Derivative of g_z^T lam in one direction at constant lam."""
     for k in range(6):
         work.dforce[k] = 0
-        for c in range(size):
+        for c in range(3):
             work.dforce[k] += work.stiffness[k, first + c] * y[c]
 
 
@@ -57,7 +57,7 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
         m = joints.marker[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
             local = k - markers.start[m] + side * n_a
-            direction_rows(joints, j, 3 * side, 3, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
+            direction_rows(joints, j, 3 * side, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
             for i in range(rows):
                 at, transposed = by_row[i * n + local], by_column[local * rows + i]
                 I_acc[at] += levels[0] * work.row[3, i]
@@ -66,7 +66,7 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
                 A_q[at] += work.row[1, i]
                 A_v[at] += work.row[2, i]
             if joints.curved[j]:
-                direction_force(3 * side, 3, state.B[k], work)
+                direction_force(3 * side, state.B[k], work)
                 curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q)
         add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1.0, position, n, side * n_a, I_q)
 
@@ -77,7 +77,7 @@ def curvature_column(joints, j, markers, state, local, n, n_a, position, work, I
     for side in range(2):
         m = joints.marker[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
-            entry = 0 * work.z[0]
+            entry = 0 * work.pose[0, 0]
             for c in range(3):
                 entry += state.B[k, c] * work.dforce[3 * side + c]
             I_q[position[(k - markers.start[m] + side * n_a) * n + local]] += entry

@@ -4,7 +4,8 @@ A direction is a coordinate or a design variable of one marker, given by its der
 """
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.joints.kernels.spatial.joint_kernel import ROWS
+from toolkit.joints.kernels.laws import PLAIN
+from toolkit.joints.kernels.records import SPATIAL_ROWS as ROWS
 from toolkit.markers.spatial.marker_forces import add_spatial_stiffness
 
 
@@ -54,24 +55,23 @@ def spatial_joint_jacobian(joints, j, markers, state, levels, acc, work, I_acc, 
                 A_q[at] += work.row[1, i]
                 A_v[at] += work.row[2, i]
         add_spatial_stiffness(markers, state, m, work.force[12 * side : 12 * side + 12], 1.0, position, n, side * n_a, I_q)
-    form = joints.first_form[j]
+    form = joints.form[j, 0]
     for i in range(rows):
         lam = acc[joints.row[j] + i]
-        add_pairs(joints, j, form, lam * work.slope[i, 0], markers, state, position, n, n_a, I_q)
-        form += 1
-        if joints.is_angle[j, i] == 1:
-            add_pairs(joints, j, form, lam * work.slope[i, 1], markers, state, position, n, n_a, I_q)
+        for f in range(joints.law[j, i, 1]):
+            add_pairs(joints, j, form, lam * work.composed[i, f, 0], markers, state, position, n, n_a, I_q)
             form += 1
+        if joints.law[j, i, 0] != PLAIN:
             add_bend(joints, j, i, lam, markers, state, work, position, n, n_a, I_q)
 
 
 @inner
 def add_pairs(joints, j, form, factor, markers, state, position, n, n_a, I_q):
     """factor B^T h_zz B of one form."""
-    for e in range(joints.pair_start[form], joints.pair_start[form + 1]):
-        value = factor * joints.pair_value[e]
-        side, other = joints.pair[e, 0] // 4, joints.pair[e, 1] // 4
-        at, to = 3 * (joints.pair[e, 0] % 4), 3 * (joints.pair[e, 1] % 4)
+    for e in range(joints.start[form, 1], joints.start[form + 1, 0], 2):
+        value = factor * joints.value[e]
+        side, other = joints.place[e] // 4, joints.place[e + 1] // 4
+        at, to = 3 * (joints.place[e] % 4), 3 * (joints.place[e + 1] % 4)
         m, o = joints.marker[j, side], joints.marker[j, other]
         for k in range(markers.start[m], markers.start[m + 1]):
             row = k - markers.start[m] + side * n_a
@@ -84,27 +84,39 @@ def add_pairs(joints, j, form, factor, markers, state, position, n, n_a, I_q):
 
 
 @inner
-def slopes(joints, j, i, side, k, state, work):
-    """h_z B of both forms of an angle for one column."""
-    first, second = 0 * work.z[0], 0 * work.z[0]
+def slope_along(i, f, side, y, work):
+    """h_z y of one form of a law, for a direction y of one marker's pose."""
+    slope = 0 * work.pose[0, 0]
     for c in range(12):
-        first += work.angle_z[i, 0, 12 * side + c] * state.B[k, c]
-        second += work.angle_z[i, 1, 12 * side + c] * state.B[k, c]
-    return first, second
+        slope += work.form_z[i, f, 12 * side + c] * y[c]
+    return slope
 
 
 @inner
 def add_bend(joints, j, i, lam, markers, state, work, position, n, n_a, I_q):
-    """lam B^T (sum of g_hh h_z h_z^T) B of an angle."""
+    """lam B^T (sum of g_hh h_z h_z^T) B of a law."""
+    forms = joints.law[j, i, 1]
     for side in range(2):
         m = joints.marker[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
-            c_row, s_row = slopes(joints, j, i, side, k, state, work)
-            x = lam * (work.bend[i, 0] * c_row + work.bend[i, 1] * s_row)
-            y = lam * (work.bend[i, 1] * c_row + work.bend[i, 2] * s_row)
+            bent_slopes(i, forms, lam, side, state.B[k], work)
+            slopes = work.law[1]
             row = k - markers.start[m] + side * n_a
             for other in range(2):
                 o = joints.marker[j, other]
                 for c in range(markers.start[o], markers.start[o + 1]):
-                    first, second = slopes(joints, j, i, other, c, state, work)
-                    I_q[position[row * n + c - markers.start[o] + other * n_a]] += x * first + y * second
+                    entry = 0 * work.pose[0, 0]
+                    for f in range(forms):
+                        entry += slopes[f] * slope_along(i, f, other, state.B[c], work)
+                    I_q[position[row * n + c - markers.start[o] + other * n_a]] += entry
+
+
+@inner
+def bent_slopes(i, forms, lam, side, y, work):
+    """lam g_hh h_z y of a law, for a direction y of one marker's pose, in the place of its h'."""
+    slopes = work.law[1]
+    slopes[:] = 0
+    for g in range(forms):
+        slope = lam * slope_along(i, g, side, y, work)
+        for f in range(forms):
+            slopes[f] += work.composed[i, f, 5 + g] * slope
