@@ -84,14 +84,14 @@ def _place(first: int, pairs: int, slot: tuple[int, int, int, float]) -> tuple[i
 def felt(rows: list[tuple[Row, ...]], most: int) -> dict[str, Any]:
     """Vectors in space that every row feels, `most` lists for every joint; nothing in the plane."""
     if not most:
-        return {"block_start": None, "block": None}
+        return {"felt_start": None, "felt": None}
     found: list[list[int]] = []
     for each in rows:
         for i in range(most):
             forms = forms_of(each[i : i + 1])
             vectors = {place // 3 for form in forms for place, _ in form.linear}
             found.append(sorted(vectors | {vector for form in forms for pair in form.pairs for vector in pair[:2]}))
-    return {"block_start": starts([len(vectors) for vectors in found]), "block": ints(found)}
+    return {"felt_start": starts([len(vectors) for vectors in found]), "felt": ints(found)}
 
 
 def number_changes(rows: list[tuple[Row, ...]], terms: list[Terms], changes: list) -> dict[str, np.ndarray]:
@@ -108,7 +108,6 @@ def number_changes(rows: list[tuple[Row, ...]], terms: list[Terms], changes: lis
             values.append(sign * value * np.eye(2)[v])
         before += len(owners)
     return {
-        "design_start": starts([len(found) for found in changes]),
         "design": np.array(table, np.int64).reshape(-1, 5),
         "design_value": np.array(values, float).reshape(-1, 2),
     }

@@ -47,22 +47,28 @@ def joint_arrays(
     changes = parameter_changes([d.joints for d in derivatives], len(joints))
     markers, planar = [pair for _, pair in gripping], scene.space is PLANE
     terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]
-    most = ROWS if planar else SPATIAL_ROWS
+    curves = curve_numbers(joints, 0)
     return Joints(
         numbers=NUMBERS if planar else SPATIAL_NUMBERS,
-        marker=np.array(markers, np.int64).reshape(-1, 2),
-        row=ints([[numbering.row[name] for name in scene.joints]]),
-        n_rows=ints([[len(each) for each in rows]]),
-        curve=curve_numbers(joints, 0),
-        designed=designed(markers, derivatives, changes, curve_numbers(joints, 0)),
-        curved=ints([[int(joint.curved) for joint in joints]]),
-        form=np.column_stack([starts([len(forms_of(each)) for each in rows])[:-1], _turned(rows)]),
-        law=_laws(joints, rows, most),
+        of=np.column_stack(
+            [
+                np.array(markers, np.int64).reshape(-1, 2),
+                [numbering.row[name] for name in scene.joints],
+                [len(each) for each in rows],
+                curves,
+                designed(markers, derivatives, changes, curves),
+                [int(joint.curved) for joint in joints],
+                starts([len(forms_of(each)) for each in rows])[:-1],
+                _turned(rows),
+                starts([len(places) for places in positions])[:-1],
+                *(starts([len(found) for found in changes])[at : len(joints) + at] for at in (0, 1)),
+                _laws(joints, rows, ROWS if planar else SPATIAL_ROWS),
+            ]
+        ).astype(np.int64),
         **form_numbers(terms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
-        **felt(rows, 0 if planar else most),
         **number_changes(rows, terms, changes),
-        position_start=starts([len(places) for places in positions])[:-1],
         position=ints(positions),
+        **felt(rows, 0 if planar else SPATIAL_ROWS),
     )
 
 
@@ -73,11 +79,11 @@ def _turned(rows: list[tuple[Row, ...]]) -> np.ndarray:
 
 
 def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.ndarray:
-    """What stands for the law of every row, and how many forms it has, (n_joints, most, 2)."""
+    """What stands for the law of every row, and how many forms it has, (n_joints, 2 most)."""
     known: list = laws_of(joints)
     found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
     for j, each in enumerate(rows):
         for i, row in enumerate(each):
             law = PLAIN if row.law is None else ANGLE if row.law is angle_law else known.index(row.law)
             found[j, i] = law, len(row.forms)
-    return found
+    return found.reshape(len(rows), -1)

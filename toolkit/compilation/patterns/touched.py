@@ -71,6 +71,7 @@ def _variables(
 ) -> np.ndarray:
     """Variables that act on a component through its markers, its parameters or its time curve."""
     by_markers = [markers.design_variable[markers.design_start[m] : markers.design_start[m + 1]] for m in part.marker[k]]
-    changed = slice(part.design_start[k], part.design_start[k + 1])
-    by_parameters = part.design[changed, 0] if isinstance(part, Joints) else part.design_variable[changed]
+    by_parameters = (
+        part.changing(k) if isinstance(part, Joints) else part.design_variable[part.design_start[k] : part.design_start[k + 1]]
+    )
     return np.unique(ints([*by_markers, by_parameters, curve_variable[curve_index == part.curve[k]]]))

@@ -4,6 +4,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, angle_law
+from toolkit.joints.kernels.records import GRADIENT, LAW, PHI
 
 
 @inner
@@ -20,12 +21,11 @@ def compose(functions, law, n, i, work):
         angle_law(h, w, g, g_h, g_hh, g_hww)
     else:
         functions[law](h, w, g, g_h, g_hh, g_hww)
-    work.phi[i] = g[0]
-    work.phi_z[i, :] = 0
-    work.along[i, :, :] = 0
+    work.row[PHI, i] = g[0]
+    work.slope[i, :, :] = 0
     for f in range(n):
         keep_form(f, n, i, work)
-        add_form(work.forms[f], work.composed[i], f, n, work.phi_z[i], work.along[i])
+        add_form(work.forms[f], work.composed[i], f, n, work.slope[i])
 
 
 @inner
@@ -46,11 +46,11 @@ def keep_form(f, n, i, work):
     for k in range(n):
         work.composed[i, f, 5 + k] = work.law[5 + f, k]
     for k in range(work.pose.shape[1]):
-        work.form_z[i, f, k] = work.forms[f, 0, k]
+        work.composed[i, f, GRADIENT + k] = work.forms[f, 0, k]
 
 
 @inner
-def add_form(form, composed, f, n, phi_z, along):
+def add_form(form, composed, f, n, row):
     """What one form adds to a row."""
     slope, total = composed[f, 0], composed[f, 1]
     velocity, growth = 0 * slope, 0 * slope
@@ -59,19 +59,19 @@ def add_form(form, composed, f, n, phi_z, along):
         velocity += bend * composed[k, 2]
         growth += bend * composed[k, 3]
         total += bend * composed[k, 4]
-    for k in range(len(phi_z)):
+    for k in range(row.shape[1]):
         h_z, turn = form[0, k], form[1, k]
-        phi_z[k] += slope * h_z
-        along[0, k] += slope * turn + velocity * h_z
-        along[1, k] += slope * form[2, k] + growth * h_z
-        along[2, k] += slope * form[3, k] + total * h_z + 2 * velocity * turn
+        row[0, k] += slope * h_z
+        row[1, k] += slope * turn + velocity * h_z
+        row[2, k] += slope * form[2, k] + growth * h_z
+        row[3, k] += slope * form[3, k] + total * h_z + 2 * velocity * turn
 
 
 @inner
 def change_row(joints, j, d, lam, levels, work):
     """Derivatives of a row and of its force by a number of one of its forms, which changes that form by the one in the last place.
 
-    The row's are left in `work.row`, the force's in `work.dforce`.
+    The row's are left in `work.row`, the force's in `work.force[1]`.
     """
     i, f, value = joints.design[d, 1], joints.design[d, 2], work.law[0, FORMS]
     h_z, turned = work.forms[FORMS, 0], work.forms[FORMS, 1]
@@ -80,20 +80,20 @@ def change_row(joints, j, d, lam, levels, work):
         rate += h_z[k] * work.pose[1, k]
         inertial += h_z[k] * work.pose[2, k]
         total += h_z[k] * work.pose[3, k] + turned[k] * work.pose[1, k]
-        work.dforce[k] = lam * h_z[k]
-    if joints.law[j, i, 0] != PLAIN:
+        work.force[1, k] = lam * h_z[k]
+    if joints.of[j, LAW + 2 * i] != PLAIN:
         composed = work.composed[i]
         slope, velocity = composed[f, 0], 0 * value
         inertial, total = slope * inertial, slope * total + composed[f, 1] * value
         for k in range(len(h_z)):
-            work.dforce[k] *= slope
-        for k in range(joints.law[j, i, 1]):
+            work.force[1, k] *= slope
+        for k in range(joints.of[j, LAW + 1 + 2 * i]):
             bend = composed[f, 5 + k]
             inertial += bend * value * composed[k, 3]
             total += bend * (value * composed[k, 4] + 2 * rate * composed[k, 2])
             velocity += bend * value * composed[k, 2]
             for c in range(len(h_z)):
-                work.dforce[c] += lam * bend * value * work.form_z[i, k, c]
+                work.force[1, c] += lam * bend * value * work.composed[i, k, GRADIENT + c]
         rate, value = slope * rate + velocity, slope * value
     work.row[0, i] = levels[0] * inertial
     work.row[1, i] = levels[0] * total + levels[1] * rate + levels[2] * value
@@ -103,6 +103,6 @@ def change_row(joints, j, d, lam, levels, work):
 def gap(joints, j, i, value, target):
     """value - target of row i; of an angle that of the turn next to the target."""
     difference = value - target
-    if joints.law[j, i, 0] == ANGLE:
+    if joints.of[j, LAW + 2 * i] == ANGLE:
         difference -= 2 * np.pi * np.round(difference.real / (2 * np.pi))
     return difference

@@ -11,13 +11,13 @@ from toolkit.foundation.kernel import inlined
 
 
 @inlined
-def add_pair(i, k, p, q, pose, turn, h_z, h_zz, h_zww):
+def add_pair(i, k, p, q, pose, h_z, h_zz, h_zww):
     """One product of vectors: its derivatives are added, its value is returned."""
     if k % 3 == 0:
         return add_positions(i, k, p, pose[0], h_z, h_zz)
     if i % 3 == 0:
-        return add_offset(i, k, p, q, pose, turn[k // 3], h_z, h_zz, h_zww)
-    return add_turn(i, k, p, q, pose, turn, h_z, h_zz, h_zww)
+        return add_offset(i, k, p, q, pose, h_z, h_zz, h_zww)
+    return add_turn(i, k, p, q, pose, h_z, h_zz, h_zww)
 
 
 @inlined
@@ -32,9 +32,10 @@ def add_positions(i, k, p, z, h_z, h_zz):
 
 
 @inlined
-def add_offset(i, k, p, q, pose, turn, h_z, h_zz, h_zww):
+def add_offset(i, k, p, q, pose, h_z, h_zz, h_zww):
     """X_i . e with e = A_k (p, q), e' = J e, e'' = -e; J = [[0,-1],[1,0]]."""
-    c, s, x, y = turn[0], turn[1], pose[0, i], pose[0, i + 1]
+    of, x, y = 2 * (k // 3), pose[0, i], pose[0, i + 1]
+    c, s = pose[4, of], pose[4, of + 1]
     e_x, e_y, w = c * p - s * q, s * p + c * q, pose[1, k]
     along, across = x * e_x + y * e_y, y * e_x - x * e_y
     h_z[i] += e_x
@@ -52,9 +53,10 @@ def add_offset(i, k, p, q, pose, turn, h_z, h_zz, h_zww):
 
 
 @inlined
-def add_turn(i, k, p, q, pose, turn, h_z, h_zz, h_zww):
+def add_turn(i, k, p, q, pose, h_z, h_zz, h_zww):
     """p cos + q sin of z_i - z_k."""
-    c, s, c_k, s_k = turn[i // 3, 0], turn[i // 3, 1], turn[k // 3, 0], turn[k // 3, 1]
+    of, of_k = 2 * (i // 3), 2 * (k // 3)
+    c, s, c_k, s_k = pose[4, of], pose[4, of + 1], pose[4, of_k], pose[4, of_k + 1]
     c, s = c * c_k + s * s_k, s * c_k - c * s_k
     value, slope, w = p * c + q * s, q * c - p * s, pose[1, i] - pose[1, k]
     h_z[i] += slope
@@ -69,9 +71,11 @@ def add_turn(i, k, p, q, pose, turn, h_z, h_zz, h_zww):
 
 
 @inlined
-def evaluate_form(joints, form, pose, turn, h_z, h_zz, h_zww, along):
+def evaluate_form(joints, form, pose, slope, h_zz, h_zww):
     """One form: its derivatives are filled, its value is returned; without pairs it has first ones only."""
-    h_z[:] = 0
+    h_z = slope[0]
+    for k in range(6):
+        h_z[k] = 0
     first, pairs, last = joints.start[form, 0], joints.start[form, 1], joints.start[form + 1, 0]
     total = joints.value[first] + 0 * pose[0, 0]
     for e in range(first + 1, pairs):
@@ -82,13 +86,13 @@ def evaluate_form(joints, form, pose, turn, h_z, h_zz, h_zww, along):
         h_zww[:] = 0
         for e in range(pairs, last, 2):
             p, q = joints.value[e], joints.value[e + 1]
-            total += add_pair(joints.place[e], joints.place[e + 1], p, q, pose, turn, h_z, h_zz, h_zww)
-        contract(pose, h_zz, h_zww, along)
+            total += add_pair(joints.place[e], joints.place[e + 1], p, q, pose, h_z, h_zz, h_zww)
+        contract(pose, h_zz, h_zww, slope)
     return total
 
 
 @inlined
-def contract(pose, h_zz, h_zww, along):
+def contract(pose, h_zz, h_zww, slope):
     """The products of h_zz that all directions share."""
     for k in range(6):
         rates, accelerations, centripetal = 0 * h_zww[k], 0 * h_zww[k], h_zww[k]
@@ -96,4 +100,4 @@ def contract(pose, h_zz, h_zww, along):
             rates += h_zz[k, c] * pose[1, c]
             accelerations += h_zz[k, c] * pose[2, c]
             centripetal += h_zz[k, c] * pose[3, c]
-        along[0, k], along[1, k], along[2, k] = rates, accelerations, centripetal
+        slope[1, k], slope[2, k], slope[3, k] = rates, accelerations, centripetal

@@ -2,6 +2,7 @@
 
 from toolkit.foundation.kernel import inner
 from toolkit.joints.kernels.laws import PLAIN
+from toolkit.joints.kernels.records import CURVE, DESIGN, FIRST_ROW, FORM, GRADIENT, LAW, N_ROWS
 from toolkit.joints.kernels.spatial.joint_jacobian import bent_slopes, direction_rows
 from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number
 from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design
@@ -11,27 +12,27 @@ from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial
 def spatial_joint_design(joints, j, markers, state, acc, curve_variable, curve_index, curve_x, levels, work, I_x, A_x):
     """Partial derivatives of the residual by the design: markers, numbers of the forms, time curve."""
     for side in range(2):
-        m = joints.marker[j, side]
+        m = joints.of[j, side]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             x = markers.design_variable[d]
             direction_rows(
                 joints, j, side, state.y_x[d], state.rate_x[d], state.acceleration_x[d], state.centripetal_x[d], levels, work
             )
-            for i in range(joints.n_rows[j]):
-                I_x[joints.row[j] + i, x] += work.row[0, i]
-                A_x[joints.row[j] + i, x] += work.row[1, i]
+            for i in range(joints.of[j, N_ROWS]):
+                I_x[joints.of[j, FIRST_ROW] + i, x] += work.row[0, i]
+                A_x[joints.of[j, FIRST_ROW] + i, x] += work.row[1, i]
             direction_force(joints, j, side, state.y_x[d], acc, work)
-            add_both(joints, j, markers, state, work.dforce, I_x[:, x])
-            add_spatial_force_design(markers, state, m, d, work.force[12 * side : 12 * side + 12], 1.0, I_x)
-    for d in range(joints.design_start[j], joints.design_start[j + 1]):
+            add_both(joints, j, markers, state, work.force[1], I_x[:, x])
+            add_spatial_force_design(markers, state, m, d, work.force[0, 12 * side : 12 * side + 12], 1.0, I_x)
+    for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
         x, i = joints.design[d, 0], joints.design[d, 1]
-        change_spatial_number(joints, j, d, acc[joints.row[j] + i], levels, work)
-        I_x[joints.row[j] + i, x] += work.row[0, i]
-        A_x[joints.row[j] + i, x] += work.row[1, i]
-        add_both(joints, j, markers, state, work.dforce, I_x[:, x])
-    last = joints.row[j] + joints.n_rows[j] - 1
+        change_spatial_number(joints, j, d, acc[joints.of[j, FIRST_ROW] + i], levels, work)
+        I_x[joints.of[j, FIRST_ROW] + i, x] += work.row[0, i]
+        A_x[joints.of[j, FIRST_ROW] + i, x] += work.row[1, i]
+        add_both(joints, j, markers, state, work.force[1], I_x[:, x])
+    last = joints.of[j, FIRST_ROW] + joints.of[j, N_ROWS] - 1
     for d in range(len(curve_index)):
-        if curve_index[d] == joints.curve[j]:
+        if curve_index[d] == joints.of[j, CURVE]:
             f = curve_x[d]
             A_x[last, curve_variable[d]] -= levels[0] * f[2] + levels[1] * f[1] + levels[2] * f[0]
 
@@ -39,18 +40,18 @@ def spatial_joint_design(joints, j, markers, state, acc, curve_variable, curve_i
 @inner
 def direction_force(joints, j, side, y, acc, work):
     """Derivative of g_z^T lam in a direction of one marker's pose at constant lam."""
-    work.dforce[:] = 0
-    form = joints.form[j, 0]
-    for i in range(joints.n_rows[j]):
-        lam = acc[joints.row[j] + i]
-        for f in range(joints.law[j, i, 1]):
-            form_force(joints, form, lam * work.composed[i, f, 0], side, y, work.dforce)
+    work.force[1] = 0
+    form = joints.of[j, FORM]
+    for i in range(joints.of[j, N_ROWS]):
+        lam = acc[joints.of[j, FIRST_ROW] + i]
+        for f in range(joints.of[j, LAW + 1 + 2 * i]):
+            form_force(joints, form, lam * work.composed[i, f, 0], side, y, work.force[1])
             form += 1
-        if joints.law[j, i, 0] != PLAIN:
-            bent_slopes(i, joints.law[j, i, 1], lam, side, y, work)
-            for f in range(joints.law[j, i, 1]):
+        if joints.of[j, LAW + 2 * i] != PLAIN:
+            bent_slopes(i, joints.of[j, LAW + 1 + 2 * i], lam, side, y, work)
+            for f in range(joints.of[j, LAW + 1 + 2 * i]):
                 for k in range(NUMBERS):
-                    work.dforce[k] += work.law[1, f] * work.form_z[i, f, k]
+                    work.force[1, k] += work.law[1, f] * work.composed[i, f, GRADIENT + k]
 
 
 @inner
@@ -68,5 +69,5 @@ def form_force(joints, form, factor, side, y, out):
 @inner
 def add_both(joints, j, markers, state, force, residual):
     """residual += B^T force, on both markers."""
-    add_spatial_force(markers, state, joints.marker[j, 0], force[:12], 1.0, residual)
-    add_spatial_force(markers, state, joints.marker[j, 1], force[12:], 1.0, residual)
+    add_spatial_force(markers, state, joints.of[j, 0], force[:12], 1.0, residual)
+    add_spatial_force(markers, state, joints.of[j, 1], force[12:], 1.0, residual)

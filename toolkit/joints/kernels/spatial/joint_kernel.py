@@ -12,7 +12,7 @@ g_zz and d(w^T g_zz w)/dz from here.
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.joints.kernels.composition import change_row, compose, gap
 from toolkit.joints.kernels.laws import FORMS, PLAIN
-from toolkit.joints.kernels.records import CONSTANT, LINEAR
+from toolkit.joints.kernels.records import CONSTANT, CURVE, FIRST_ROW, FORM, LAW, LINEAR, N_ROWS, PHI
 from toolkit.joints.kernels.records import SPATIAL_NUMBERS as NUMBERS
 from toolkit.markers.spatial.marker_forces import add_spatial_force
 
@@ -32,26 +32,24 @@ def add_pair(value, i, j, source, target):
 
 
 @inlined
-def evaluate_form(joints, form, pose, h_z, along):
+def evaluate_form(joints, form, pose, slope):
     """One form: its derivatives are filled, its value is returned."""
-    h_z[:] = 0
-    along[:, :] = 0
+    slope[:, :] = 0
     first, pairs, last = joints.start[form, 0], joints.start[form, 1], joints.start[form + 1, 0]
     total = joints.value[first] + 0 * pose[0, 0]
     for e in range(first + 1, pairs):
         total += joints.value[e] * pose[0, joints.place[e]]
-        h_z[joints.place[e]] += joints.value[e]
+        slope[0, joints.place[e]] += joints.value[e]
     for e in range(pairs, last, 2):
-        total += add_product(joints.place[e], joints.place[e + 1], joints.value[e], pose, h_z, along)
+        total += add_product(joints.place[e], joints.place[e + 1], joints.value[e], pose, slope)
     return total
 
 
 @inlined
-def add_product(i, k, factor, pose, h_z, along):
+def add_product(i, k, factor, pose, slope):
     """factor X_i . X_k: its derivatives are added, its value is returned."""
-    add_pair(factor, i, k, pose[0], h_z)
-    for direction in range(3):
-        add_pair(factor, i, k, pose[1 + direction], along[direction])
+    for direction in range(4):
+        add_pair(factor, i, k, pose[direction], slope[direction])
     return factor * dot_pair(pose[0], i, pose[0], k)
 
 
@@ -60,31 +58,31 @@ def evaluate_spatial_joint(functions, joints, j, state, acc, work):
     """All rows of one joint with their derivatives at the poses of the two markers, and its force g_z^T lam."""
     pose = work.pose
     for side in range(2):
-        m = joints.marker[j, side]
+        m = joints.of[j, side]
         for k in range(12):
             at = 12 * side + k
             pose[0, at], pose[1, at] = state.y[m, k], state.rate[m, k]
             pose[2, at], pose[3, at] = state.acceleration[m, k], state.centripetal[m, k]
-    form = joints.form[j, 0]
-    work.force[:] = 0
-    for i in range(joints.n_rows[j]):
-        if joints.law[j, i, 0] == PLAIN:
-            work.phi[i] = evaluate_form(joints, form, pose, work.phi_z[i], work.along[i])
+    form = joints.of[j, FORM]
+    work.force[0] = 0
+    for i in range(joints.of[j, N_ROWS]):
+        if joints.of[j, LAW + 2 * i] == PLAIN:
+            work.row[PHI, i] = evaluate_form(joints, form, pose, work.slope[i])
             work.composed[i, 0, 0] = 1
         else:
             composed_row(functions, joints, j, i, form, work)
-        form += joints.law[j, i, 1]
+        form += joints.of[j, LAW + 1 + 2 * i]
         for k in range(NUMBERS):
-            work.force[k] += work.phi_z[i, k] * acc[joints.row[j] + i]
+            work.force[0, k] += work.slope[i, 0, k] * acc[joints.of[j, FIRST_ROW] + i]
 
 
 @inner
 def composed_row(functions, joints, j, i, form, work):
     """A row that is a law of forms."""
-    n = joints.law[j, i, 1]
+    n = joints.of[j, LAW + 1 + 2 * i]
     for f in range(n):
-        work.law[0, f] = evaluate_form(joints, form + f, work.pose, work.forms[f, 0], work.forms[f, 1:4])
-    compose(functions, joints.law[j, i, 0], n, i, work)
+        work.law[0, f] = evaluate_form(joints, form + f, work.pose, work.forms[f, :4])
+    compose(functions, joints.of[j, LAW + 2 * i], n, i, work)
 
 
 @kernel
@@ -98,7 +96,7 @@ def change_spatial_number(joints, j, d, lam, levels, work):
         work.law[0, FORMS] = value * work.pose[0, joints.place[place]]
         h[0, joints.place[place]] = value
     else:
-        work.law[0, FORMS] = add_product(joints.place[place], joints.place[place + 1], value, work.pose, h[0], h[1:4])
+        work.law[0, FORMS] = add_product(joints.place[place], joints.place[place + 1], value, work.pose, h[:4])
     change_row(joints, j, d, lam, levels, work)
 
 
@@ -106,17 +104,17 @@ def change_spatial_number(joints, j, d, lam, levels, work):
 def spatial_joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
     """Constraint rows, and constraint forces on both bodies."""
     k2, k1, k0 = levels[0], levels[1], levels[2]
-    for i in range(joints.n_rows[j]):
+    for i in range(joints.of[j, N_ROWS]):
         growth, total, rate, target = 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0]
         for k in range(NUMBERS):
-            growth += work.phi_z[i, k] * work.pose[2, k]
-            total += work.phi_z[i, k] * work.pose[3, k] + work.along[i, 0, k] * work.pose[1, k]
-            rate += work.phi_z[i, k] * work.pose[1, k]
-        row = joints.row[j] + i
-        if joints.curve[j] >= 0 and i == joints.n_rows[j] - 1:
-            f = curves[joints.curve[j]]
+            growth += work.slope[i, 0, k] * work.pose[2, k]
+            total += work.slope[i, 0, k] * work.pose[3, k] + work.slope[i, 1, k] * work.pose[1, k]
+            rate += work.slope[i, 0, k] * work.pose[1, k]
+        row = joints.of[j, FIRST_ROW] + i
+        if joints.of[j, CURVE] >= 0 and i == joints.of[j, N_ROWS] - 1:
+            f = curves[joints.of[j, CURVE]]
             target, rate, total = target + f[0], rate - f[1], total - f[2]
         inertial[row] += k2 * growth
-        applied[row] += k2 * total + k1 * rate + k0 * gap(joints, j, i, work.phi[i], target)
-    add_spatial_force(markers, state, joints.marker[j, 0], work.force[:12], 1.0, inertial)
-    add_spatial_force(markers, state, joints.marker[j, 1], work.force[12:], 1.0, inertial)
+        applied[row] += k2 * total + k1 * rate + k0 * gap(joints, j, i, work.row[PHI, i], target)
+    add_spatial_force(markers, state, joints.of[j, 0], work.force[0, :12], 1.0, inertial)
+    add_spatial_force(markers, state, joints.of[j, 1], work.force[0, 12:], 1.0, inertial)
