@@ -173,7 +173,6 @@ def test_a_load_without_formula_cannot_be_created():
         type("Lawless", (SpatialLoad,), {"kind": "test-lawless", "__module__": __name__})
 
 
-def test_a_joint_without_rows_cannot_be_made():
-    rowless = type("Rowless", (SpatialPointJoint,), {"kind": "test-rowless", "__module__": __name__})
-    with pytest.raises(TypeError, match=r"abstract method '?constraint"):
-        rowless(bodies=("rod", "ground"), point="A")
+def test_a_joint_without_rows_cannot_be_created():
+    with pytest.raises(TypeError, match="Rowless has no `constraint`"):
+        type("Rowless", (SpatialPointJoint,), {"kind": "test-rowless", "__module__": __name__})

@@ -62,6 +62,15 @@ class Joint(Component):
         """The numbers that stand in its rows."""
         return row_numbers(self.constraint(scene))
 
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if cls.kind and cls.dimension and getattr(cls.constraint, "__isabstractmethod__", False):
+            raise TypeError(
+                f"{cls.__name__} has no `constraint`: state its rows as forms of the two poses, each with its name and what it "
+                "measures, as the neighbouring files do."
+            )
+        super().__pydantic_init_subclass__(**kwargs)
+
     @model_validator(mode="after")
     def _two_bodies(self) -> Self:
         if self.bodies[0] == self.bodies[1]:

@@ -86,4 +86,4 @@ def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.nda
         for i, row in enumerate(each):
             law = PLAIN if row.law is None else ANGLE if row.law is angle_law else known.index(row.law)
             found[j, i] = law, len(row.forms)
-    return found.reshape(len(rows), -1)
+    return found.reshape(len(rows), 2 * most)
