@@ -71,6 +71,7 @@ check = result.gradients["turned"]["joints.gears.ratio"] / slope - 1
 # It fills g and its derivatives by h: first ones, second ones, and those of w^T g_hh w, w = h' being the rates. What is not written is
 # zero. Open formulas are the same in space.
 
+
 # %%
 @extend.kernel
 def cam_law(h, w, g, g_h, g_hh, g_hww):

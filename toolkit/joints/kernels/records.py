@@ -68,9 +68,12 @@ class Joints(NamedTuple):
         n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, FORMS + 1
         shapes = [(5, n), (5, rows), (rows, 4, n), (n, n), (2, n)]
         shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, FORMS, 5 + FORMS + n)]
-        return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
+        return JointWork(*(np.zeros(shape, dtype) for shape in shapes), spare=SPARE)
 
 
+SPARE = (*[np.zeros(1)] * 2, *[np.zeros((1, 1))] * 6)
+"""Nothing. A call in the loop copies every word of its arguments onto the stack, about a thousand, and the processor waits where copy and
+source lie a multiple of 4096 bytes apart: measured, a step of a small mechanism takes up to 20 percent longer without these."""
 PHI = 4
 """Place of g in `JointWork.row`."""
 GRADIENT = 5 + FORMS
@@ -90,3 +93,4 @@ class JointWork(NamedTuple):
         np.ndarray
     )  # (6 + FORMS, FORMS + 1) h and w = h', g, g_h, g_hww, g_hh; behind the last h what one number changes in a form
     composed: np.ndarray  # (rows, FORMS, 5 + FORMS + n) of each form: g_h, g_hww, h_z w, h_z (B a), h_z b + w h_zz w, g_hh, h_z
+    spare: tuple  # see SPARE
