@@ -1,10 +1,10 @@
 """Forms of the poses of two markers in the plane, with their derivatives.
 
-h(z) = constant + sum value * z_k + pairs,       A_k = A(angle_k), X_k the position (z_k, z_k+1)
+    h(z) = constant + sum value * z_k + pairs,       A_k = A(angle_k), X_k the position (z_k, z_k+1)
 
-pair (i, k)      i = 0 or 3, k = 0 or 3:    p X_i . X_k
-                 i = 0 or 3, k = 2 or 5:    X_i . A_k (p, q)
-                 i = 2 or 5, k = 2 or 5:    p cos(z_i - z_k) + q sin(z_i - z_k)
+    pair (i, k)      i = 0 or 3, k = 0 or 3:    p X_i . X_k
+                     i = 0 or 3, k = 2 or 5:    X_i . A_k (p, q)
+                     i = 2 or 5, k = 2 or 5:    p cos(z_i - z_k) + q sin(z_i - z_k)
 
 Without pairs a form has first derivatives only.
 """
