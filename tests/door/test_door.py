@@ -162,6 +162,19 @@ def test_a_motion_can_begin_in_a_state_whose_joints_are_as_open_as_its_steps_lef
     assert np.max(weights * np.abs(begun - ended)) < 10 * model.scene.solver.drift_tolerance
 
 
+def test_a_start_that_is_moved_by_more_than_joints_may_drift_is_told():
+    """A start whose first body stands off its joint by twice what they may drift; more than ten times is refused."""
+    model = ffrf.compile(ffrf.read_scene(MODELS / "slider_crank" / "scene.toml"))
+    short = {"solver.end_time": 10 * float(model.scene.solver.step)}
+    first = model.simulate(short)
+    assert "start-moved" not in model.simulate(short, start=first).verdict.codes
+    weights = first.solution.system.weights
+    first.solution.q[-1, 0] += 4 * model.scene.solver.drift_tolerance / weights[0]
+    second = model.simulate(short, start=first)
+    assert "start-moved" in second.verdict.codes
+    assert 1 < second.solution.start_moved / model.scene.solver.drift_tolerance < 10
+
+
 def test_a_motion_whose_driver_begins_elsewhere_cannot_be_gone_on_with():
     """Curves begin at t = 0 again: the crank would have to be where it began."""
     model = ffrf.compile(ffrf.read_scene(MODELS / "bracket" / "scene.toml", {"solver.end_time": 0.01}))

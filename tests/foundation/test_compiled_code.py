@@ -200,6 +200,24 @@ def test_code_is_that_of_the_formula_and_of_all_that_it_calls_and_survives_all_o
     assert sum(kernel.stats.cache_hits.values()) == hits
 
 
+def test_formulas_without_an_entrance_are_kept_for_whoever_calls_them(own):
+    own.write_text(FORMULAS)
+    loaded(own)
+    own.write_text(FORMULAS.replace("np.sin(0.0)", "np.cos(0.0)"))
+    space = runpy.run_path(str(own))
+    assert space["twice"](2.0) == 5.0
+    assert [sum(space[name].stats.cache_hits.values()) for name in ("twice", "raised", "factor")] == [0, 1, 1]
+
+
+def test_a_formula_without_an_entrance_refuses_python_in_words(own):
+    own.write_text(FORMULAS)
+    space = runpy.run_path(str(own))
+    for _ in range(2):
+        with pytest.raises(TypeError, match="factor is a formula that only other kernels call"):
+            space["factor"](2.0)
+        assert space["twice"](2.0) == 4.0  # which compiles it
+
+
 MADE = """
 from toolkit.foundation.kernel import kernel
 

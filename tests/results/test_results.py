@@ -149,7 +149,7 @@ def test_a_model_that_changed_or_vanished_is_refused(copy):
     with pytest.raises(ResultsFileError, match=r"is not the one that 'copy\.h5' was computed with.*Run the scene again"):
         restore_scene(read)
     model.unlink()
-    with pytest.raises(ResultsFileError, match=r"is not there\. Name its folder with --models"):
+    with pytest.raises(ResultsFileError, match=r"is not there\. Name its folder"):
         restore_scene(read)
     assert restore_scene(read, MODELS).directory == MODELS
 

@@ -24,8 +24,8 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.accuracy import errors
-from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.richardson import limit
+from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.pareto import pareto
 from toolkit.studies.tradeoff.recommendation import toml_table
 from toolkit.studies.tradeoff.runs import pool
@@ -108,11 +108,11 @@ def test_measured_errors_are_the_true_ones(pendulum):
     for each in worked:
         for name, value in values.items():
             true = abs(each.record.value(name) / value - 1)
-            assert each.errors[Quantity(name, False)] == pytest.approx(true, rel=1e-2, abs=1e-7)
+            assert each.errors[Studied(name, False)] == pytest.approx(true, rel=1e-2, abs=1e-7)
             sizes = {"x_P": 1.0, "g_y": 9.81, "m": 1.0}
             off = max(abs(each.record.slope(name, x) - slope) * sizes[x] for x, slope in gradients[name].items())
             largest = max(abs(slope) * sizes[x] for x, slope in gradients[name].items())
-            assert each.errors[Quantity(name, True)] == pytest.approx(off / largest, rel=1e-2, abs=1e-7)
+            assert each.errors[Studied(name, True)] == pytest.approx(off / largest, rel=1e-2, abs=1e-7)
 
 
 def test_the_reference_meets_the_published_integral_and_gradients_of_the_slider_crank(tmp_path):
@@ -219,6 +219,7 @@ def test_a_damaged_record_is_run_again(tmp_path):
     assert Record.model_validate_json(file.read_bytes()).values == first.settings[0].record.values
 
 
+@pytest.mark.robustness
 def test_a_killed_study_leaves_whole_records_and_goes_on_from_them(tmp_path):
     arguments = ["tradeoff", str(PENDULUM), *SET, "--axes", "step=0.02/0.01,rho_inf", "-o", str(tmp_path), "--jobs", "2", "-q"]
     command = [sys.executable, "-m", "toolkit.command_line.cli", *arguments]
@@ -274,7 +275,7 @@ def test_without_design_variables_values_alone_are_judged(tmp_path):
 
 def test_a_response_that_is_zero_is_compared_with_what_its_variables_do(pendulum):
     """The motion does not depend on the mass, whose gradients of the places are round-off: they do not spoil the measure."""
-    assert min(each.errors[Quantity("move_x", True)] for each in pendulum.settings if not each.record.failure) < 1e-3
+    assert min(each.errors[Studied("move_x", True)] for each in pendulum.settings if not each.record.failure) < 1e-3
 
 
 @pytest.mark.parametrize(

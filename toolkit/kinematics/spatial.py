@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inner
 from toolkit.foundation.near_ties import first_smallest
 
 
@@ -111,7 +111,7 @@ def update_angle(frames, state, f, q, v, acc):
             state.X[f, i, j], state.X_k[f, 0, i, j] = slope * growth, bend * growth
 
 
-@kernel
+@inner
 def update_frames(frames, state, q, v, acc):
     """Evaluate the matrices of all frames."""
     for f in range(len(frames.first)):

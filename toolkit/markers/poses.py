@@ -5,7 +5,7 @@ Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and num
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined
+from toolkit.foundation.kernel import inlined, kernel
 from toolkit.kinematics.spatial import update_frames
 from toolkit.markers.planar.marker_design import update_marker_designs
 from toolkit.markers.planar.marker_forces import add_force, add_force_design, add_geometric_stiffness
@@ -15,7 +15,7 @@ from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial
 from toolkit.markers.spatial.marker_kernel import update_spatial_markers
 
 
-@inlined
+@kernel
 def update_poses(plane, frames, markers, state, q, v, acc, scratch):
     """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
     if plane is not None:
@@ -32,7 +32,7 @@ def set_frames(frames, state, q, v, acc):
         update_frames(frames, state.frames, q, v, acc)
 
 
-@inlined
+@kernel
 def update_pose_designs(plane, frames, markers, state, q, v, acc, scratch):
     """Partial design derivatives of all markers, after `update_poses`."""
     if plane is not None:

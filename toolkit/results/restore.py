@@ -53,13 +53,13 @@ def restore_solution(results: Results, directory: str | Path | None = None) -> S
 def _check_model(path: Path, sha256: str, results: Results) -> None:
     if not path.is_file():
         raise ResultsFileError(
-            f"reduced model {str(path)!r}, which {_label(results)} was computed with, is not there. Name its folder with --models, "
-            "or run the scene again."
+            f"reduced model {str(path)!r}, which {_label(results)} was computed with, is not there. Name its folder "
+            "(--models, in Python models=), or run the scene again."
         )
     if hashlib.sha256(path.read_bytes()).hexdigest() != sha256:
         raise ResultsFileError(
             f"reduced model {str(path)!r} is not the one that {_label(results)} was computed with: its hash is another. Run the "
-            "scene again, or name the folder of the old model with --models."
+            "scene again, or name the folder of the old model (--models, in Python models=)."
         )
 
 

@@ -22,7 +22,8 @@ class Solution:
     Shapes: q, v, a (n_t, n_q), multipliers (n_t, n_lam), dq, dv, da (n_t, n_q, n_x), dmultipliers (n_t, n_lam, n_x).
     `drift` is the largest violation of a joint, `correction` the largest Newton correction that a step was content with, `local_error` the
     largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
-    `options` are those of the run; `own_start` says that it did not begin at the scene's start; `run_times` are all times of the run,
+    `options` are those of the run; `own_start` says that it did not begin at the scene's start, and `start_moved`
+    by how much of the scene's size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
     where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state. `judge` finds out
     what speaks against the solution, when it is asked for its `verdict`.
     """
@@ -43,6 +44,7 @@ class Solution:
     load_steps: int = 0
     options: RunOptions | None = None
     own_start: bool = False
+    start_moved: float = 0.0
     run_times: np.ndarray | None = None
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)

@@ -27,6 +27,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
 from toolkit.foundation.compiled.formula_stamp import UnknownNameError, formula_stamp, layout
+from toolkit.foundation.compiled.inner_code import InnerCode, InnerCompiler
 from toolkit.foundation.files.replaced_file import in_one_stroke
 
 VARIABLE = "NUMBA_CACHE_DIR"
@@ -65,7 +66,8 @@ class CompiledCode(NullCache):
             except OSError:
                 continue
             if content[:_DIGEST] == sha256(content[_DIGEST:]).digest():
-                return CompileResult._rebuild(target, *pickle.loads(content[_DIGEST:]))  # noqa: S301  trusted as the program is
+                found = pickle.loads(content[_DIGEST:])  # noqa: S301  trusted as the program is
+                return InnerCode.kept(target, found) if self._is_inner else CompileResult._rebuild(target, *found)
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
@@ -94,6 +96,11 @@ class CompiledCode(NullCache):
             return
         if refusals:
             _tell("kept", f"compiled formulas cannot be kept in {' or '.join(refusals)}: every run compiles them again. {REMEDY}")
+
+    @property
+    def _is_inner(self) -> bool:
+        """Whether only other kernels call it, so that no code for the processor is kept."""
+        return issubclass(self.kernel._compiler.pipeline_class, InnerCompiler)  # type: ignore[attr-defined]
 
     @cached_property
     def _name(self) -> str:
@@ -135,7 +142,7 @@ class CompiledCode(NullCache):
             np.__version__,
             *(getattr(numba.config, each, None) for each in SETTINGS),
         )
-        key = repr((self._stamp, signature, codegen.magic_tuple(), versions)).encode()
+        key = repr((self._stamp, signature, codegen.magic_tuple(), versions, self._is_inner)).encode()
         return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
 
 

@@ -1,6 +1,6 @@
 """The joints of a scene as flat arrays, in the plane and in space alike."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -68,7 +68,8 @@ class Joints(NamedTuple):
         n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, FORMS + 1
         shapes = [(5, n), (5, rows), (rows, 4, n), (n, n), (2, n)]
         shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, FORMS, 5 + FORMS + n)]
-        return JointWork(*(np.zeros(shape, dtype) for shape in shapes), spare=SPARE)
+        arrays: list[Any] = [np.zeros(shape, dtype) for shape in shapes]
+        return JointWork(*arrays, SPARE)
 
 
 SPARE = (*[np.zeros(1)] * 2, *[np.zeros((1, 1))] * 6)

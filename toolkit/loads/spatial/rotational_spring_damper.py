@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.foundation.kernel import kernel
+from toolkit.foundation.kernel import inner, kernel
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import TurnSpring
@@ -61,7 +61,7 @@ def spatial_rotational_spring_damper(z, w, force, force_z, force_w):
         force[row] = -torque * force[row]
 
 
-@kernel
+@inner
 def unit(column, i, w):
     """Entry i of a direction: of the unit vector `column`, or of w."""
     if column == 24:

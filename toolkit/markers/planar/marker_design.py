@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import inlined, inner
 from toolkit.markers.planar.marker_kernel import rotate_sum, rotated
 
 
-@kernel
+@inner
 def update_marker_designs(markers, state, q, v, acc, scratch):
     """Partial design derivatives of y, B v, B a and b; the same formulas with z0, t0, Z, T replaced by their derivatives."""
     for m in range(len(markers.frame)):

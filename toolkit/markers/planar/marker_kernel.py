@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import inlined, inner
 
 
 class Markers(NamedTuple):
@@ -82,7 +82,7 @@ def shape_sum(markers, first, last, vector, out):
             out[i] += markers.shape[k, i] * w
 
 
-@kernel
+@inner
 def update_markers(markers, state, q, v, acc, scratch):
     """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
     for m in range(len(markers.frame)):

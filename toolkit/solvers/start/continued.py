@@ -20,8 +20,8 @@ AGAIN = (
 )
 
 
-def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOptions) -> tuple[np.ndarray, np.ndarray]:
-    """Coordinates and velocities (n_q,) next to given ones that satisfy every joint at t = 0.
+def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOptions) -> tuple[np.ndarray, np.ndarray, float]:
+    """Coordinates and velocities (n_q,) next to given ones that satisfy every joint at t = 0, and how far coordinates moved for it.
 
     Raises
     ------
@@ -45,4 +45,4 @@ def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOp
             f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the scene's size in position, by {changed:.1e} of "
             f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"
         )
-    return closed[:n_q], found[:n_q]
+    return closed[:n_q], found[:n_q], moved

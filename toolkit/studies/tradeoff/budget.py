@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from toolkit.foundation.errors import InputError, ToolkitError
-from toolkit.studies.tradeoff.errors.quantity import Quantity
+from toolkit.studies.tradeoff.errors.studied import Studied
 
 DEFAULT = 1e-3
 GRADIENT_SHARE = 10.0
@@ -20,8 +20,8 @@ class BudgetError(ToolkitError, ArithmeticError):
 
 def read_budget(
     responses: Sequence[str], values: Iterable[str], gradients: Iterable[str], differentiated: bool
-) -> dict[Quantity, float]:
-    """Quantity -> largest relative error, from `RESPONSE=1e-3` and `all=1e-3`; what is not named has no limit.
+) -> dict[Studied, float]:
+    """Studied number -> largest relative error, from `RESPONSE=1e-3` and `all=1e-3`; what is not named has no limit.
 
     Nothing named means all responses. `d(RESPONSE)` among the values is the gradient, as among the gradients themselves.
 
@@ -42,8 +42,8 @@ def read_budget(
             "budgets of gradients need design variables: name some with --variables, or in the scene's table [design]."
         )
     slopes = _limits(responses, named) if named else {name: GRADIENT_SHARE * limit for name, limit in own.items()}
-    found = {Quantity(name, False): limit for name, limit in own.items()}
-    return found | ({Quantity(name, True): limit for name, limit in slopes.items()} if differentiated else {})
+    found = {Studied(name, False): limit for name, limit in own.items()}
+    return found | ({Studied(name, True): limit for name, limit in slopes.items()} if differentiated else {})
 
 
 def _split(text: str) -> tuple[str, float]:

@@ -14,8 +14,8 @@ from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.processes import Progress
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.judged import Judged, cheapest, judge
-from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.reference import Reference, find_reference
+from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.pareto import pareto
 from toolkit.studies.tradeoff.runs.pool import measured
 from toolkit.studies.tradeoff.runs.timing import timed
@@ -37,7 +37,7 @@ class Plan:
     scene: Scene
     axes: dict[str, list[Choice]]
     settings: list[Setting]
-    budget: dict[Quantity, float]
+    budget: dict[Studied, float]
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,7 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
         yield from _at_rest(solution)
         return
     if solution.own_start:
+        yield from _moved_start(solution)
         return
     yield from _assembled(solution)
     if options.quasi_static:
@@ -55,6 +56,17 @@ def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
     else:
         angle = np.abs(found - given)[at].sum()
     return float(np.linalg.norm(shift)), float(angle)
+
+
+def _moved_start(solution: Solution) -> Iterator[Caution]:
+    allowed = (solution.options or solution.system.scene.solver).drift_tolerance
+    if solution.start_moved > allowed:
+        yield Caution(
+            "start-moved",
+            f"the start that was given is off the joints at t = 0 and was moved by {solution.start_moved:.1e} of the scene's size (or "
+            f"rad), more than solver.drift_tolerance ({allowed:.1e}): this run does not go on exactly where the other one ended.",
+            doubt=False,
+        )
 
 
 def _assembled(solution: Solution) -> Iterator[Caution]:

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 import math
 
-from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.reference import Reference
+from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.settings.record import Record
 
 
-def errors(reference: Reference, record: Record) -> dict[Quantity, float]:
-    """Quantity -> relative error; infinite for a number that does not exist."""
+def errors(reference: Reference, record: Record) -> dict[Studied, float]:
+    """Studied number -> relative error; infinite for a number that does not exist."""
     found = {}
     for name, each in reference.limits.items():
-        found[Quantity(name, False)] = abs(record.value(name) - each.value) / reference.scale(Quantity(name, False))
+        found[Studied(name, False)] = abs(record.value(name) - each.value) / reference.scale(Studied(name, False))
     for name, slopes in reference.slopes.items():
         worst = max((abs(record.slope(name, x) - each.value) * reference.sizes[x] for x, each in slopes.items()), default=0.0)
-        found[Quantity(name, True)] = worst / reference.scale(Quantity(name, True))
+        found[Studied(name, True)] = worst / reference.scale(Studied(name, True))
     return {quantity: math.inf if math.isnan(error) else error for quantity, error in found.items()}

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from toolkit.studies.tradeoff.errors.accuracy import errors
-from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.reference import Reference
+from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting
 
@@ -26,10 +26,10 @@ class Judged:
 
     setting: Setting
     record: Record
-    errors: dict[Quantity, float]
+    errors: dict[Studied, float]
     ratio: float
-    worst: Quantity | None
-    budgeted: frozenset[Quantity] = frozenset()
+    worst: Studied | None
+    budgeted: frozenset[Studied] = frozenset()
 
     @property
     def price(self) -> float:
@@ -46,7 +46,7 @@ class Judged:
         return max((self.errors[quantity] for quantity in self.budgeted if quantity.derived == derived), default=math.nan)
 
 
-def judge(setting: Setting, record: Record, reference: Reference, budget: dict[Quantity, float]) -> Judged:
+def judge(setting: Setting, record: Record, reference: Reference, budget: dict[Studied, float]) -> Judged:
     """Errors of a record against the reference and the budget."""
     if record.failure:
         return Judged(setting, record, {}, math.inf, None)

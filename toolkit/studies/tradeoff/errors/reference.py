@@ -13,8 +13,8 @@ from typing import Any
 
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.scene.scene import Scene
-from toolkit.studies.tradeoff.errors.quantity import Quantity
 from toolkit.studies.tradeoff.errors.richardson import Limit, limit
+from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Choice, Setting
 
@@ -53,7 +53,7 @@ class Reference:
     in_mesh: list[Setting]
     enough: bool
 
-    def scale(self, quantity: Quantity) -> float:
+    def scale(self, quantity: Studied) -> float:
         """What an error of a quantity is divided by, see `accuracy`."""
         name, derived = quantity
         value = abs(self.limits[name].value)
@@ -61,7 +61,7 @@ class Reference:
         own, other = (change, value) if derived else (value, change)
         return max(own, NEGLIGIBLE * other, TINY)
 
-    def error(self, quantity: Quantity) -> float:
+    def error(self, quantity: Studied) -> float:
         """Estimated error of a response, or of its gradient, relative as in `accuracy`."""
         name, derived = quantity
         if not derived:
@@ -69,7 +69,7 @@ class Reference:
         worst = max((each.error * self.sizes[x] for x, each in self.slopes[name].items()), default=0.0)
         return worst / self.scale(quantity)
 
-    def order(self, quantity: Quantity) -> float:
+    def order(self, quantity: Studied) -> float:
         """Observed order in time: of the derivative that matters most, for a gradient; nan if none was observed."""
         name, derived = quantity
         if not derived:
@@ -78,7 +78,7 @@ class Reference:
         return slopes[max(slopes, key=lambda x: abs(slopes[x].value) * self.sizes[x])].order if slopes else math.nan
 
 
-def find_reference(scene: Scene, axes: dict[str, list[Choice]], budget: dict[Quantity, float], measure: Measure) -> Reference:
+def find_reference(scene: Scene, axes: dict[str, list[Choice]], budget: dict[Studied, float], measure: Measure) -> Reference:
     """Refine in time until that error is `SHARE` of every budget, or the next run would take longer than `PATIENCE`.
 
     Raises
@@ -103,7 +103,7 @@ def find_reference(scene: Scene, axes: dict[str, list[Choice]], budget: dict[Qua
     return replace(found, enough=_exact(found, budget))
 
 
-def _exact(found: Reference, budget: dict[Quantity, float]) -> bool:
+def _exact(found: Reference, budget: dict[Studied, float]) -> bool:
     return all(found.error(quantity) <= SHARE * each for quantity, each in budget.items())
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Quantity(NamedTuple):
+class Studied(NamedTuple):
     """A response, or its gradient."""
 
     response: str

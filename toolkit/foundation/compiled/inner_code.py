@@ -1,0 +1,72 @@
+"""Code of formulas that only other kernels call: handed on to these as LLVM reads it, and made for the processor there alone.
+
+numba optimises and translates every formula by itself, and again in everyone that calls it. Measured, a third of the time to compile the
+step loop is saved when those that have no entrance are left as they are.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from llvmlite.binding import parse_bitcode
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler, CompileResult, compile_result
+
+
+class InnerCode(JITCodeLibrary):
+    """A library of numba that is linked into others and never runs by itself."""
+
+    @classmethod
+    def kept(cls, target: Any, found: tuple) -> CompileResult:
+        """What `CompileResult._reduce` gave, as it was, in a process whose target is this."""
+        (name, bitcode), description, environment, signature, objectmode, lifted, annotation, reload_init, referenced = found
+        library = cls(target.codegen(), name)
+        library._shared_module, library._finalized = parse_bitcode(bitcode), True
+        return compile_result(
+            target_context=target,
+            typing_context=target.typing_context,
+            library=library,
+            environment=environment,
+            entry_point=target.get_executable(library, description, environment),
+            fndesc=description,
+            type_annotation=annotation,
+            signature=signature,
+            objectmode=objectmode,
+            lifted=lifted,
+            reload_init=reload_init,
+            referenced_envs=referenced,
+        )
+
+    def finalize(self) -> None:
+        """Link what the formula calls, and leave it there."""
+        self._raise_if_finalized()
+        for library in dict.fromkeys(self._linking_libraries):
+            self._reload_init.update(library._reload_init)
+            self._final_module.link_in(library._get_module_for_linking(), preserve=True)
+        self._finalized = True
+
+    @property
+    def codegen(self) -> Any:
+        """What numba tells where constants of the formula are; they are in the code of those that call it."""
+        return self
+
+    def set_env(self, name: str, environment: Any) -> None:
+        """Nothing: there is no place yet."""
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Nowhere."""
+        self._ensure_finalized()
+        return 0
+
+    def serialize_using_object_code(self) -> tuple[str, bytes]:
+        """What is kept: there is no object code."""
+        return self.name, self._get_module_for_linking().as_bitcode()
+
+
+class InnerCompiler(Compiler):
+    """numba's compiler, whose result is an `InnerCode`."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+        library = library or InnerCode(target.codegen(), "inner")
+        library.enable_object_caching()
+        super().__init__(typing, target, library, *rest)
