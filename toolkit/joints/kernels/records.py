@@ -68,8 +68,8 @@ class Joints(NamedTuple):
         n, rows, wide = self.numbers, (self.of.shape[1] - LAW) // 2, FORMS + 1
         shapes = [(5, n), (5, rows), (rows, 4, n), (n, n), (2, n)]
         shapes += [(wide, 5 + n, n), (5 + wide, wide), (rows, FORMS, 5 + FORMS + n)]
-        arrays: list[Any] = [np.zeros(shape, dtype) for shape in shapes]
-        return JointWork(*arrays, SPARE)
+        parts: list[Any] = [*(np.zeros(shape, dtype) for shape in shapes), SPARE]
+        return JointWork(*parts)
 
 
 SPARE = (*[np.zeros(1)] * 2, *[np.zeros((1, 1))] * 6)
@@ -90,8 +90,6 @@ class JointWork(NamedTuple):
     stiffness: np.ndarray  # (n, n) lam . g_zz, in the plane
     force: np.ndarray  # (2, n) g_z^T lam, and its derivative in one direction
     forms: np.ndarray  # (FORMS + 1, 5 + n, n) as `slope`, h_zww, h_zz of each form, and of what one number changes in a form
-    law: (
-        np.ndarray
-    )  # (6 + FORMS, FORMS + 1) h and w = h', g, g_h, g_hww, g_hh; behind the last h what one number changes in a form
+    law: np.ndarray  # (6 + FORMS, FORMS + 1) h, w = h', g, g_h, g_hww, g_hh; behind the last h what one number changes in a form
     composed: np.ndarray  # (rows, FORMS, 5 + FORMS + n) of each form: g_h, g_hww, h_z w, h_z (B a), h_z b + w h_zz w, g_hh, h_z
     spare: tuple  # see SPARE
