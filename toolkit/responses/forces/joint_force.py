@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_joint
+from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
 from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.responses.forces.least_squares_forces import least_squares_forces
@@ -109,7 +109,7 @@ def _planar_force(
     acc = np.concatenate([rest[: system.n_q], lam])
     for function in (update_poses, update_pose_designs):
         system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    system.run(evaluate_joint, system.functions[0], plan.joints, j, work.markers, acc, work.joint)
+    system.run(evaluate_planar_joint, system.functions[0], plan.joints, j, work.markers, acc, work.joint)
     rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
     force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
     force_lam[:, rows] = -work.joint.slope[: plan.joints.n_rows[j], 0, :3].T

@@ -35,6 +35,12 @@ def evaluate_joint(functions, joints, j, state, acc, work):
         flat_joint(joints, j, acc, work)
 
 
+@kernel
+def evaluate_planar_joint(functions, joints, j, state, acc, work):
+    """`evaluate_joint` for Python."""
+    evaluate_joint(functions, joints, j, state, acc, work)
+
+
 @inlined
 def flat_joint(joints, j, acc, work):
     """A joint whose rows are linear in the poses."""
