@@ -26,7 +26,8 @@ from toolkit.reduced_model.model import ReducedModel
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
-BUILT = {name: MODELS / name for name in ("morphing_wing/skin", "snap_through/skin", "bracket/body", "spatial_bracket/body", "flexible_slider_crank/rod")}
+_FILES = ("morphing_wing/skin", "snap_through/skin", "bracket/body", "spatial_bracket/body", "flexible_slider_crank/rod")
+BUILT = {name: MODELS / name for name in _FILES}
 """Committed models by the files that describe them."""
 FRAME = """
 units = "m-kg-s"
