@@ -35,8 +35,8 @@ from preprocessing.recipes.solids.body_tables import (
     TiedRegion,
 )
 from preprocessing.recipes.tables import BasisTable, Damping
+from toolkit.curves.catalogue import Curve
 from toolkit.description.point import BodyPoint
-from toolkit.description.profile import CURVES
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
@@ -57,7 +57,7 @@ def kinds() -> dict[str, dict[str, type[BaseModel]]]:
         **kinds_of(2),
         **{f"spatial-{group}": found for group, found in kinds_of(3).items()},
         "responses": Response.kinds,
-        "curves": CURVES,
+        "curves": Curve.kinds,
     }
     return {
         group: {name: found[name] for name in sorted(found) if found[name].__module__.startswith("toolkit.")}

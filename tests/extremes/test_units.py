@@ -12,8 +12,8 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.revolute import Revolute

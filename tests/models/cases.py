@@ -12,8 +12,12 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.driver import AngleDriver, PositionDriver

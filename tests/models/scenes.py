@@ -4,8 +4,8 @@ from pathlib import Path
 
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.revolute import Revolute

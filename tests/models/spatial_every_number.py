@@ -8,8 +8,10 @@ from typing import Any
 from tests.models.every_number import FOLLOW, LEAD, SOLVER
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver

@@ -14,8 +14,8 @@ from tests.scenes.test_benchmarks import CHAIN, slider_crank
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider

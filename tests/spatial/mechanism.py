@@ -7,8 +7,8 @@ from pathlib import Path
 from tests.spatial.scenes import at, save_frame
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.prismatic import Prismatic

@@ -16,7 +16,7 @@ from toolkit.bodies.body import ConstantNumbers
 from toolkit.compilation.dependence import Affected, Item, affected_by
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.remembered import Remembered
-from toolkit.description.profile import Curve
+from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.loads.load import Load
 from toolkit.loads.spatial.pressure import Pressure, PressureNumbers

@@ -23,11 +23,18 @@ def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: s
     nested : classes of tables below it that have a `type`
     """
     lines = []
-    for each in error.errors():
+    for each in _causes(error):
         keys, owner = _walk(kind, value, each, nested)
         place = ".".join([*([where] if where else []), *keys])
         lines.append((f"{place}: " if place else "") + _said(each, owner))
     return list(dict.fromkeys(lines))
+
+
+def _causes(error: ValidationError) -> list[Any]:
+    """All mistakes but those that follow from others: a list is not too short because its entries are wrong."""
+    found = error.errors()
+    below = {each["loc"][:depth] for each in found for depth in range(len(each["loc"]))}
+    return [each for each in found if each["type"] != "too_short" or each["loc"] not in below]
 
 
 def _walk(kind: type[BaseModel], value: Any, error: Any, nested: Mapping[str, type]) -> tuple[list[str], type[BaseModel]]:

@@ -1,8 +1,10 @@
-"""What joints, loads and responses of one's own are made from, numbers with what they measure, and the checks of derivatives."""
+"""What joints, loads, time curves and responses of one's own are made from: bases, numbers with what they measure, and checks."""
 
 from __future__ import annotations
 
 from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.curve import check_curve
+from toolkit.curves.catalogue import Curve
 from toolkit.description.description import NotNegative, Number, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
@@ -14,6 +16,7 @@ from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials, Response
 
 __all__ = [
+    "Curve",
     "Instant",
     "NotNegative",
     "Number",
@@ -25,6 +28,7 @@ __all__ = [
     "Response",
     "SpatialJoint",
     "SpatialLoad",
+    "check_curve",
     "check_joint",
     "check_load",
     "check_scene",

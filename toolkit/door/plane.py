@@ -4,8 +4,18 @@ from __future__ import annotations
 
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.kinds.harmonic import Harmonic
+from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.curves.kinds.product import Product
+from toolkit.curves.kinds.ramp import Ramp
+from toolkit.curves.kinds.sequence import Sequence
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.joints.planar.distance import Distance
 from toolkit.joints.planar.driver import AngleDriver, PositionDriver
 from toolkit.joints.planar.revolute import Revolute
@@ -26,23 +36,29 @@ __all__ = [
     "AngleDriver",
     "BodyPoint",
     "Constant",
+    "Cycloid",
     "Displacement",
     "Distance",
     "Flexible",
     "Gravity",
+    "Harmonic",
     "JointForce",
     "KSStress",
     "KineticEnergy",
     "MaxStress",
     "Point",
     "PointForce",
+    "Polynomial",
     "PositionDriver",
+    "Product",
+    "Ramp",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
     "Rotation",
     "RotationalSpringDamper",
+    "Sequence",
     "ShapeMSE",
     "ShapeMax",
     "ShapeRMS",

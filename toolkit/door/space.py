@@ -5,8 +5,18 @@ from __future__ import annotations
 from toolkit.bodies.spatial.flexible import SpatialFlexible as Flexible
 from toolkit.bodies.spatial.rigid import SpatialRigid as Rigid
 from toolkit.bodies.spatial.rigid import SpatialRod as Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.kinds.harmonic import Harmonic
+from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.curves.kinds.product import Product
+from toolkit.curves.kinds.ramp import Ramp
+from toolkit.curves.kinds.sequence import Sequence
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance as Distance
 from toolkit.joints.spatial.driver import SpatialAngleDriver as AngleDriver
@@ -34,11 +44,13 @@ __all__ = [
     "AngleDriver",
     "BodyPoint",
     "Constant",
+    "Cycloid",
     "Cylindrical",
     "Displacement",
     "Distance",
     "Flexible",
     "Gravity",
+    "Harmonic",
     "JointForce",
     "KSStress",
     "KineticEnergy",
@@ -46,15 +58,19 @@ __all__ = [
     "Point",
     "PointForce",
     "PointOnPlane",
+    "Polynomial",
     "PositionDriver",
     "Pressure",
     "Prismatic",
+    "Product",
+    "Ramp",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
     "Rotation",
     "RotationalSpringDamper",
+    "Sequence",
     "ShapeMSE",
     "ShapeMax",
     "ShapeRMS",

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.curves.curve import Curve
 from toolkit.description.description import Description
-from toolkit.description.profile import CURVES
 from toolkit.description.quantity import Measure, Quantity
 from toolkit.foundation.dimensions import Dimension, dimension_of_label
 from toolkit.foundation.errors import InputError
@@ -14,7 +14,7 @@ from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
 
 GROUPS = ("points", "bodies", "joints", "loads", "responses")
-_CURVES = tuple(CURVES.values())
+_AXES = "xyz"
 
 
 def dimensions(scene: Scene) -> dict[str, Dimension]:
@@ -71,27 +71,38 @@ def _measure(item: Description, keys: list[str], scene: Scene) -> Measure:
     if isinstance(item, ModelBody) and field not in type(item).model_fields:
         return _parameter(item, field, scene)
     below, said = getattr(item, field, None), item.quantity_of(field)
-    if isinstance(below, _CURVES):
+    if isinstance(below, Curve):
         return _in_curve(below, rest, said) or _refuse_curve(item, field)
     if isinstance(below, Description):
         return _measure(below, rest, scene)
     return _at(said, rest) or _refuse(item, field)
 
 
-def _in_curve(curve: Description, keys: list[str], values: Quantity | None) -> Measure | None:
+def _in_curve(curve: Curve, keys: list[str], values: Quantity | None) -> Measure | None:
     """Measure of a number in a time curve, whose values its owner knows; None if nobody has said it."""
     field, *rest = keys
-    below = getattr(curve, field)
-    if isinstance(below, tuple) and rest and isinstance(below[int(rest[0])], _CURVES):
-        return _in_curve(below[int(rest[0])], rest[1:], values)
-    said = curve.quantity_of(field)
-    return _at(values if said is not None and said.of_owner else said, rest)
+    below, said = getattr(curve, field), curve.quantity_of(field)
+    if isinstance(below, tuple) and rest and isinstance(below[_place(rest)], Curve):
+        below, rest = below[_place(rest)], rest[1:]
+    if isinstance(below, Curve):
+        return _in_curve(below, rest, values if said is not None and said.of_owner else said)
+    if said is None:
+        return _refuse(curve, field)
+    if not said.of_owner:
+        return _at(said, rest)
+    return None if values is None or values.of_owner else said.measure_of(values.measure(), _place(rest))
 
 
 def _at(said: Quantity | None, keys: list[str]) -> Measure | None:
     """Measure of a number of a field, at the place in a list that the first key gives."""
-    place = int(keys[0]) if keys and keys[0].isdecimal() else 0
-    return None if said is None or said.of_owner else said.measure(place)
+    return None if said is None or said.of_owner else said.measure(_place(keys))
+
+
+def _place(keys: list[str]) -> int:
+    """Place in a list or a pair that the first key gives."""
+    if keys and keys[0] in _AXES:
+        return _AXES.index(keys[0])
+    return int(keys[0]) if keys and keys[0].isdecimal() else 0
 
 
 def _refuse(item: Description, field: str) -> Measure:

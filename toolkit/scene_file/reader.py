@@ -8,9 +8,9 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description, Registered
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import CURVES
 from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
@@ -146,7 +146,7 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
     try:
         return kind.model_validate(value)
     except ValidationError as error:
-        problems += messages(error, kind, value, where, {**Instant.kinds, **CURVES})
+        problems += messages(error, kind, value, where, {**Instant.kinds, **Curve.kinds})
         return None
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from toolkit.curves.catalogue import Curve
+from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
@@ -30,6 +32,7 @@ def scene_schema() -> dict[str, Any]:
         for group, known in kinds_of(dimension).items():
             _define(f"{prefix}{_GROUPS[group]}", known, definitions)
     _define("response", Response.kinds, definitions)
+    _define("curve", Curve.kinds, definitions)
     instants = sorted(f"response-{kind}" for kind in Instant.kinds)
     definitions["instant"] = _one_of(name for name in instants if name in definitions)
     definitions["response-time-integral"]["properties"]["of"] = {"$ref": "#/$defs/instant"}
@@ -115,6 +118,8 @@ def tidy(schema: Any) -> Any:
         return [tidy(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
+    if schema.get("$comment") == PLACEHOLDER:
+        return {**schema, "$ref": "#/$defs/curve"}
     found = {key: tidy(item) for key, item in schema.items() if key != "discriminator" and item is not None}
     if isinstance(found.get("title"), str) and "$schema" not in found:
         del found["title"]

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from toolkit.description.profile import Curve
+from toolkit.curves.curve import Curve
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.driven import Driven
