@@ -36,6 +36,7 @@ from preprocessing.recipes.solids.body_tables import (
 )
 from preprocessing.recipes.tables import BasisTable, Damping
 from toolkit.curves.catalogue import Curve
+from toolkit.description.design import CommonVariable
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.responses.catalogue import Response
@@ -89,6 +90,7 @@ def _sections(group: str) -> Callable[[], str]:
 TABLES: dict[str, Callable[[], str]] = {
     "scene": table(Scene, without=("directory",)),
     "points": table(BodyPoint),
+    "design": table(CommonVariable),
     "solver": table(RunOptions),
     "baumgarte": table(Baumgarte),
     **{group: _sections(group) for group in kinds()},

@@ -16,6 +16,7 @@ BOUNDS = {"exclusiveMinimum": "&gt;", "minimum": "&ge;", "exclusiveMaximum": "&l
 SIMPLE = {"number": "number", "integer": "whole number", "string": "text", "boolean": "`true` or `false`"}
 SECTIONS = {
     "points": ("Point", "BodyPoint"),
+    "design": ("CommonVariable",),
     "solver": ("RunOptions",),
     "baumgarte": ("Baumgarte",),
     "start-and-end": ("ContourPoint",),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
 
 from tests.models.curves import CURVES, ROUGH
+from tests.scene_file.test_schemas import complaints
+from toolkit import extend
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.curves.curve import Curve
@@ -36,7 +39,7 @@ from toolkit.results.scene_table import table_of
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import converted
 from toolkit.scene_file.gradient_units import variable_unit
-from toolkit.scene_file.reader import read_scene
+from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.methods import gradients_by
 
 INERTIA, MASS, END, STEPS = 0.7, 1.3, 1.6, 400
@@ -188,3 +191,58 @@ curve = { type = "sequence", curves = [{ type = "ramp" }, { type = "polynomial",
         file.write_text(text.replace("SLOPE", slope))
         with pytest.raises(InputError, match=words):
             read_scene(file)
+
+
+class Fading(extend.Curve):
+    """f(t) = height exp(-rate t)."""
+
+    kind = "fading"
+
+    height: Annotated[extend.Number, extend.Quantity()] = 1.0
+    rate: Annotated[extend.Positive, extend.Quantity("1/time")]
+
+    def rates(self, time):
+        f = self.height * np.exp(-self.rate * time)
+        return f, -self.rate * f, self.rate**2 * f
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_curve_of_ones_own_stands_in_a_file_and_is_differentiated(dimension, tmp_path):
+    """x(T) = F / m (T / r - (1 - exp(-r T)) / r^2), and its derivative by r."""
+    rate, table = 1.7, table_of(sled(dimension, Fading(rate=1.7)))
+    assert table["loads"]["push"]["curve"] == {"type": "fading", "height": 1.0, "rate": 1.7}
+    scene, path = scene_from_table(table, tmp_path / "scene.toml"), "loads.push.curve.rate"
+
+    def way(r: complex) -> complex:
+        return 2 / MASS * (END / r - (1 - np.exp(-r * END)) / r**2)
+
+    for method in ("direct", "adjoint", "complex-step"):
+        found = gradients_by(method, scene, [path, "loads.push.curve.height"], "transient")
+        # second order: h^2 / 12 times r^2, 4e-6
+        assert found.values["way"] == pytest.approx(way(rate), rel=1e-5)
+        assert found.gradients["way"][path] == pytest.approx(way(rate + 1e-30j).imag / 1e-30, rel=1e-4)
+        assert found.gradients["way"]["loads.push.curve.height"] == pytest.approx(way(rate), rel=1e-5)
+    assert variable_unit(scene, path) == "1/s"
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_every_curve_meets_the_schema_and_comes_back_from_a_table(name, tmp_path):
+    scene = sled(2, CURVES[name])
+    table = table_of(scene)
+    assert complaints(json.loads(json.dumps({key: table[key] for key in ("units", "points", "bodies", "loads")})), "scene") == []
+    assert scene_from_table(table, tmp_path / "scene.toml").loads == scene.loads
+    table["loads"]["push"]["curve"]["nonsense"] = 1.0
+    assert complaints({key: table[key] for key in ("units", "points", "bodies", "loads")}, "scene") != []
+
+
+@pytest.mark.parametrize("name", ["cubic ramp", "monotone table"])
+def test_a_jump_of_the_second_derivative_costs_no_order(name):
+    """What the joint opens falls as the square of the step, though f'' jumps where steps end and between them; torque and angle follow."""
+    curve, opened, end = CURVES[name], [], np.array([END])
+    for steps in (400, 1600):
+        scene = flywheel(2, curve)
+        options = scene.solver.model_copy(update={"step": END / steps})
+        found = gradients_by("direct", scene.model_copy(update={"solver": options}), [], "transient")
+        opened.append(found.solution.drift)
+        assert found.values["torque"] == pytest.approx(INERTIA * curve.evaluate(end)[0, 2], abs=1e-8)
+    assert opened[1] < opened[0] / 12  # second order: a sixteenth

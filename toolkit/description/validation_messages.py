@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any, get_args
@@ -61,8 +61,15 @@ def _has(value: Any, part: Any) -> bool:
 
 def _field_class(kind: type[BaseModel], part: Any) -> type[BaseModel]:
     field = kind.model_fields.get(part) if isinstance(part, str) else None
-    options = [] if field is None else [field.annotation, *get_args(field.annotation)]
-    return next((option for option in options if isinstance(option, type) and issubclass(option, BaseModel)), kind)
+    return kind if field is None else next(_classes(field.annotation), kind)
+
+
+def _classes(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Classes of tables in an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _classes(part)
 
 
 def _said(error: Any, owner: type[BaseModel]) -> str:

@@ -23,7 +23,7 @@ def derivative_blocks(system: System, scene: Scene) -> list[Line]:
     blocks = [Line(each.name, int(count)) for each, count in zip(system.design, moved, strict=True)]
     if len(blocks) > MOST_NAMES:
         blocks = [Line(f"{len(blocks)} variables", int(moved.sum()))]
-    paths = {each.path for each in system.design}
+    paths = {path for each in system.design for path in each.paths}
     others = len([path for path in scene.available_paths() if path not in paths])
     return [*blocks, Line("other numbers of the scene", 0, others, "no derivative by them was asked for")]
 

@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description
+from toolkit.description.design import CommonVariable
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import UNIT_SYSTEMS
@@ -38,6 +39,8 @@ def scene_schema() -> dict[str, Any]:
     definitions["response-time-integral"]["properties"]["of"] = {"$ref": "#/$defs/instant"}
     definitions["body-point"] = _schema(BodyPoint, definitions)
     solver = _schema(RunOptions, definitions)
+    path = {"type": "string", "description": "path of a number, for example points.A.x"}
+    definitions["CommonVariable"] = _schema(CommonVariable, definitions)
     either = {name: _table({"anyOf": [_item(name, dimension) for dimension in PREFIXES]}) for name in ("points", *_GROUPS)}
     root = {
         "$schema": DRAFT,
@@ -49,7 +52,7 @@ def scene_schema() -> dict[str, Any]:
             "dimension": {"enum": list(PREFIXES), "default": 2, "description": "of space; it stands at the top of the file"},
             **either,
             "responses": _table({"$ref": "#/$defs/response"}),
-            "design": _table({"type": "string", "description": "path of a number, for example points.A.x"}),
+            "design": _table({"anyOf": [path, {"$ref": "#/$defs/CommonVariable"}]}),
             "solver": solver,
         },
         "required": ["units", "bodies"],
