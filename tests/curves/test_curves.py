@@ -154,6 +154,11 @@ def test_wrong_curves_are_refused_in_words():
         Sequence(curves=(Constant(), Constant()), times=(0.1, 0.2))
     with pytest.raises(ValidationError, match="times must increase from curve to curve"):
         Sequence(curves=(Constant(), Constant(), Constant()), times=(0.2, 0.1))
+    nested: Curve = Constant()
+    for _ in range(3):
+        nested = Sequence(curves=(Sum(terms=(nested,)), Constant()), times=(1.0,))
+    with pytest.raises(ValidationError, match="sequences stand in each other more than 3 deep; write one"):
+        Sequence(curves=(nested, Constant()), times=(1.0,))
     jumping = Sequence(curves=(Polynomial(coefficients=(0.0, 2.0)), Constant()), times=(0.5,))
     assert "the slope jumps, from 2 to 0 at t = 0.5, where its curve 1 takes over from curve 0" in jumping.kink()
     for rough in (CURVES["linear ramp"], CURVES["linear table"]):

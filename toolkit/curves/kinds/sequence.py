@@ -15,6 +15,10 @@ MEETS = 1e-9
 """Part of the largest slope by which two curves may differ where one follows the other: that is round-off of what a person writes."""
 
 
+DEEPEST = 3
+"""Sequences that may stand in each other: each takes four times as long as the one inside."""
+
+
 class Sequence(Curve):
     """f(t) = f_k(t - t_k) + d_k from t_k on, until the next takes over: curves one after the other, each with a time of its own.
 
@@ -44,6 +48,10 @@ class Sequence(Curve):
             )
         if np.any(np.diff(np.real(self.times)) <= 0):
             raise ValueError("times must increase from curve to curve")
+        if _depth(self) > DEEPEST:
+            raise ValueError(
+                f"sequences stand in each other more than {DEEPEST} deep; write one with all its curves one after the other"
+            )
         return self
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
@@ -102,6 +110,11 @@ class Sequence(Curve):
         bounds = (-np.inf, *(float(np.real(time)) for time in self.times), np.inf)
         starts = (0.0, *self.times)
         return tuple(Part(f"curves.{k}", curve, starts[k], bounds[k], bounds[k + 1]) for k, curve in enumerate(self.curves))
+
+
+def _depth(curve: Curve) -> int:
+    """How many sequences stand in each other."""
+    return isinstance(curve, Sequence) + max((_depth(part.curve) for part in curve.parts()), default=0)
 
 
 def _within(part: Part) -> list[Any]:
