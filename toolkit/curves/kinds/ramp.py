@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import model_validator
 
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.rise import Shape, cubic, linear, quintic, risen
+from toolkit.curves.shapes.rise import Shape, cubic, linear, quintic, risen
 from toolkit.description.description import Number
 from toolkit.description.quantity import OF_OWNER, Quantity
 

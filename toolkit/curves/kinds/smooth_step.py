@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.rise import quintic, risen
+from toolkit.curves.shapes.rise import quintic, risen
 from toolkit.description.description import Number, Positive
 from toolkit.description.quantity import OF_OWNER, Quantity
 

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.curves.curve import Curve
-from toolkit.curves.kinds.table_slopes import cubic_slopes, monotone_slopes
+from toolkit.curves.shapes.table_slopes import cubic_slopes, monotone_slopes
 from toolkit.description.description import Number
 from toolkit.description.quantity import OF_OWNER, Quantity
 
