@@ -25,10 +25,9 @@ from toolkit.curves.kinds.sum import Sum
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.driver import AngleDriver, PositionDriver, SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
-from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.planar.point_force import PointForce

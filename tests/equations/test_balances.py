@@ -18,7 +18,7 @@ from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.curves.kinds.sum import Sum
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.kinematics.planar import rotation
 from toolkit.loads.planar.gravity import Gravity
