@@ -18,6 +18,7 @@ from toolkit.curves.kinds.product import Product
 from toolkit.curves.kinds.ramp import Ramp
 from toolkit.curves.kinds.sequence import Sequence
 from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.curves.kinds.sum import Sum
 from toolkit.curves.kinds.table import Table
 from toolkit.description.description import Number
@@ -44,6 +45,15 @@ def test_a_corner_that_is_hit_counts_as_the_mean_of_both_sides(name):
         beside = curve.evaluate(np.array([corner - 1e-9, corner + 1e-9]))
         # second derivatives are below 100, third below 1000
         np.testing.assert_allclose(curve.evaluate(np.array([corner]))[0], beside.mean(axis=0), atol=2e-6)
+
+
+@pytest.mark.parametrize(
+    "curve", [SmoothStep(), Cycloid(), Ramp(smoothness="cubic"), CURVES["cubic table"], CURVES["monotone table"]]
+)
+def test_what_ends_at_rest_is_at_rest_at_its_end_to_the_last_digit(curve):
+    """No round-off of the sides is left: a scene that rests is not said to spin."""
+    first, last = curve.corners()[0], curve.corners()[-1]
+    assert np.all(curve.evaluate(np.array([first, last]))[:, 1] == 0)
 
 
 @pytest.mark.parametrize("name", CURVES)

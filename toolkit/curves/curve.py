@@ -97,9 +97,9 @@ class Curve(Registered):
         found = self._columns(time)
         hit = np.isin(np.real(time), np.real(np.array(self.corners())))
         if np.any(hit):
-            sides = [self._columns(_beside(time[hit], direction)) for direction in (-np.inf, np.inf)]
-            found = found.astype(np.result_type(found, *sides))
-            found[hit] = (sides[0] + sides[1]) / 2
+            left, right = (self._columns(_beside(time[hit], direction)) for direction in (-np.inf, np.inf))
+            found = found.astype(np.result_type(found, left, right))
+            found[hit] = _mean(left, right, found[hit], np.spacing(np.abs(np.real(time[hit]))))
         return found
 
     def _columns(self, time: np.ndarray) -> np.ndarray:
@@ -119,6 +119,15 @@ class Curve(Registered):
     def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """The schema of files puts the kinds in the place of a curve of any kind."""
         return handler(schema) if cls.kind else {"$comment": PLACEHOLDER}
+
+
+def _mean(left: np.ndarray, right: np.ndarray, here: np.ndarray, apart: np.ndarray) -> np.ndarray:
+    """Mean of both sides, (n, 3), which were evaluated a little `apart` (n,); where f or f' does not jump it is what it is `here`."""
+    mean = (left + right) / 2
+    reach = 4 * apart[:, None] * np.maximum(np.abs(np.real(left)), np.abs(np.real(right)))[:, 1:]
+    alike = np.abs(np.real(right - left))[:, :2] <= reach
+    mean[:, :2] += np.where(alike, np.real(here - mean)[:, :2], 0)
+    return mean
 
 
 def _beside(time: np.ndarray, direction: float) -> np.ndarray:
