@@ -9,8 +9,9 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.responses.instant import Instant, TimeIntegral
+from toolkit.responses.instant import Instant
 from toolkit.responses.motion import Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
 from toolkit.sensitivity.preparation import prepare, responses_of, solve

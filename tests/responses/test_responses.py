@@ -9,8 +9,9 @@ from tests.models.scenes import WING, hanging_skin
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.energy import KineticEnergy
-from toolkit.responses.instant import TimeIntegral, magnitude
+from toolkit.responses.instant import magnitude
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.shape_error import ShapeMSE, ShapeRMS, shape_error
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.check import check_joint, check_load, check_response, check_scene
 from toolkit.description.description import NotNegative, Number, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
@@ -11,10 +11,15 @@ from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector
+from toolkit.responses.kinematics.marker_motion import Motion
 from toolkit.responses.response import Partials, Response
 
 __all__ = [
     "Instant",
+    "MarkerFormula",
+    "MarkerVector",
+    "Motion",
     "NotNegative",
     "Number",
     "Partials",
@@ -27,6 +32,7 @@ __all__ = [
     "SpatialLoad",
     "check_joint",
     "check_load",
+    "check_response",
     "check_scene",
     "inner",
     "kernel",

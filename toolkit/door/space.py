@@ -7,6 +7,8 @@ from toolkit.bodies.spatial.rigid import SpatialRigid as Rigid
 from toolkit.bodies.spatial.rigid import SpatialRod as Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.door import responses
+from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.distance import SpatialDistance as Distance
 from toolkit.joints.spatial.driver import SpatialAngleDriver as AngleDriver
@@ -23,26 +25,16 @@ from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper as RotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper as SpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque as Torque
-from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
-from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
-from toolkit.responses.stress.stress import KSStress, MaxStress
 
 __all__ = [
+    *responses.__all__,
     "AngleDriver",
     "BodyPoint",
     "Constant",
     "Cylindrical",
-    "Displacement",
     "Distance",
     "Flexible",
     "Gravity",
-    "JointForce",
-    "KSStress",
-    "KineticEnergy",
-    "MaxStress",
     "Point",
     "PointForce",
     "PointOnPlane",
@@ -53,19 +45,13 @@ __all__ = [
     "Rigid",
     "RigidJoint",
     "Rod",
-    "Rotation",
     "RotationalSpringDamper",
-    "ShapeMSE",
-    "ShapeMax",
-    "ShapeRMS",
     "Sine",
     "SmoothStep",
     "Spherical",
     "SpringDamper",
-    "StrainEnergy",
     "Sum",
     "Table",
-    "TimeIntegral",
     "Torque",
     "Universal",
 ]

@@ -41,7 +41,7 @@ def prepare(scene: Scene, design: list[str] | None = None) -> System:
     """Compile a scene with what its responses look at, after they had a look at the scene."""
     for response in responses_of(scene).values():
         response.check(scene)
-    markers = [marker for response in responses_of(scene).values() for marker in response.markers()]
+    markers = [marker for response in responses_of(scene).values() for marker in response.grips(scene)]
     return compile_scene(scene, design, tuple(dict.fromkeys(markers)))
 
 
