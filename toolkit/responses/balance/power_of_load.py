@@ -20,7 +20,9 @@ from toolkit.system.system import System
 def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
     """P = f . w of a load of that name, step by step, with its force law f(z, w) (see `load_kernel`):
 
-    P_z = w . f_z,   P_w = f + w . f_w,   z the poses, the parameters and the value of the time curve.
+        P_z = w . f_z,   P_w = f + w . f_w
+
+    with the poses, the parameters and the value of the time curve in z.
     """
     system, loads = solution.system, solution.system.plan.loads
     load, k = named_loads(system.scene)[name], list(named_loads(system.scene)).index(name)
