@@ -36,6 +36,7 @@ from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
 from toolkit.responses.response import Response
+from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 
@@ -146,6 +147,10 @@ PLANE: dict[str, Response] = {
     "work of a driver": Work(joint="lead"),
     "stress": KSStress(body="strip", aggregation=2.0),
     "peak": MaxStress(body="strip"),
+    "stress at a point": StressAtPoint(body="strip", place=(1.0, 0.5), fibre="inner"),
+    "stress along a line": StressAlongLine(body="strip", places=((0.0, 0.0), (0.6, 0.1))),
+    "mean stress along a line": StressAlongLine(body="strip", places=((0.6, 0.1), (1.0, 0.5)), fibre="outer", take="mean"),
+    "smooth stress along a line": StressAlongLine(body="strip", places=((0.6, 0.1), (1.0, 0.5)), take="ks", aggregation=3.0),
     "integral": TimeIntegral(of=Displacement(**TIP, component="x")),
     "mean": TimeMean(of=RelativeAngle(bodies=("strip", "ground"), point=("T", "O"))),
     "mean square": TimeMeanSquare(of=Acceleration(**TIP, component="x")),
@@ -160,6 +165,14 @@ SPACE: dict[str, Response] = {
     "angular velocity": AngularVelocity(**TIP, component="y"),
     "size of angular velocity": AngularVelocity(**TIP, component="magnitude"),
     "angle": RelativeAngle(bodies=("strip", "crank"), point=("T", "A"), axis=AXIS),
+    "stress at a point": StressAtPoint(body="strip", place=(0.7, 0.1, -0.2), fibre="inner"),
+    "stress along a line": StressAlongLine(body="strip", places=((0.0, 0.0, 0.0), (0.7, 0.1, -0.2))),
+    "mean stress along a line": StressAlongLine(
+        body="strip", places=((0.7, 0.1, -0.2), (0.8, 0.9, 0.3)), fibre="outer", take="mean"
+    ),
+    "smooth stress along a line": StressAlongLine(
+        body="strip", places=((0.7, 0.1, -0.2), (0.8, 0.9, 0.3)), take="ks", aggregation=3.0
+    ),
     "mean": TimeMean(of=RelativeAngle(bodies=("strip", "ground"), point=("T", "O"), axis=AXIS)),
 }
 CASES = {"plane": (plane, PLANE), "space": (space, SPACE)}

@@ -100,7 +100,7 @@ def written(response: Any) -> dict[str, Any]:
 def _plain(value: Any) -> Any:
     if isinstance(value, Response):
         return written(value)
-    return list(value) if isinstance(value, tuple) else value
+    return [_plain(each) for each in value] if isinstance(value, tuple) else value
 
 
 def test_a_derivative_that_is_wrong_is_named(folder):

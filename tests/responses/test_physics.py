@@ -7,11 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from preprocessing.elements.section import Section
+from tests.models.beam_models import save_beam
 from tests.models.response_cases import CASES, TIP, write_models
 from tests.models.scenes import WING
+from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRod
-from toolkit.description.point import Point
+from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Sine, SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
@@ -20,6 +23,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.point_force import PointForce
 from toolkit.responses.balance.mass import CentreOfMass, Mass
 from toolkit.responses.balance.power import Power
 from toolkit.responses.balance.work import Work
@@ -33,6 +37,9 @@ from toolkit.responses.kinematics.relative_angle import RelativeAngle
 from toolkit.responses.motion import Displacement
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.means import TimeMean, TimeMeanSquare
+from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
+from toolkit.responses.stress.stress import stress_field
+from toolkit.responses.stress.stress_places import stress_places
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -338,3 +345,65 @@ def test_a_free_body_falls_by_the_parabola():
     assert found["a"] == pytest.approx(-9.81, rel=1e-12)
     assert found["c"] == pytest.approx(0.3 - 9.81 / 8, rel=1e-12)
     assert found["P"] == pytest.approx(2.0 * 9.81 * 4.905, rel=1e-12)
+
+
+@pytest.mark.parametrize("where", CASES)
+def test_the_largest_stress_is_that_at_its_own_place(where, tmp_path):
+    """Place by place the stress is that of the field, whose largest `max-stress` has."""
+    write_models(tmp_path)
+    solution = motion(CASES[where][0](tmp_path))
+    field, known = stress_field(solution, "strip")[0][-1], stress_places(solution.system.scene, "strip")
+    row = int(np.argmax(field))
+    fibre = {1: "outer", -1: "inner"}[int(known.fibre[row])]
+    own = StressAtPoint(body="strip", place=tuple(known.place[row]), fibre=fibre).rows(solution.system.scene)[0]
+    assert np.allclose(known.place[own], known.place[row], rtol=0, atol=1e-12)
+    assert StressAtPoint(body="strip", place=tuple(known.place[row]), fibre=fibre).value(solution) == pytest.approx(
+        field[own], rel=1e-12
+    )
+    ends = known.place[[0, 1]] if where == "space" else known.place[[0, 2]]
+    along = StressAlongLine(body="strip", places=tuple(map(tuple, ends)), fibre="outer")
+    assert along.value(solution) == field[along.rows(solution.system.scene)].max()
+
+
+def test_the_stress_of_a_bent_cantilever_is_that_of_the_moment(tmp_path):
+    """sigma = F (L - s) t / (2 I) at the outer fibre of a beam that a force bends at its end."""
+    nodes = np.column_stack([np.linspace(0, 1, 9), np.zeros(9)])
+    section = Section(youngs_modulus=2e11, density=7800.0, thickness=0.01, width=0.02, damping_mass=0.0, damping_stiffness=0.0)
+    save_beam(tmp_path / "beam.h5", nodes, section, {"end": 1.0})
+    scene = Scene(
+        units="m-kg-s",
+        directory=tmp_path,
+        points={"E": BodyPoint(body="beam", interface="end")},
+        bodies={"beam": Flexible(model="beam.h5", frame="grounded")},
+        loads={"pull": PointForce(body="beam", point="E", force=(0.0, -3.0))},
+        responses={
+            "root": StressAtPoint(body="beam", place=(0.0, 0.0), fibre="outer"),
+            "middle": StressAtPoint(body="beam", place=(0.5, 0.0), fibre="outer"),
+            "tip": StressAtPoint(body="beam", place=(1.0, 0.0), fibre="outer"),
+            "mean": StressAlongLine(body="beam", places=((0.0, 0.0), (1.0, 0.0)), fibre="outer", take="mean"),
+            "down": Deflection(body="beam", point="E", component="y"),
+        },
+    )
+    found = evaluate_responses(solve(prepare(scene), "static"))
+    inertia = 0.02 * 0.01**3 / 12
+    root = 3.0 * 0.005 / inertia
+    sign = np.sign(found["root"])
+    # Euler-Bernoulli elements are exact for forces at nodes; round-off of a beam 1e4 times stiffer in tension
+    assert sign * found["root"] == pytest.approx(root, rel=1e-9)
+    assert sign * found["middle"] == pytest.approx(root / 2, rel=1e-9)
+    assert abs(found["tip"]) < 1e-9 * root
+    assert sign * found["mean"] == pytest.approx(root / 2, rel=1e-9)
+    assert found["down"] == pytest.approx(-3.0 / (3 * 2e11 * inertia), rel=1e-9)
+
+
+def test_a_place_far_from_the_body_and_a_wrong_fibre_are_refused(tmp_path):
+    write_models(tmp_path)
+    scene = CASES["plane"][0](tmp_path)
+    with pytest.raises(InputError, match=r"no stress point near \[5, 5\]; the nearest is at \[1.1, 1.2\]"):
+        StressAtPoint(body="strip", place=(5.0, 5.0)).check(scene)
+    with pytest.raises(InputError, match=r"a place in a scene of dimension 2 has 2 numbers, not 3"):
+        StressAtPoint(body="strip", place=(0.6, 0.1, 0.0)).check(scene)
+    with pytest.raises(ValueError, match='`aggregation` belongs to take = "ks"'):
+        StressAlongLine(body="strip", places=((0.0, 0.0), (0.6, 0.1)), aggregation=2.0)
+    with pytest.raises(InputError, match="'crank' is not flexible"):
+        StressAtPoint(body="crank", place=(0.6, 0.1)).check(scene)

@@ -15,6 +15,7 @@ from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
 from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
+from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import KSStress, MaxStress
 
 __all__ = [
@@ -36,6 +37,8 @@ __all__ = [
     "ShapeMax",
     "ShapeRMS",
     "StrainEnergy",
+    "StressAlongLine",
+    "StressAtPoint",
     "TimeIntegral",
     "TimeKS",
     "TimeMax",
