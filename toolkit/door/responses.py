@@ -11,6 +11,7 @@ from toolkit.responses.kinematics.deflection import Deflection
 from toolkit.responses.kinematics.point_distance import PointDistance
 from toolkit.responses.kinematics.point_motion import Acceleration, AngularVelocity, Velocity
 from toolkit.responses.kinematics.relative_angle import RelativeAngle
+from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.extremes import TimeKS, TimeMax, TimeMin
 from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
@@ -27,6 +28,7 @@ __all__ = [
     "JointForce",
     "KSStress",
     "KineticEnergy",
+    "LoadMargin",
     "Mass",
     "MaxStress",
     "PointDistance",

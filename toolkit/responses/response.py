@@ -44,6 +44,11 @@ class Response(Registered):
         """Whether it exists for a transient solution only; a static analysis leaves it out."""
         return False
 
+    @property
+    def needs_rest(self) -> bool:
+        """Whether it exists for an equilibrium only; a transient analysis leaves it out."""
+        return False
+
     @abstractmethod
     def partials(self, solution: Solution) -> Partials:
         """Value and partial derivatives; complex-safe in the value."""

@@ -12,7 +12,7 @@ from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import flexible_body
 
-FAR = 0.1
+FAR = 0.25
 """Part of a body's extent that the nearest stress point may be away from the place that is asked for."""
 
 
