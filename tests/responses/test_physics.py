@@ -307,6 +307,18 @@ def test_wrong_uses_say_what_would_be_right(name):
         prepare(crank(responses={"f": response}))
 
 
+@pytest.mark.parametrize(
+    "response",
+    [Velocity(body="rod", point="A"), AngularVelocity(body="rod", point="A"), Power(load="weight"), Work(joint="drive")],
+    ids=lambda response: response.kind,
+)
+def test_a_run_without_inertia_has_no_rates(response):
+    scene = crank(responses={"f": response})
+    still = scene.model_copy(update={"solver": scene.solver.model_copy(update={"quasi_static": True})})
+    with pytest.raises(InputError, match=r"a quasi-static run .* knows no (velocity|angular-velocity|power)"):
+        prepare(still)
+
+
 def test_work_of_both_and_times_of_what_looks_at_all_are_refused():
     with pytest.raises(ValueError, match="give one of `load` and `joint`"):
         Power(load="a", joint="b")

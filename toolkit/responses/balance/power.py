@@ -16,6 +16,7 @@ from toolkit.loads.load import Load
 from toolkit.responses.balance.power_of_gravity import power_of_gravity
 from toolkit.responses.balance.power_of_load import power_of_load
 from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.rates import refuse_rates_without_inertia
 from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -67,6 +68,7 @@ class Power(Doer, Instant):
             It is a pressure, or a joint without a driver; lists what can be asked for.
         """
         super().check(scene)
+        refuse_rates_without_inertia(scene, self.kind)
         known = [name for name, load in scene.loads.items() if isinstance(load, Load | UniformGravity)]
         if self.load is not None and self.load not in known:
             raise InputError(

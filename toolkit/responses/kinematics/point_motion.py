@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector, place_of
 from toolkit.responses.kinematics.marker_motion import Motion
+from toolkit.responses.kinematics.rates import refuse_rates_without_inertia
 
 
 class PointVector(MarkerVector):
@@ -34,6 +35,11 @@ class PointVector(MarkerVector):
     def markers(self) -> tuple[tuple[str, str], ...]:
         """The point on the body."""
         return ((self.body, self.point),)
+
+    def check(self, scene: Any) -> None:
+        """The component exists, and the run has rates."""
+        super().check(scene)
+        refuse_rates_without_inertia(scene, self.kind)
 
 
 class Velocity(PointVector):
@@ -102,6 +108,7 @@ class AngularVelocity(MarkerFormula):
             It is missing there, or given in the plane.
         """
         super().check(scene)
+        refuse_rates_without_inertia(scene, self.kind)
         if scene.space.rotations_add != (self.component is None):
             raise InputError(
                 'an angular velocity in space needs a `component`: "x", "y", "z" or "magnitude"; one in the plane has none.'
