@@ -38,6 +38,7 @@ from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSq
 from toolkit.responses.response import Response
 from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import KSStress, MaxStress
+from toolkit.responses.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 
 AXIS = (0.3, -0.5, 1.0)
@@ -151,6 +152,9 @@ PLANE: dict[str, Response] = {
     "stress along a line": StressAlongLine(body="strip", places=((0.0, 0.0), (0.6, 0.1))),
     "mean stress along a line": StressAlongLine(body="strip", places=((0.6, 0.1), (1.0, 0.5)), fibre="outer", take="mean"),
     "smooth stress along a line": StressAlongLine(body="strip", places=((0.6, 0.1), (1.0, 0.5)), take="ks", aggregation=3.0),
+    "frequency": Frequency(),
+    "second frequency": Frequency(number=2),
+    "damping": DampingRatio(),
     "integral": TimeIntegral(of=Displacement(**TIP, component="x")),
     "mean": TimeMean(of=RelativeAngle(bodies=("strip", "ground"), point=("T", "O"))),
     "mean square": TimeMeanSquare(of=Acceleration(**TIP, component="x")),

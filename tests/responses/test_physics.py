@@ -273,6 +273,17 @@ def test_a_distance_is_that_of_the_points_and_its_components_those_of_the_way():
     assert found["magnitude"] ** 2 == pytest.approx(found["x"] ** 2 + found["y"] ** 2, rel=1e-12)
 
 
+def test_of_equal_extremes_the_first_counts_however_they_are_rounded():
+    """Values that differ by less than a billionth are one; which is larger is round-off."""
+    values = np.array([1.0, 2.0, 2.0 + 1e-12, -2.0 - 1e-11, 0.5])
+    shares = np.full(5, 0.2)
+    of = KineticEnergy()
+    assert TimeMax(of=of).reduced(values, shares)[1].tolist() == [0, 1, 0, 0, 0]
+    assert TimeMax(of=of, measure="absolute").reduced(values, shares)[1].tolist() == [0, 1, 0, 0, 0]
+    assert TimeMax(of=of, measure="absolute").reduced(values - 1, shares)[1].tolist() == [0, 0, 0, -1, 0]
+    assert TimeMin(of=of).reduced(-values, shares)[1].tolist() == [0, 1, 0, 0, 0]
+
+
 WRONG = {
     "a distance of unknown bodies": (
         PointDistance(bodies=("rod", "wheel"), points=("A", "O")),
