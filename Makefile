@@ -1,4 +1,5 @@
-# make demo: everything from a fresh clone to pictures in output/. make test, make lint (style, types, texts), make lowest: what CI runs. make docs: web pages in site/.
+# make demo: everything from a fresh clone to pictures in output/. make test, make robustness (killed and random runs), make lint (style, types, texts),
+# make lowest: what CI runs. make docs: web pages in site/.
 PYTHON ?= python3
 VENV := .venv
 INSTALLED := $(VENV)/.installed
@@ -8,7 +9,7 @@ MODEL := models/morphing_wing
 # gmsh lives on these (Debian, Ubuntu); nothing else needs them.
 LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 
-.PHONY: demo test lint lowest docs libraries
+.PHONY: demo test robustness lint lowest docs libraries
 .DEFAULT_GOAL := demo
 
 demo: $(INSTALLED) libraries
@@ -20,7 +21,10 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2 --ignore=tests/repository
+	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m 'not robustness'
+
+robustness: $(INSTALLED)
+	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m robustness
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check

@@ -1,34 +1,27 @@
-"""Adding a joint of your own: a pair of gears, with all derivatives, checked before it is used."""
+"""Adding a joint of your own: a pair of gears as a row of poses, a cam as an open formula, checked before they are used."""
 
 # %% [markdown]
 # A joint says what two bodies may not do. Two gears may not turn as they like: angle_a + n angle_b = 0, with the ratio n of
-# their teeth. Forces, accelerations and sensitivities are made from that by the program, if it comes with its derivatives, in
-# one function, which is compiled. Its arguments z are x, y, angle of body a (0, 1, 2), x, y, angle of body b (3, 4, 5), then
-# the joint's parameters (6, ...): here n.
+# their teeth. Forces, accelerations and sensitivities are made from that by the program. In the plane and in space it is stated in
+# the same way: `constraint` gives rows of the two `poses`. A pose has a position `r`, axes `e(1)`, `e(2)` (in space `e(3)`) and in the
+# plane an `angle`; vectors are added and multiplied with `@`, and everything else follows, derivatives too.
 #
-# What numbers measure stands beside them: `rows` names each row of phi and says whether it is a length or an angle, and the ratio
-# is a pure number. Units of gradients and scenes in other units follow from that.
+# What numbers measure stands beside them: a row has a name and says whether it is a length or an angle, and the ratio is a pure number.
+# Units of gradients and scenes in other units follow from that.
 
 # %%
 from typing import Annotated
 
+import numpy as np
+
 import toolkit as ffrf
 from toolkit import extend, plane
-
-
-@extend.kernel
-def gear_law(z, w, phi, phi_z, phi_zz, phi_zww):
-    """phi = angle_a + n angle_b, its first and its second derivatives; whatever is not written here is zero."""
-    phi[0] = z[2] + z[6] * z[5]
-    phi_z[0, 2], phi_z[0, 5], phi_z[0, 6] = 1, z[6], z[5]
-    phi_zz[0, 5, 6] = phi_zz[0, 6, 5] = 1
 
 
 class Gears(extend.PlanarJoint):
     """Body a turns -n times as far as body b; each body is gripped at its own point."""
 
     kind = "gears"
-    formula = gear_law
     points: tuple[str, str]
     ratio: Annotated[extend.Number, extend.Quantity("none")]
 
@@ -36,17 +29,14 @@ class Gears(extend.PlanarJoint):
     def grips(self):
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
-    @property
-    def rows(self):
-        return [("rotation", "angle")]
-
-    def parameters(self, scene):
-        return [self.ratio]
+    def constraint(self, scene):
+        a, b = self.poses
+        return (extend.Row("rotation", "angle", a.angle + self.ratio * b.angle),)
 
 
 # %% [markdown]
-# Two wheels on their axles, geared 1 : 3, and a motor on the first. `check_joint` holds every derivative against a complex
-# step of the law.
+# Two wheels on their axles, geared 1 : 3, and a motor on the first. `check_joint` holds every derivative of the equations
+# against a complex step.
 
 # %%
 gears = Gears(bodies=("small", "large"), points=("A", "B"), ratio=3.0)
@@ -63,8 +53,6 @@ extend.check_joint(gears, scene)
 print("the gears are right in all their derivatives")
 
 # %% [markdown]
-# Change a sign in `gear_law` and run that cell again: the error names the derivative that is wrong, and by how much.
-#
 # Now the motion. The large wheel counts with its inertia over n^2, so after t = 1 s theory has
 #
 #     angle = t^2 / 2 torque / (0.02 + 1.5 / n^2).
@@ -76,3 +64,40 @@ slope = 0.5 * 0.5 / inertia**2 * 2 * 1.5 / 3**3
 print(f"turned {result.values['turned']:.6f} rad, theory {0.5 * 0.5 / inertia:.6f}")
 print(f"by the ratio {result.gradients['turned']['joints.gears.ratio']:.6f}, theory {slope:.6f}")
 check = result.gradients["turned"]["joints.gears.ratio"] / slope - 1
+
+# %% [markdown]
+# Not every law is made of sums and products. A cam is not: a follower's height is a function of how far the cam has turned. Such a
+# row takes an open formula, compiled, of whatever it needs of both poses, h: here the height, the angle and the eccentricity, a number.
+# It fills g and its derivatives by h: first ones, second ones, and those of w^T g_hh w, w = h' being the rates. What is not written is
+# zero. Open formulas are the same in space.
+
+
+# %%
+@extend.kernel
+def cam_law(h, w, g, g_h, g_hh, g_hww):
+    """g = height - e (1 - cos angle) of h = (height, angle, e)."""
+    c, s = np.cos(h[1]), np.sin(h[1])
+    g[0] = h[0] - h[2] * (1 - c)
+    g_h[0], g_h[1], g_h[2] = 1, -h[2] * s, c - 1
+    g_hh[1, 1] = -h[2] * c
+    g_hh[1, 2] = g_hh[2, 1] = -s
+    g_hww[1] = h[2] * s * w[1] * w[1] - 2 * c * w[1] * w[2]
+    g_hww[2] = -c * w[1] * w[1]
+
+
+class Cam(Gears):
+    """Body a rises as the cam, body b, turns."""
+
+    kind = "cam"
+    ratio: Annotated[extend.Number, extend.Quantity("length")]
+
+    def constraint(self, scene):
+        a, b = self.poses
+        return (extend.Row("height", "length", (a.r[1] - b.r[1], b.angle, self.ratio), cam_law),)
+
+
+extend.check_joint(Cam(bodies=("small", "large"), points=("A", "B"), ratio=0.1), scene)
+print("the cam is right in all its derivatives")
+
+# %% [markdown]
+# Change a sign in `cam_law` and run that cell again: the error names the derivative that is wrong, and by how much.

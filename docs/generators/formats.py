@@ -1,9 +1,13 @@
-"""Tables of the file formats, made from the classes that read the files: a key that exists is documented, and no other."""
+"""Tables of the file formats, made from the classes that read the files: a key that exists is documented, and no other.
+
+`python -m docs.generators.formats` writes them into docs/formats.md, so that the page is read in the repository as it is.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
 
 from pydantic import BaseModel
 
@@ -38,17 +42,29 @@ from preprocessing.recipes.tables import BasisTable, Damping
 from toolkit.description.point import BodyPoint
 from toolkit.description.profile import CURVES
 from toolkit.description.run_options import Baumgarte, RunOptions
+from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
 
-PLACE = re.compile(r"^<!-- table: ([\w-]+) -->$", re.MULTILINE)
-"""Where a page wants a table."""
+PAGE = Path(__file__).parents[1] / "formats.md"
+PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)
+"""Where the page wants a table, with the table if it is there."""
+ANCHOR, CLASS = (
+    re.compile(r"^(#+) <a id=\"([\w-]+)\"></a>(.*)$", re.MULTILINE),
+    re.compile(r"^Class `(([\w.]+)\.(\w+))`\.$", re.MULTILINE),
+)
+"""A heading with the name that links use; what class a table is made from."""
 
 
 def fill(markdown: str) -> str:
-    """The page with its tables."""
-    return PLACE.sub(lambda found: TABLES[found[1]](), markdown)
+    """The page with its tables as they are now."""
+    return PLACE.sub(lambda found: f"<!-- table: {found[1]} -->\n\n{TABLES[found[1]]()}\n\n<!-- end of table -->\n", markdown)
+
+
+def for_the_site(markdown: str) -> str:
+    """The page with headings and links to the reference as MkDocs writes them."""
+    return CLASS.sub(r"In the reference: [`\3`][\1].", ANCHOR.sub(r"\1 \3 { #\2 }", markdown))
 
 
 def kinds() -> dict[str, dict[str, type[BaseModel]]]:
@@ -68,7 +84,7 @@ def kinds() -> dict[str, dict[str, type[BaseModel]]]:
 def kind_sections(group: str) -> str:
     """One section per kind: what its class says, and its keys."""
     return "\n\n".join(
-        f"### {name} {{ #{group}-{name} }}\n\n{words(kind)}\n\n{_reference(kind)}\n\n{key_table(kind)}"
+        f'### <a id="{group}-{name}"></a>{name}\n\n{words(kind)}\n\n{_reference(kind)}\n\n{key_table(kind)}'
         for name, kind in kinds()[group].items()
     )
 
@@ -79,7 +95,7 @@ def table(model: type[BaseModel], without: Iterable[str] = ()) -> Callable[[], s
 
 
 def _reference(kind: type) -> str:
-    return f"In the reference: [`{kind.__name__}`][{kind.__module__}.{kind.__name__}]."
+    return f"Class `{kind.__module__}.{kind.__name__}`."
 
 
 def _sections(group: str) -> Callable[[], str]:
@@ -121,3 +137,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "reduced-model": layout,
 }
 """What a page can ask for."""
+
+
+if __name__ == "__main__":
+    write_whole(PAGE, fill(PAGE.read_text(encoding="utf-8")).encode())
+    print(f"{PAGE} written.")

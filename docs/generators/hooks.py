@@ -8,7 +8,7 @@ from typing import Any
 
 from mkdocs.structure.files import File
 
-from docs.generators.formats import fill
+from docs.generators.formats import for_the_site
 from docs.generators.formulas import hide_formulas, show_formulas
 from docs.generators.house_picture import picture
 from docs.generators.rooms import navigation, overview, page, rooms
@@ -34,7 +34,7 @@ def on_files(files: Any, config: Any) -> Any:
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Put generated tables in their places, and formulas out of Markdown's reach."""
     written = {
-        "formats.md": fill,
+        "formats.md": for_the_site,
         "house.md": lambda text: hide_formulas(text.replace("<!-- house -->", picture())),
         "theory.md": hide_formulas,
         "reference.md": lambda text: text.replace("<!-- rooms -->", overview()),

@@ -1,34 +1,50 @@
-"""Sparse matrices of the whole skin on its nodal coordinates, at one design and their derivatives by the section's parameters."""
+"""Sparse matrices of a whole body on its coordinates, at one design and their derivatives by the parameters of its monomials."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import sparse
 
-from preprocessing.elements import beam, stress
-from preprocessing.elements.section import Monomial, Patch, monomial, monomial_derivative
-from preprocessing.mesh.curve_mesh import CurveMesh
+from preprocessing.elements.element import Contribution, Coordinates, Element
+from preprocessing.elements.section import Monomial, monomial, monomial_derivative
+from preprocessing.elements.space import Pair, Space
+
+MATERIAL = {"mass": "density", "stiffness": "youngs_modulus", "stress": "youngs_modulus"}
+"""By which quantity of the material a kind of contribution is multiplied."""
+DAMPING = {"mass": "damping_mass", "stiffness": "damping_stiffness"}
+"""By which quantity it enters the damping D = a M + c K."""
 
 
 @dataclass(frozen=True)
 class Matrices:
-    """Finite-element matrices on the n nodal coordinates, theory section 1; M_21 is the transpose of M_12."""
+    """Finite-element matrices on the n coordinates, theory section 1; M_ba is the transpose of M_ab."""
 
-    m_11: Any  # sparse (n, n)
-    m_12: Any  # sparse (n, n)
-    m_22: Any  # sparse (n, n)
+    coordinates: Coordinates
+    components: int  # of the stress at a point
+    m: tuple[Any, ...]  # sparse (n, n), M_ab in the order of the pairs of the space
     stiffness: Any  # sparse (n, n)
     damping: Any  # sparse (n, n)
-    stress: Any  # sparse (n_stress, n)
+    stress: Any  # sparse (n_stress * components, n), the components of one point after each other
 
     @property
     def mass(self) -> Any:
-        """M = M_11 + M_22."""
-        return self.m_11 + self.m_22
+        """M, the sum of the M_aa."""
+        return reduce(add, self.m[: self.coordinates.space.dimension])
+
+    def changed(self, change: Any) -> Matrices:
+        """The same with `change` applied to every matrix."""
+        return Matrices(
+            self.coordinates,
+            self.components,
+            tuple(change(matrix) for matrix in self.m),
+            *(change(matrix) for matrix in (self.stiffness, self.damping, self.stress)),
+        )
 
 
 class Root(NamedTuple):
@@ -42,80 +58,73 @@ class Part(NamedTuple):
     """One summand of one of the matrices, for unit parameters."""
 
     factors: Monomial
-    name: str  # of the matrix
+    name: str | Pair  # stiffness, damping or stress, or the pair (a, b) of M_ab
     matrix: Any  # sparse
     root: Root | None = None  # of a stiffness, where it is known
 
 
 @dataclass(frozen=True)
 class Parts:
-    """The matrices as polynomials of the parameters: each is the sum of its parts times their monomials.
-
-    In the plane they are `Matrices`; those of spatial bodies are `spatial_invariants.SpatialParts`.
-    """
+    """The matrices as polynomials of the parameters: each is the sum of its parts times their monomials."""
 
     parts: tuple[Part, ...]
-    n: int  # nodal coordinates
-    n_stress: int  # rows of the stress
+    coordinates: Coordinates
+    components: int  # of the stress at a point
+    n_stress: int  # rows of the stress, points times components
 
-    def at(self, values: Mapping[str, Any]) -> Any:
+    def at(self, values: Mapping[str, Any]) -> Matrices:
         """Matrices at one design."""
         return self._sum([(part, monomial(values, part.factors)) for part in self.parts])
 
-    def derivative(self, values: Mapping[str, Any], parameter: str) -> Any:
+    def derivative(self, values: Mapping[str, Any], parameter: str) -> Matrices:
         """Analytical derivative of the matrices by one parameter."""
         concerned = [part for part in self.parts if parameter in dict(part.factors)]
         return self._sum([(part, monomial_derivative(values, part.factors, parameter)) for part in concerned])
 
-    def matrices(self, one: Callable[[str], Any]) -> Any:
-        """The matrices, each by its name."""
-        return Matrices(**{f.name: one(f.name) for f in fields(Matrices)})
+    def _sum(self, weighted: list[tuple[Part, Any]]) -> Matrices:
+        n = self.coordinates.n
 
-    def _sum(self, weighted: list[tuple[Part, Any]]) -> Any:
-        def one(name: str) -> Any:
+        def one(name: str | Pair) -> Any:
             terms = [weight * part.matrix for part, weight in weighted if part.name == name and weight != 0]
-            return _added(terms, self.n_stress if name == "stress" else self.n, self.n)
+            return _added(terms, self.n_stress if name == "stress" else n, n)
 
-        return self.matrices(one)
+        masses = tuple(one(pair) for pair in self.coordinates.space.pairs)
+        return Matrices(self.coordinates, self.components, masses, one("stiffness"), one("damping"), one("stress"))
 
 
-def assemble(mesh: CurveMesh, patches: Iterable[Patch], modulus_factor: Any = 1.0) -> Parts:
-    """Parts of the matrices; what depends on geometry only stands here, what depends on the section in the monomials.
+def assemble(element: Element) -> Parts:
+    """Parts of the matrices; what depends on geometry only stands in the contributions, what depends on the section in the monomials.
 
-    With thickness t, width b, and the modulus E times `modulus_factor` (1, or 1 / (1 - nu^2) in plane strain):
+        M_ab = sum rho p(section) (...),   K = sum E p(section) (...),   D = a M + c K,   stress = sum E p(section) (...)
 
-        M_ab = rho b t (...),   K = E b t K_1 + E b t^3 K_3,   D = a M + c K,   stress = E (...) + E t (...)
-
-    Parameters
-    ----------
-    mesh : nodes real, or complex for a complex step in the geometry
+    with a polynomial p for every contribution of the element; see `preprocessing.elements.element.Contribution`.
     """
-    parts = tuple(part for patch in patches for part in _parts_of(mesh, patch, modulus_factor))
-    return Parts(parts, 3 * len(mesh.nodes), 4 * len(mesh.connectivity))
+    found: list[Part] = []
+    n_stress = 0
+    for each in element.contributions():
+        found += _parts_of(each, element.coordinates.space)
+        n_stress = each.matrix.shape[0] if each.kind == "stress" else n_stress
+    return Parts(tuple(found), element.coordinates, element.components, n_stress)
 
 
-def _parts_of(mesh: CurveMesh, patch: Patch, modulus_factor: Any) -> Iterator[Part]:
-    ends, elements = mesh.ends[patch.elements], patch.elements
-    mass = beam.component_mass(ends)
-    m_11, m_12, m_22 = (_square(mesh, elements, mass[:, a, b]) for a, b in ((0, 0), (0, 1), (1, 1)))
-    inertial = {"density": 1, "thickness": 1, "width": 1}
-    for name, matrix in (("m_11", m_11), ("m_12", m_12), ("m_22", m_22)):
-        yield Part(patch.monomial(**inertial), name, matrix)
-    yield Part(patch.monomial(damping_mass=1, **inertial), "damping", m_11 + m_22)
-    # A = b t, I = b t^3 / 12
-    stiff = {
-        1: (beam.stretching_stiffness(ends), beam.stretching(ends)),
-        3: (beam.bending_stiffness(ends) / 12, beam.bending(ends) / np.sqrt(12)),
-    }
-    for power, (blocks, rows) in stiff.items():
-        elastic, matrix = {"youngs_modulus": 1, "thickness": power, "width": 1}, _square(mesh, elements, modulus_factor * blocks)
-        root = Root(1.0, _rows(mesh, elements, np.arange(len(elements)), np.sqrt(modulus_factor) * rows, len(elements)))
-        yield Part(patch.monomial(**elastic), "stiffness", matrix, root)
-        yield Part(patch.monomial(damping_stiffness=1, **elastic), "damping", matrix, root)
-    n_elements, strained = len(mesh.connectivity), modulus_factor * stress.strain_rows(ends)
-    yield Part(patch.monomial(youngs_modulus=1), "stress", _rows(mesh, elements, elements, strained, n_elements))
-    curved = _rows(mesh, elements, elements, modulus_factor * stress.curvature_rows(ends), n_elements)
-    yield Part(patch.monomial(youngs_modulus=1, thickness=1), "stress", curved)
+def _parts_of(each: Contribution, space: Space) -> Iterator[Part]:
+    material = {MATERIAL[each.kind]: 1}
+    if each.kind == "mass":
+        for pair in space.pairs:
+            yield from _summands(each, pair, each.matrix[pair], **material)
+        whole = reduce(add, (each.matrix[axis, axis] for axis in range(space.dimension)))
+    else:
+        whole = each.matrix
+        yield from _summands(each, each.kind, whole, **material)
+    if each.kind in DAMPING:
+        yield from _summands(each, "damping", whole, **{DAMPING[each.kind]: 1}, **material)
+
+
+def _summands(each: Contribution, name: str | Pair, matrix: Any, **powers: int) -> Iterator[Part]:
+    """One part for every term of the polynomial of the section, times powers of other quantities of its patch."""
+    for number, dimensions in each.terms:
+        root = None if each.rows is None else Root(number, each.rows)
+        yield Part(each.patch.monomial(**powers, **dimensions), name, matrix if number == 1 else number * matrix, root)
 
 
 def _added(terms: list[Any], n_rows: int, n: int) -> Any:
@@ -127,18 +136,3 @@ def _added(terms: list[Any], n_rows: int, n: int) -> Any:
     every = [term.tocoo() for term in terms]
     row, column, value = (np.concatenate([getattr(term, name) for term in every]) for name in ("row", "col", "data"))
     return sparse.coo_array((value, (row, column)), shape=(n_rows, n)).tocsr()
-
-
-def _square(mesh: CurveMesh, elements: np.ndarray, blocks: np.ndarray) -> Any:
-    """Sum element blocks (n_e, 6, 6) into one sparse matrix."""
-    dofs, n = mesh.dofs[elements], 3 * len(mesh.nodes)
-    rows, columns = np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :])
-    return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)).tocsr()
-
-
-def _rows(mesh: CurveMesh, elements: np.ndarray, places: np.ndarray, blocks: np.ndarray, n_places: int) -> Any:
-    """Place rows (n_e, k, 6) of elements in one sparse matrix with k rows for each of `n_places` places."""
-    k = blocks.shape[1]
-    n_rows, numbers = k * n_places, k * places[:, None] + np.arange(k)
-    rows, columns = np.broadcast_arrays(numbers[:, :, None], mesh.dofs[elements][:, None, :])
-    return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_rows, 3 * len(mesh.nodes))).tocsr()

@@ -37,3 +37,7 @@ def symmetric(matrix: Any) -> Any:
 def antisymmetric(matrix: Any) -> Any:
     """Likewise."""
     return (matrix - matrix.T) / 2
+
+
+PARTS = {"symmetric": symmetric, "antisymmetric": antisymmetric, "whole": lambda matrix: matrix}
+"""What of a product is an invariant, by the words of `preprocessing.elements.space.Form`."""

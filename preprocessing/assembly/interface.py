@@ -6,11 +6,10 @@ Mesh, arc lengths and basis may carry a complex step in a parameter of the shape
 from __future__ import annotations
 
 from math import comb
-from typing import Protocol
 
 import numpy as np
 
-from preprocessing.basis.reduction import per_node
+from preprocessing.elements.block_element import LineElement
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import InterfacePoint
 
@@ -21,18 +20,7 @@ MOVES_ALONG = 1e-6
 """Parts of the largest movement that a point may lag behind its node; round-off is far below."""
 
 
-class Chain(Protocol):
-    """Straight elements along an open curve, in the plane or in space."""
-
-    @property
-    def nodes(self) -> np.ndarray:
-        """Positions (n_nodes, d)."""
-
-    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Numbers of one element's coordinates, and coefficients of r^k in its displacement and rotation."""
-
-
-def interface_point(mesh: Chain, arc_lengths: np.ndarray, z: np.ndarray, arc_length: complex) -> InterfacePoint:
+def interface_point(beams: LineElement, arc_lengths: np.ndarray, z: np.ndarray, arc_length: complex) -> InterfacePoint:
     """The interface point at one arc length.
 
     Inside an element the arc length s on the true curve is mapped linearly to the place r = (s - s_1) / (s_2 - s_1) on the
@@ -55,11 +43,11 @@ def interface_point(mesh: Chain, arc_lengths: np.ndarray, z: np.ndarray, arc_len
     nearest = int(np.abs(nodes - place).argmin())
     if abs(nodes[nearest] - place) <= ON_NODE * (nodes[-1] - nodes[0]):
         _refuse_passing(arc_lengths, nearest, arc_length)
-        return _at_node(mesh, z, nearest, arc_lengths[nearest])
+        return node_point(beams, z, nearest, arc_lengths[nearest])
     if not nodes[0] <= place <= nodes[-1]:
         raise InputError(f"arc length {place:g} is off the skin, which reaches from {nodes[0]:g} to {nodes[-1]:g}.")
     element = int(np.searchsorted(nodes, place)) - 1
-    return _inside_element(mesh, z, element, arc_lengths[element : element + 2], arc_length)
+    return _inside_element(beams, z, element, arc_lengths[element : element + 2], arc_length)
 
 
 def _refuse_passing(arc_lengths: np.ndarray, node: int, arc_length: complex) -> None:
@@ -72,15 +60,16 @@ def _refuse_passing(arc_lengths: np.ndarray, node: int, arc_length: complex) -> 
         )
 
 
-def _at_node(mesh: Chain, z: np.ndarray, node: int, arc_length: complex) -> InterfacePoint:
-    own, dimension = per_node(mesh.nodes), mesh.nodes.shape[1]
-    rows = z[own * node : own * (node + 1)]
+def node_point(beams: LineElement, z: np.ndarray, node: int, arc_length: complex = 0.0) -> InterfacePoint:
+    """A node, which cannot move along the elements; that of a frame lies on no curve, and its arc length is 0."""
+    dimension = beams.nodes.shape[1]
+    rows = z[beams.per_node * node : beams.per_node * (node + 1)]
     turned = rows[2] if dimension == 2 else rows[3:]
     return InterfacePoint(np.asarray(arc_length), np.array([arc_length, arc_length]), rows[None, :dimension], turned[None])
 
 
-def _inside_element(mesh: Chain, z: np.ndarray, element: int, interval: np.ndarray, arc_length: complex) -> InterfacePoint:
-    dofs, displacement, rotation = mesh.functions(element)
+def _inside_element(beams: LineElement, z: np.ndarray, element: int, interval: np.ndarray, arc_length: complex) -> InterfacePoint:
+    dofs, displacement, rotation = beams.functions(element)
     step = interval[1] - interval[0]
     ratio = (arc_length - interval[0]) / step
     local = z[dofs]

@@ -1,101 +1,113 @@
-"""Invariants of a planar body, their analytical derivatives and their exact polynomials: contractions of theory section 1.
+"""Invariants of a body, their analytical derivatives and their exact polynomials: contractions of theory section 1.
 
-With Z = [xi, Psi]:
+With Z = [xi, Psi], and the products of shapes that `preprocessing.elements.space` states for the plane and for space:
 
     m      = t_a^T M_aa t_a            N[a, :] = t_a^T M_aa Z          t_a: unit rigid translation along axis a
-    G      = Z^T (M_11 + M_22) Z       H       = Z^T (M_12 - M_21) Z
+    plane  G  = Z^T (M_00 + M_11) Z    H       = Z^T (M_01 - M_10) Z
+    space  Q_ab = Z^T M_ab Z
     K      = Psi^T K_fe Psi            D       = Psi^T D_fe Psi        stress operator = B Psi
+
+Z is given on the nodal coordinates; what the elements have besides is added here.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import fields
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
 from scipy.sparse import coo_array, csr_array, issparse
 
 from preprocessing.assembly.assembly import Matrices, Part, Parts
-from preprocessing.assembly.energies import antisymmetric, energy, symmetric
+from preprocessing.assembly.energies import PARTS, energies, energy, symmetric
+from preprocessing.elements.element import Coordinates
 from preprocessing.elements.section import Monomial
+from preprocessing.elements.space import Form
 from toolkit.reduced_model.dependence import Polynomial
-from toolkit.reduced_model.model import Invariants
-
-BEAM = 3
-"""Coordinates of a node of a beam, x, y and rotation; nodes of solids have x and y only."""
 
 
-def translation(n: int, axis: int, per_node: int = BEAM) -> np.ndarray:
-    """t_a: nodal coordinates of a unit rigid translation along axis 0 or 1, (n,)."""
-    column = np.zeros(n)
-    column[axis::per_node] = 1
-    return column
-
-
-def contract(matrices: Matrices, z: np.ndarray, per_node: int = BEAM) -> Invariants:
+def contract(matrices: Matrices, z: np.ndarray) -> Any:
     """Invariants for Z = [xi, Psi], shape (n, 1 + n_f)."""
-    psi = z[:, 1:]
-    t_1, t_2 = translation(len(z), 0, per_node), translation(len(z), 1, per_node)
-    return Invariants(
-        mass=np.asarray(t_1 @ (matrices.m_11 @ t_1)),
-        first_moment=np.stack([t_1 @ (matrices.m_11 @ z), t_2 @ (matrices.m_22 @ z)]),
-        inertia=symmetric(z.T @ (_trace(matrices) @ z)),
-        gyroscopic=antisymmetric(z.T @ (_skew(matrices) @ z)),
-        stiffness=symmetric(psi.T @ (matrices.stiffness @ psi)),
-        damping=symmetric(psi.T @ (matrices.damping @ psi)),
-        stress_operator=matrices.stress @ psi,
-    )
+    z = matrices.coordinates.undeformed(z)
+    psi, t = z[:, 1:], matrices.coordinates.translations[0]
+    items = _items(matrices, z, lambda matrix: z.T @ (matrix @ z), lambda matrix: psi.T @ (matrix @ psi))
+    return matrices.coordinates.space.invariants(mass=np.asarray(t @ (matrices.m[0] @ t)), **items)
 
 
-def contract_derivative(
-    matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None, per_node: int = BEAM
-) -> Invariants:
+def contract_at(parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
+    """The same at values of the parameters, with the digits that the roots of the parts keep."""
+    return with_roots(contract(parts.at(values), z), parts, values, z)
+
+
+def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.ndarray) -> Any:
+    """The invariants with stiffness and damping from the roots of the parts, if these have any."""
+    if not any(part.root for part in parts.parts):
+        return invariants
+    psi = parts.coordinates.undeformed(z)[:, 1:]
+    return replace(invariants, **{name: energies(parts, values, name, psi) for name in ("stiffness", "damping")})
+
+
+def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None) -> Any:
     """Derivative of `contract` by one design variable, theory section 2.
 
     The product rule on the derivatives of the matrices, `d_matrices`, and of the basis, `d_z` = [dxi, dPsi] (None: zero).
     """
-    by_matrices = contract(d_matrices, z, per_node)
+    by_matrices = contract(d_matrices, z)
     if d_z is None:
         return by_matrices
+    z, d_z = matrices.coordinates.undeformed(z), matrices.coordinates.displacement(d_z)
     psi, d_psi = z[:, 1:], d_z[:, 1:]
-    t_1, t_2 = translation(len(z), 0, per_node), translation(len(z), 1, per_node)
-    by_basis = {
-        "mass": np.asarray(0.0),
-        "first_moment": np.stack([t_1 @ (matrices.m_11 @ d_z), t_2 @ (matrices.m_22 @ d_z)]),
-        "inertia": symmetric(both_sides(_trace(matrices), z, d_z)),
-        "gyroscopic": antisymmetric(both_sides(_skew(matrices), z, d_z)),
-        "stiffness": symmetric(both_sides(matrices.stiffness, psi, d_psi)),
-        "damping": symmetric(both_sides(matrices.damping, psi, d_psi)),
-        "stress_operator": matrices.stress @ d_psi,
+    by_basis = _items(matrices, d_z, lambda matrix: both_sides(matrix, z, d_z), lambda matrix: both_sides(matrix, psi, d_psi))
+    return replace(by_matrices, **{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
+
+
+Product = Callable[[Any], np.ndarray]
+"""Of a matrix with shapes on both sides."""
+
+
+def _items(matrices: Matrices, z: np.ndarray, of_mass: Product, of_stiffness: Product) -> dict[str, np.ndarray]:
+    """All invariants but the mass: those that are linear in Z, and the products of shapes."""
+    space, translations = matrices.coordinates.space, matrices.coordinates.translations
+    diagonal = matrices.m[: space.dimension]
+    return {
+        "first_moment": np.stack([t @ (matrix @ z) for t, matrix in zip(translations, diagonal, strict=True)]),
+        **_moments(matrices, of_mass),
+        "stiffness": symmetric(of_stiffness(matrices.stiffness)),
+        "damping": symmetric(of_stiffness(matrices.damping)),
+        "stress_operator": space.by_point(matrices.stress @ z[:, 1:], matrices.components),
     }
-    return Invariants(**{name: getattr(by_matrices, name) + value for name, value in by_basis.items()})
 
 
-def polynomials(
-    parts: Parts, parameters: Sequence[str], z: np.ndarray, per_node: int = BEAM, computed: bool = True
-) -> dict[str, Polynomial]:
+def _moments(matrices: Matrices, product: Product) -> dict[str, np.ndarray]:
+    space, found = matrices.coordinates.space, dict[str, Any]()
+    by_pair = dict(zip(space.pairs, matrices.m, strict=True))
+    for form in space.forms:
+        first, *others = (by_pair[pair] for pair in form.pairs)
+        moment = _moment(form, sum(others, first), product)
+        if form.place is None:
+            found[form.item] = moment
+        else:
+            found.setdefault(form.item, []).append(moment)
+    return {item: each if isinstance(each, np.ndarray) else np.stack(each) for item, each in found.items()}
+
+
+def _moment(form: Form, matrix: Any, product: Product) -> Any:
+    return PARTS[form.part](product(matrix - matrix.T if form.part == "antisymmetric" else matrix))
+
+
+def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, computed: bool = True) -> dict[str, Polynomial]:
     """Exact dependence of every invariant on the parameters, for a constant Z (n, 1 + n_f).
 
     The contractions are linear in the matrices, so every part of the matrices gives one term of those invariants that it enters;
     invariants that are zero at every design have no polynomial. Of shapes that were `computed`, not selected, all entries are
     told, zero or not.
     """
-    return polynomials_of(parts, parameters, z, Invariants, lambda part, factor: _contractions(part, factor, per_node), computed)
-
-
-Contractions = Callable[[Part, Any], Iterator[tuple[str, Any]]]
-"""What one part of one matrix adds to the invariants, by their names, for unit parameters and a sparse or dense Z."""
-
-
-def polynomials_of(
-    parts: Parts, parameters: Sequence[str], z: np.ndarray, kind: type, contractions: Contractions, computed: bool
-) -> dict[str, Polynomial]:
-    """The polynomials of all invariants, fields of `kind`, from the contractions of every part."""
+    z = parts.coordinates.undeformed(z)
     factor = z if computed else csr_array(z)
-    terms: dict[str, list[Term]] = {f.name: [] for f in fields(kind)}
+    terms: dict[str, list[Term]] = {f.name: [] for f in fields(parts.coordinates.space.invariants)}
     for part in parts.parts:
-        for name, contraction in contractions(part, factor):
+        for name, contraction in _contractions(part, factor, parts.coordinates):
             found = whole(contraction)
             if np.any(found.data):
                 terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
@@ -126,30 +138,36 @@ def whole(matrix: Any) -> Any:
     return coo_array((matrix.ravel(), (places[0], places[1])), shape=matrix.shape)
 
 
-def _contractions(part: Part, z: Any, per_node: int) -> Iterator[tuple[str, Any]]:
+def _contractions(part: Part, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
     """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
-    psi, t, matrix = z[:, 1:], [translation(z.shape[0], axis, per_node) for axis in (0, 1)], part.matrix
-    if part.name in ("stiffness", "damping"):
-        yield part.name, energy(part, psi)
-    elif part.name == "stress":
+    psi, matrix = z[:, 1:], part.matrix
+    if part.name == "stress":
         yield "stress_operator", matrix @ psi
-    elif part.name == "m_12":
-        yield "gyroscopic", antisymmetric(z.T @ ((matrix - matrix.T) @ z))
+    elif isinstance(part.name, str):
+        yield part.name, energy(part, psi)
     else:
-        axis = 0 if part.name == "m_11" else 1
-        row, width = z.T @ (matrix.T @ t[axis]), z.shape[1]
-        yield "first_moment", coo_array((row, (np.full(width, axis), np.arange(width))), shape=(2, width))
-        yield "inertia", symmetric(z.T @ (matrix @ z))
-        if axis == 0:
-            yield "mass", np.atleast_2d(t[0] @ (matrix @ t[0]))
+        yield from _of_mass(part.name, matrix, z, coordinates)
 
 
-def _trace(matrices: Matrices) -> Any:
-    return matrices.m_11 + matrices.m_22
+def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
+    """What one component mass matrix adds."""
+    space, t, width = coordinates.space, coordinates.translations, z.shape[1]
+    for form in (form for form in space.forms if pair in form.pairs):
+        moment = _moment(form, matrix, lambda each: z.T @ (each @ z))
+        yield form.item, moment if form.place is None else _at_place(moment, form.place, len(space.pairs))
+    if pair[0] == pair[1]:
+        axis, row = pair[0], z.T @ (matrix.T @ t[pair[0]])
+        yield "first_moment", coo_array((row, (np.full(width, axis), np.arange(width))), shape=(space.dimension, width))
+    if pair == (0, 0):
+        yield "mass", np.atleast_2d(t[0] @ (matrix @ t[0]))
 
 
-def _skew(matrices: Matrices) -> Any:
-    return matrices.m_12 - matrices.m_12.T
+def _at_place(moment: Any, place: int, places: int) -> Any:
+    """A matrix as one of several after each other, in one row."""
+    found = whole(moment)
+    entry = place * found.shape[0] * found.shape[1] + np.ravel_multi_index(found.coords, found.shape)
+    shape = (1, places * found.shape[0] * found.shape[1])
+    return coo_array((found.data, (np.zeros(len(entry), int), entry)), shape=shape)
 
 
 def both_sides(matrix: Any, z: np.ndarray, d_z: np.ndarray) -> np.ndarray:

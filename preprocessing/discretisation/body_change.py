@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.solids.basis_change import BasisChange
 from preprocessing.basis.solids.ties import Freedom, Tie, freedom
 from preprocessing.discretisation.discretisation import STEP
@@ -18,7 +19,7 @@ from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 class BodyChange:
     """Derivatives by one parameter; what stems from the nodes' places alone is given at nodes with a complex step."""
 
-    matrices: Any  # derivatives, `Matrices` or `SpatialMatrices`
+    matrices: Matrices  # derivatives
     mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
     ties: Mapping[str, Tie]  # of these nodes
     normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ def with_places(space: DesignSpace) -> DesignSpace:
     def discretise(design: Mapping[str, Any]) -> Any:
         found = space.discretise(design)
         moved = {name: found.places[name] + design[parameter] - s for parameter, (name, s) in free.items()}
-        return replace(cast(Any, found), places={**found.places, **moved})
+        return replace(found, places={**found.places, **moved})
 
     return replace(
         space,

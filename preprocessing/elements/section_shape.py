@@ -24,6 +24,7 @@ class Term(NamedTuple):
 
 
 Terms = tuple[Term, ...]
+ONE: Terms = (Term(1.0, {}),)
 
 
 class Fibre(NamedTuple):

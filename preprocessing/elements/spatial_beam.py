@@ -8,7 +8,7 @@ With r in [0, 1] along the element, L its length, e_1 its direction and e_2, e_3
     a point e_k of the section off the centre line moves by              th x e_k     = R_k(r) u_e
 
 with a and phi linear, v the Hermite cubic of the ends' displacements along e_2 and rotations about e_3, and w that of the displacements
-along e_3 and rotations about -e_2: in the plane of e_1 and e_2 these are the functions of `beam`.
+along e_3 and rotations about -e_2. In the plane of e_1 and e_2 these are the functions of `beam`.
 
 The offset of a point of the section is no displacement of the nodes. So that the places of all points are products with one vector, the
 element has a 13th coordinate, the *offset*, which is one in the undeformed shape xi and zero in every displacement: the point at y_2, y_3
@@ -110,16 +110,19 @@ def offset(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
 
 def component_mass(ends: np.ndarray, triad: np.ndarray) -> np.ndarray:
     """Component mass matrices M_ab = L int S_a^T S_b dr for unit mass per length, (n_e, 3, 3, 12, 12)."""
-    return _products(ends, shape(ends, triad))
+    return products(ends, shape(ends, triad))
 
 
 def rotary_mass(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
     """The same of the section's spread along e_axis, L int [R, e]_a^T [R, e]_b dr for unit rho int y_axis^2 dA, (n_e, 3, 3, 13, 13)."""
-    return _products(ends, offset(ends, triad, axis))
+    return products(ends, offset(ends, triad, axis))
 
 
-def _products(ends: np.ndarray, functions: np.ndarray) -> np.ndarray:
-    """Exact, because int r^j r^k dr = 1 / (j + k + 1) on [0, 1]."""
+def products(ends: np.ndarray, functions: np.ndarray) -> np.ndarray:
+    """L int S_a^T S_b dr, (n_e, d, d, p, p), of functions by their coefficients of r^k, (n_e, 4, d, p).
+
+    Exact, because int r^j r^k dr = 1 / (j + k + 1) on [0, 1].
+    """
     moments = 1 / (POWERS[:, None] + POWERS + 1)
     integral = np.einsum("ejap,jk,ekbq->eabpq", functions, moments, functions, optimize=True)
     return length(ends)[:, None, None, None, None] * integral

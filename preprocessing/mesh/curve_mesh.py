@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.elements import beam
 from preprocessing.mesh.gmsh_session import gmsh_model
 from toolkit.foundation.errors import InputError
 
@@ -32,11 +31,6 @@ class CurveMesh:
     def dofs(self) -> np.ndarray:
         """Numbers of the nodal coordinates (x, y, rotation at both ends) of every element, (n_elements, 6)."""
         return (3 * self.connectivity[:, :, None] + np.arange(3)).reshape(-1, 6)
-
-    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Numbers of one element's coordinates (6,), and coefficients of r^k in its displacement (4, 2, 6) and rotation (4, 6)."""
-        ends = self.ends[[element]]
-        return self.dofs[element], beam.shape(ends)[0], beam.rotation(ends)[0]
 
 
 def mesh_curve(stations: np.ndarray) -> CurveMesh:

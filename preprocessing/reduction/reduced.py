@@ -13,7 +13,7 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import reduced_basis
 from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.discretisation.following_places import with_places
-from preprocessing.reduction.stored_entries import derivatives, polynomials_without_round_off, without_round_off
+from preprocessing.reduction.contracted import Rate, contracted
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
@@ -68,21 +68,15 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
     d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
-    rates = {
-        parameter: {
-            **vars(change.stepped.contract_derivative(matrices, change.matrices, basis.z, d)),
-            **_item_rates(change, basis, d),
-        }
+    rates = (
+        (parameter, Rate(change.matrices, d, _item_rates(change, basis, d)))
         for (parameter, change), d in zip(changes.items(), d_z, strict=True)
-    }
-    computed, names, interfaces = choice.kind != "full", list(space.values), nominal.interfaces(basis.z)
-    constant = nominal.polynomials(names, basis.z, computed) if exact else {}
-    invariants = nominal.contract(space.values, basis.z)
-    found = derivatives(invariants, rates, names, computed, interfaces)
-    if not computed:
-        constant = polynomials_without_round_off(constant, invariants, [float(np.real(value)) for value in space.values.values()])
-        invariants = without_round_off(invariants)
-    return Reduced(space, basis, invariants, found, constant, interfaces, nominal.stress_points)
+    )
+    interfaces = nominal.interfaces(basis.z)
+    found = contracted(
+        nominal.parts, matrices, space.values, basis.z, rates, interfaces, computed=choice.kind != "full", exact=bool(exact)
+    )
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points)
 
 
 def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:

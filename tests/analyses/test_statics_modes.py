@@ -16,8 +16,8 @@ from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity

@@ -137,10 +137,9 @@ def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):
     """One small function in a cache of its own; the second process finds it on the disk."""
     code = """
 from toolkit.foundation.compiled.compile_watch import watched_compilation
-from toolkit.joints.kernels.planar.joint_kernel import SIGNATURE
-from toolkit.joints.planar.revolute import revolute
+from toolkit.joints.kernels.laws import SIGNATURE, angle_law
 with watched_compilation() as watch:
-    revolute.compile(SIGNATURE)
+    angle_law.compile(SIGNATURE)
 print(watch.functions, watch.seconds > 0)
 """
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path)}

@@ -16,7 +16,7 @@ from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.description.profile import Sine, SmoothStep, Sum
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.kinematics.planar import rotation
 from toolkit.loads.planar.gravity import Gravity

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import runpy
-from typing import Any
 
 import numpy as np
 import pytest
@@ -16,28 +15,31 @@ from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of t
     test_design_derivatives_are_the_complex_step_of_the_residual,
     test_state_derivatives_are_the_complex_step_of_the_residual,
 )
-from tests.models.cases import CASES, SINE, Case, write_models
+from tests.models.cases import CASES, Case, write_models
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
 from toolkit.bodies.planar.rigid import Rigid
-from toolkit.compilation.arrays.component_arrays import families
+from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.conformance.check import check_joint, check_load, check_scene
 from toolkit.conformance.comparison import STEP
-from toolkit.conformance.formula import check_joint_formula, check_load_formula
+from toolkit.conformance.formula import check_load_formula
+from toolkit.conformance.laws import check_laws
 from toolkit.conformance.residual import check_state_derivatives, inputs, plain_terms, random_state
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.joint import Joint, RowQuantity
-from toolkit.joints.planar.driver import PositionDriver
+from toolkit.joints.both.driver import PositionDriver
+from toolkit.joints.joint import Joint
 from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.slider import Slider
+from toolkit.joints.rows import Row
 from toolkit.loads.load import Load
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.loads.planar.torque import Torque
+from toolkit.markers.component import Skeleton
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
@@ -59,7 +61,7 @@ def scene(request, directory) -> Scene:
 def test_derivatives_of_every_formula_are_the_complex_step_of_the_formula(case, directory):
     scene, rng = case.scene(directory), np.random.default_rng(1)
     if "component" in scene.joints:
-        check_joint_formula(scene.joints["component"], scene, rng)
+        check_laws(scene.joints["component"], scene, rng)
     else:
         check_load_formula(scene.loads["component"], scene, rng)
 
@@ -91,36 +93,28 @@ def test_inertia_forces_are_those_of_lagrange(case, directory):
 
 
 @kernel
-def parabola(z, w, phi, phi_z, phi_zz, phi_zww):
-    """phi = d_y - p d_x^2, d = r_a - r_b."""
-    d_x, rate = z[0] - z[3], w[0] - w[3]
-    phi[0] = z[1] - z[4] - z[6] * d_x * d_x
-    phi_z[0, 1], phi_z[0, 4], phi_z[0, 6] = 1, -1, -d_x * d_x
-    for a in range(2):
-        sign_a = 1 - 2 * a
-        phi_z[0, 3 * a] = -2 * z[6] * d_x * sign_a
-        phi_zz[0, 3 * a, 6] = phi_zz[0, 6, 3 * a] = -2 * d_x * sign_a
-        for b in range(2):
-            phi_zz[0, 3 * a, 3 * b] = -2 * z[6] * sign_a * (1 - 2 * b)
-    phi_zww[0, 6] = -2 * rate * rate
+def parabola(h, w, g, g_h, g_hh, g_hww):
+    """g = y - p x^2 of h = (x, y, p)."""
+    x, p = h[0], h[2]
+    g[0] = h[1] - p * x * x
+    g_h[0], g_h[1], g_h[2] = -2 * p * x, 1, -x * x
+    g_hh[0, 0] = -2 * p
+    g_hh[0, 2] = g_hh[2, 0] = -2 * x
+    g_hww[0], g_hww[2] = -4 * w[0] * w[2], -2 * w[0] * w[0]
 
 
 class ParabolaGuide(PointJoint):
     """A user's own joint: the point of body a moves on a parabola fixed in space with its vertex at the point of body b."""
 
     kind = "test-parabola-guide"
-    formula = parabola
 
     steepness: float
 
-    @property
-    def rows(self) -> list[tuple[str, RowQuantity]]:
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """One direction."""
-        return [("height", "length")]
-
-    def parameters(self, _scene) -> list[Any]:
-        """p."""
-        return [self.steepness]
+        a, b = self.poses
+        d = a.r - b.r
+        return (Row("height", "length", (d[0], d[1], self.steepness), parabola),)
 
 
 @pytest.mark.parametrize(("bodies", "point"), [(("strip", "rod"), "T"), (("rod", "ground"), "A")])
@@ -145,14 +139,11 @@ def test_a_bead_on_a_users_parabola_keeps_its_energy():
 
 
 MISTAKES = {
-    "phi_z": (
-        "phi_z[0, 1] = -phi_z[0, 1]",
-        r"phi_z is wrong at \(height, y of a\): it is -1, a complex step gives 1; .* 2, 2 of",
-    ),
-    "phi_z by a parameter": ("phi_z[0, 6] = -phi_z[0, 6]", r"phi_z is wrong at \(height, parameter z\[6\]\)"),
-    "phi_zz": ("phi_zz[0, 3, 0] = -phi_zz[0, 3, 0]", r"phi_zz is wrong at \(height, x of b, x of a\): it is -1.2, .* gives 1.2"),
-    "phi_zww": ("phi_zww[0, 6] = -phi_zww[0, 6]", r"phi_zww is wrong at \(height, parameter z\[6\]\)"),
-    "forgotten": ("phi_z[0, 4] = 0", r"phi_z is wrong at \(height, y of b\): it is 0, a complex step gives -1"),
+    "g_h": ("g_h[1] = -g_h[1]", r"g_h is wrong at \(height, h\[1\]\): it is -1, a complex step gives 1; "),
+    "g_h by a number": ("g_h[2] = -g_h[2]", r"g_h is wrong at \(height, h\[2\]\)"),
+    "g_hh": ("g_hh[0, 0] = -g_hh[0, 0]", r"g_hh is wrong at \(h\[0\], h\[0\]\): it is 1.2, .* gives -1.2"),
+    "g_hww": ("g_hww[2] = -g_hww[2]", r"g_hww is wrong at \(height, h\[2\]\)"),
+    "forgotten": ("g_h[1] = 0", r"g_h is wrong at \(height, h\[1\]\): it is 0, a complex step gives 1"),
 }
 """A line that spoils the parabola, and what the check says about it."""
 
@@ -163,12 +154,17 @@ def test_a_wrong_derivative_of_a_users_joint_is_caught_and_named(mistake, tmp_pa
     own = tmp_path / "own_joint.py"
     own.write_text(
         "from toolkit.foundation.kernel import kernel\nfrom tests.equations.test_conformance import parabola\n\n\n@kernel\n"
-        f"def spoiled(z, w, phi, phi_z, phi_zz, phi_zww):\n    parabola(z, w, phi, phi_z, phi_zz, phi_zww)\n    {line}\n"
+        f"def spoiled(h, w, g, g_h, g_hh, g_hww):\n    parabola(h, w, g, g_h, g_hh, g_hww)\n    {line}\n"
     )
     spoiled = runpy.run_path(str(own))["spoiled"]
-    kind = type("Spoiled", (ParabolaGuide,), {"kind": "test-spoiled", "formula": spoiled, "__module__": __name__})
+
+    def constraint(self, scene):
+        (row,) = ParabolaGuide.constraint(self, scene)
+        return (Row(row.name, row.quantity, row.form, spoiled),)
+
+    kind = type("Spoiled", (ParabolaGuide,), {"kind": "test-spoiled", "constraint": constraint, "__module__": __name__})
     scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
-    with pytest.raises(ConformanceError, match=f"'test-spoiled': {message}"):
+    with pytest.raises(ConformanceError, match=f"row 'height' of 'test-spoiled': {message}"):
         check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
 
 
@@ -176,13 +172,6 @@ def test_a_joint_of_another_scene_is_refused(directory):
     scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
     with pytest.raises(ValueError, match="names body 'wheel', which does not exist"):
         check_joint(ParabolaGuide(bodies=("wheel", "ground"), point="A", steepness=0.6), scene)
-
-
-def test_a_joint_that_hides_its_curvature_is_caught(directory):
-    kind = type("Flat", (ParabolaGuide,), {"kind": "test-flat", "curved": False, "__module__": __name__})
-    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
-    with pytest.raises(ConformanceError, match="`curved` is False, so it counts as zero"):
-        check_joint(kind(bodies=("rod", "ground"), point="A", steepness=0.6), scene)
 
 
 @kernel
@@ -214,23 +203,11 @@ def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unk
         check_scene(scene)
 
 
-@pytest.mark.parametrize("base", [PlanarJoint, PointJoint, PlanarLoad])
-def test_a_component_without_formula_cannot_be_created(base):
-    with pytest.raises(TypeError, match=r"Forgetful has no `formula`.*must not pass for zero"):
+@pytest.mark.parametrize(("base", "what"), [(PlanarJoint, "constraint"), (PointJoint, "constraint"), (PlanarLoad, "formula")])
+def test_a_component_that_does_not_state_its_law_cannot_be_created(base, what):
+    with pytest.raises(TypeError, match=rf"Forgetful has no `{what}`"):
         type("Forgetful", (base,), {"kind": "test-forgetful", "__module__": __name__})
-
-
-def test_a_refused_component_cannot_be_named_in_a_scene_file():
-    with pytest.raises(TypeError, match="no `formula`"):
-        type("Refused", (PlanarJoint,), {"kind": "test-refused", "__module__": __name__})
-    assert "test-refused" not in kinds_of(2)["joints"]
-
-
-def test_a_joint_that_does_not_say_what_its_rows_measure_cannot_be_created():
-    body = {"kind": "test-unmeasured", "formula": parabola, "__module__": __name__}
-    with pytest.raises(TypeError, match=r'Unmeasured has no `rows`: name each row .* whether it is a "length" or an "angle"'):
-        type("Unmeasured", (PlanarJoint,), body)
-    assert "test-unmeasured" not in kinds_of(2)["joints"]
+    assert "test-forgetful" not in {**kinds_of(2)["joints"], **kinds_of(2)["loads"]}
 
 
 @pytest.mark.parametrize(
@@ -239,7 +216,7 @@ def test_a_joint_that_does_not_say_what_its_rows_measure_cannot_be_created():
     ids=["joint", "load", "body"],
 )
 def test_a_component_of_no_space_cannot_be_created(base, right):
-    body = {"kind": "test-nowhere", "__module__": __name__} | ({} if base is Body else {"formula": parabola})
+    body = {"kind": "test-nowhere", "__module__": __name__} | ({"formula": forgetful_drag} if base is Load else {})
     with pytest.raises(TypeError, match=f"Nowhere belongs neither to the plane nor to space: derive it from {right}"):
         type("Nowhere", (base,), body)
     assert "test-nowhere" not in base.kinds
@@ -247,7 +224,12 @@ def test_a_component_of_no_space_cannot_be_created(base, right):
 
 def with_row(name: str, row: str, quantity: str) -> type:
     """The parabola with another name and quantity of its row."""
-    return type(name, (ParabolaGuide,), {"kind": "", "rows": property(lambda _: [(row, quantity)]), "__module__": __name__})
+
+    def constraint(self, scene):
+        (same,) = ParabolaGuide.constraint(self, scene)
+        return (Row(row, quantity, same.form, same.law),)
+
+    return type(name, (ParabolaGuide,), {"kind": "", "constraint": constraint, "__module__": __name__})
 
 
 def test_a_row_that_measures_nothing_known_is_refused_by_name(directory):
@@ -269,11 +251,9 @@ def test_a_row_is_an_angle_because_its_joint_says_so_whatever_its_name(directory
     assert found == {"length": pytest.approx(1 / scene.size, rel=1e-15), "angle": 1.0}
 
 
-def test_two_components_of_one_kind_share_one_family(directory):
-    case = next(case for case in CASES if case.kind is PositionDriver)
-    scene = case.scene(directory)
-    twice = scene.model_copy(
-        update={"joints": {**scene.joints, "again": scene.joints["component"].model_copy(update={"curve": SINE})}}
-    )
-    assert len(families(list(twice.joints.values()))) == 1
+def test_two_components_of_one_kind_share_one_formula(directory):
+    scene = Case("parabola", ParabolaGuide, {"steepness": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    again = scene.joints["component"].model_copy(update={"steepness": 0.7})
+    twice = scene.model_copy(update={"joints": {**scene.joints, "again": again}})
+    assert laws_of(list(twice.joints.values())) == [parabola]
     check_state_derivatives(twice)

@@ -13,7 +13,7 @@ from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

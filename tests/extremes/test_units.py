@@ -15,7 +15,7 @@ from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.distance import Distance
+from toolkit.joints.both.distance import Distance
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity

@@ -8,6 +8,8 @@ import pytest
 
 from tests.fuzz.good_files import MOST_MEMORY, batch
 
+pytestmark = pytest.mark.robustness
+
 
 def judged(lines: list[str], memory: int) -> Counter:
     """How often files were refused and accepted, if nothing else came of any."""

@@ -10,9 +10,12 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from tests.fuzz.good_files import good_model, good_results
 from toolkit.results.results_file import load_results
+
+pytestmark = pytest.mark.robustness
 
 ROOT = Path(__file__).parents[2]
 WRITER = """

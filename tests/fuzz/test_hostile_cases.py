@@ -58,6 +58,7 @@ def test_a_seed_gives_the_same_cases_and_another_one_others(module, tmp_path):
     assert len(set(first) | set(other)) > 18
 
 
+@pytest.mark.robustness
 def test_a_small_run_finds_nothing_wrong(tmp_path):
     command = [
         sys.executable,

@@ -14,11 +14,11 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver, PositionDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce

@@ -12,6 +12,7 @@ import numpy as np
 from preprocessing.assembly.assembly import Matrices, assemble
 from preprocessing.assembly.interface import interface_point
 from preprocessing.basis.constrained_pencil import ConstrainedPencil
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh
@@ -24,7 +25,8 @@ SKIN = Path(__file__).parents[2] / "models" / "morphing_wing" / "skin.toml"
 
 def matrices(mesh: CurveMesh, section: Section) -> Matrices:
     """All matrices of a mesh of one section, real or complex."""
-    return assemble(mesh, distribute(asdict(section), {}, (), len(mesh.connectivity)).patches).at(asdict(section))
+    patches = distribute(asdict(section), {}, (), len(mesh.connectivity)).patches
+    return assemble(PlanarBeam(mesh.nodes, mesh.connectivity, patches)).at(asdict(section))
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,10 +50,10 @@ class Frame:
 
     def interface_rows(self) -> dict[str, np.ndarray]:
         """Rows (3, n) of all points; a complex place gives complex rows."""
-        stations, mesh = np.arange(len(self.nodes), dtype=float), CurveMesh(self.nodes, self.connectivity)
+        stations, beams = np.arange(len(self.nodes), dtype=float), PlanarBeam(self.nodes, self.connectivity, [])
         rows = {}
         for name, place in (self.points or {}).items():
-            point = interface_point(mesh, stations, np.eye(3 * len(self.nodes)), np.real(place))
+            point = interface_point(beams, stations, np.eye(3 * len(self.nodes)), np.real(place))
             ahead = 1j * np.imag(place) if np.iscomplexobj(place) else 0.0
             position, rotation = (c[0] + ahead * c[min(1, len(c) - 1)] for c in (point.position, point.rotation))
             rows[name] = np.vstack([position, rotation])

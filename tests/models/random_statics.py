@@ -13,7 +13,7 @@ from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.revolute import SpatialRevolute

@@ -12,9 +12,8 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper

@@ -9,7 +9,7 @@ import meshio
 import numpy as np
 
 from preprocessing import build
-from preprocessing.assembly.solids.elements import CUBE, CUBE_MIDDLES
+from preprocessing.elements.solids.elements import CUBE, CUBE_MIDDLES
 from preprocessing.mesh.faces import TETRA_EDGES
 from preprocessing.mesh.solid_mesh import SolidMesh
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.spatial_assembly import BeamMesh, SpatialPatch, assemble
+from preprocessing.assembly.assembly import assemble
+from preprocessing.assembly.invariants import contract_at
 from preprocessing.basis.reduction import spatial_motions, undeformed
-from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.discretisation.discretisation import Discretisation
 from preprocessing.elements import spatial_beam
+from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import SectionShape, rectangle
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments
@@ -32,11 +34,11 @@ class Beams:
     values: dict[str, Any] = field(default_factory=lambda: dict(VALUES))
 
     @property
-    def discrete(self) -> SpatialDiscretisation:
-        mesh = BeamMesh(self.nodes, self.connectivity, self.orientation)
+    def discrete(self) -> Discretisation:
         patch = Patch(np.arange(len(self.connectivity)), {name: name for name in self.values})
         patches = [SpatialPatch(patch, self.shape, 1 / (2 * (1 + NU)))]
-        return SpatialDiscretisation(mesh, patches, assemble(mesh, patches), {})
+        beams = SpatialBeam(self.nodes, self.connectivity, self.orientation, patches)
+        return Discretisation(beams, assemble(beams), {})
 
     @property
     def matrices(self) -> Any:
@@ -53,7 +55,7 @@ class Beams:
 
     @property
     def invariants(self) -> SpatialInvariants:
-        return self.discrete.contract(self.values, self.complete)
+        return contract_at(self.discrete.parts, self.values, self.complete)
 
     @property
     def rigid(self) -> np.ndarray:
@@ -84,7 +86,7 @@ def kinetic_energy(beams: Beams, points: list[tuple[float, float]], q, v, transl
     Eight Gauss points along each element, exact for products of cubics.
     """
     ratios, weights = np.polynomial.legendre.leggauss(8)
-    mesh, energy = beams.discrete.mesh, 0.0
+    mesh, energy = beams.discrete.element, 0.0
     shape, turn = spatial_beam.shape(mesh.ends, mesh.axes), spatial_beam.rotation(mesh.ends, mesh.axes)
     area = beams.shape.values(beams.values)["area"]
     for k, (one, two) in enumerate(mesh.connectivity):

@@ -12,14 +12,14 @@ from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.distance import SpatialDistance
+from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.distance import SpatialDistance
-from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity

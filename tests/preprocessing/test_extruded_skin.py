@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.commands.cli import main
+from preprocessing.elements.solids.elements import element_blocks
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.extruded_skin import extrude

@@ -19,6 +19,8 @@ from tests.fuzz.toml_mutations import document, spoilt
 from toolkit.foundation.errors import ToolkitError
 from toolkit.reduced_model.file import save
 
+pytestmark = pytest.mark.robustness
+
 ROOT = Path(__file__).parents[2]
 AIRFOILS = sorted((ROOT / "tests" / "data" / "airfoils").glob("*.[dta]*"))
 WING = ROOT / "models" / "morphing_wing"

@@ -22,8 +22,8 @@ from typer.testing import CliRunner
 
 from preprocessing import build
 from preprocessing.airfoil.airfoil import read_airfoil
-from preprocessing.assembly.solids.elements import element_blocks
 from preprocessing.commands.cli import main
+from preprocessing.elements.solids.elements import element_blocks
 from preprocessing.mesh.matrix_file import read_array, read_matrix, read_nodes, read_square
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.mesh.solid_mesh import SolidMesh
@@ -162,6 +162,7 @@ def bomb(path: Path) -> None:
             member.write(zeros)
 
 
+@pytest.mark.robustness
 def test_an_archive_that_unpacks_to_a_thousand_times_its_size_is_not_unpacked(tmp_path):
     bomb(tmp_path / "nodes.npz")
     with pytest.raises(InputError, match=r"nodes\.npz' cannot be read as .*bytes unpack to 3221225\d+, and no more than"):

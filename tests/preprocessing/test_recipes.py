@@ -16,9 +16,9 @@ from preprocessing import build
 from preprocessing.assembly.assembly import assemble
 from preprocessing.commands.cli import main
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import CurveMesh
 from preprocessing.recipes import build_model
 from preprocessing.recipes.build_model import RECIPES, read_recipe
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
@@ -170,9 +170,10 @@ class BladeRecipe(Recipe[BladeFile]):
         if remark is not None:
             remark("a blade is thin")
         x = np.linspace(0.0, self.file.length, 5)
-        mesh = CurveMesh(np.column_stack([x, 0 * x]), np.column_stack([np.arange(4), np.arange(1, 5)]))
         parameters = distribute({**STEEL, "thickness": self.file.thickness}, {}, (), 4)
-        elements = Discretisation(mesh, x, assemble(mesh, parameters.patches), {"tip": self.file.length}, None)
+        chain = np.column_stack([np.arange(4), np.arange(1, 5)])
+        beams = PlanarBeam(np.column_stack([x, 0 * x]), chain, parameters.patches)
+        elements = Discretisation(beams, assemble(beams), {"tip": self.file.length}, x)
         return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: elements)
 
     def _fields(self, designs: DesignSpace) -> dict[str, Any]:

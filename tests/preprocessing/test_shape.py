@@ -15,6 +15,7 @@ from preprocessing.assembly.interface import interface_point
 from preprocessing.basis.reduction import undeformed
 from preprocessing.curve.bump import Bump, bumped
 from preprocessing.curve.contour import Contour
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry, shape_parameters
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
@@ -89,13 +90,17 @@ def read(folder: Path, text: str) -> tuple[SkinFile, Geometry]:
     return file, read_geometry(path, file)
 
 
+def beams(geometry: Geometry) -> PlanarBeam:
+    return PlanarBeam(geometry.mesh.nodes, geometry.mesh.connectivity, [])
+
+
 def quantities(file: SkinFile, geometry: Geometry) -> dict[str, np.ndarray]:
     """All that preprocessing makes of a geometry: nodes, arc lengths, target, and the interface points in each way to write them."""
     found = {"nodes": geometry.mesh.nodes, "arc_lengths": geometry.arc_lengths, "target": geometry.target}
     z = np.column_stack([undeformed(geometry.mesh.nodes), np.eye(3 * len(geometry.mesh.nodes))])
     for name, place in file.interface_points.items():
         s = geometry.skin.locate(**place.where, stations=geometry.arc_lengths)
-        point = interface_point(geometry.mesh, geometry.arc_lengths, z, s)
+        point = interface_point(beams(geometry), geometry.arc_lengths, z, s)
         found |= {f"s {name}": np.asarray(s), f"position {name}": point.position, f"rotation {name}": point.rotation}
     return found
 
@@ -314,8 +319,8 @@ def test_point_that_passes_a_node_is_refused_with_the_remedy(folder):
     moved = geometry.moved({"chord": 550.0 + 1e-20j})
     z = np.eye(3 * len(moved.mesh.nodes))
     with pytest.raises(InputError, match=r"is that of node 10, but .* it has no derivative\. Write node = 10"):
-        interface_point(moved.mesh, moved.arc_lengths, z, geometry.arc_lengths[10])
-    at_node = interface_point(moved.mesh, moved.arc_lengths, z, moved.skin.locate(node=10, stations=moved.arc_lengths))
+        interface_point(beams(moved), moved.arc_lengths, z, geometry.arc_lengths[10])
+    at_node = interface_point(beams(moved), moved.arc_lengths, z, moved.skin.locate(node=10, stations=moved.arc_lengths))
     assert at_node.arc_length == moved.arc_lengths[10]
 
 

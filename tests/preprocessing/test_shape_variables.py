@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.assembly.solids.elasticity import solid_matrices
-from preprocessing.assembly.solids.elements import element_blocks
-from preprocessing.assembly.solids.stress import stress_rows
+from preprocessing.elements.solids.elasticity import solid_matrices
+from preprocessing.elements.solids.elements import element_blocks
+from preprocessing.elements.solids.stress import stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import SPATIAL_KINDS, box

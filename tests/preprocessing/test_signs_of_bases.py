@@ -23,9 +23,9 @@ from preprocessing.basis.solids.held_system import HeldSystem, factored
 from preprocessing.basis.solids.ties import Freedom, Tie
 from preprocessing.basis.subspace_rates import subspace_rates
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
-from preprocessing.mesh.curve_mesh import CurveMesh
 from preprocessing.reduction.reduced import reduce
 from toolkit.reduced_model.model import place_parameter
 
@@ -300,9 +300,9 @@ def rows_at(place: complex) -> np.ndarray:
 @pytest.mark.parametrize("choice", [BasisChoice("static"), BasisChoice("craig-bampton", count=2)], ids=lambda choice: choice.kind)
 def test_shapes_follow_the_place_of_a_point_in_the_direction_in_which_it_moves(choice, moved):
     places = {"near": 0.42, "far": 0.87}
-    mesh = CurveMesh(np.column_stack([NODES, 0 * NODES]), np.column_stack([np.arange(4), np.arange(1, 5)]))
-    parameters = distribute(asdict(SECTION), {}, (), 4)
-    discrete = Discretisation(mesh, NODES, assemble(mesh, parameters.patches), places, None)
+    parameters, chain = distribute(asdict(SECTION), {}, (), 4), np.column_stack([np.arange(4), np.arange(1, 5)])
+    beams = PlanarBeam(np.column_stack([NODES, 0 * NODES]), chain, parameters.patches)
+    discrete = Discretisation(beams, assemble(beams), places, NODES)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, choice, 0, "the first node")
     change = found.space.change(found.space.nominal(), place_parameter(moved))

@@ -8,11 +8,11 @@ import skfem
 from scipy import sparse
 
 from preprocessing import build
-from preprocessing.assembly.solids.elasticity import solid_matrices
-from preprocessing.assembly.solids.elements import element_blocks
-from preprocessing.assembly.solids.stress import stress_rows
 from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.ties import freedom, tie
+from preprocessing.elements.solids.elasticity import solid_matrices
+from preprocessing.elements.solids.elements import element_blocks
+from preprocessing.elements.solids.stress import stress_rows
 from preprocessing.mesh.outline import outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.recipes.solids.body_recipe import BodyRecipe

@@ -10,8 +10,7 @@ from scipy.linalg import eigh
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
-from preprocessing.assembly.spatial_invariants import NAMES
-from preprocessing.elements import beam, spatial_beam
+from preprocessing.elements import spatial_beam
 from preprocessing.elements.section_shape import circle, general, rectangle, strip, tube
 from preprocessing.elements.spatial_beam import SECOND, THIRD
 from tests.models.spatial_beams import NU, VALUES, Beams, crooked, energy_of_invariants, kinetic_energy, straight
@@ -56,7 +55,6 @@ def test_a_turned_element_has_the_turned_matrices(rng):
     for (a, b), matrix in turned.items():
         close(matrix, expected[a, b])
     assert list(masses) == list(PAIRS)
-    assert len(NAMES) == len(masses)
 
 
 GAUSS = [(y, z) for y in (-T / 12**0.5, T / 12**0.5) for z in (-B / 12**0.5, B / 12**0.5)]
@@ -103,19 +101,6 @@ def test_spinning_about_its_own_axis_a_beam_has_the_polar_inertia():
     np.testing.assert_allclose(2 * energy, polar, rtol=1e-10)  # against the inertia of the length, 1e3 times larger
 
 
-def test_in_the_plane_of_its_second_axis_an_element_is_the_planar_one(rng):
-    nodes = rng.normal(size=(2, 2))
-    ends, flat = nodes[None], np.column_stack([nodes, np.zeros(2)])[None]
-    triad, own = spatial_beam.axes(flat, np.array([[0.0, 0.0, 1.0]])), [0, 1, 5, 6, 7, 11]
-    pairs = [
-        (spatial_beam.stretching(flat, triad), beam.stretching_stiffness(ends)),
-        (spatial_beam.bending(flat, triad, SECOND), beam.bending_stiffness(ends)),
-    ]
-    for rows, expected in pairs:
-        close((rows[0].T @ rows[0])[np.ix_(own, own)], expected[0], 1e-14)
-    close(spatial_beam.component_mass(flat, triad)[0, :2, :2][:, :, own][..., own], beam.component_mass(ends)[0], 1e-14)
-
-
 def test_rotation_is_the_slope_of_the_centre_line_and_the_twist(rng):
     ends, r = rng.normal(size=(1, 2, 3)), 0.37 + 1e-30j
     triad, u = spatial_beam.axes(ends, rng.normal(size=(1, 3))), rng.normal(size=12)
@@ -142,7 +127,7 @@ DIRECTION, ACROSS = np.array([2.0, -1.0, 2.0]) / 3, np.array([0.3, 0.8, -0.5])
 def test_tip_load_gives_exact_deflection_and_root_stress_in_both_planes(axis, inertia, half):
     """P L^3 / 3EI at the tip, P L c / I at the root: exact, because the solution is a cubic."""
     beams = straight(3, DIRECTION, ACROSS)
-    way = beams.discrete.mesh.axes[0, axis]
+    way = beams.discrete.element.axes[0, axis]
     moved = bent(beams, 2.0 * np.append(way, np.zeros(3)))
     np.testing.assert_allclose(moved[-1, :3], way * 2.0 * 10**3 / (3 * E * inertia), rtol=1e-10, atol=1e-10)  # condition 1e5
     stress = (beams.matrices.stress @ np.append(moved.ravel(), 0.0))[:8:2]

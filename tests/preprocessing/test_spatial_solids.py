@@ -8,12 +8,12 @@ import skfem
 from scipy.spatial.transform import Rotation
 
 from preprocessing import build
-from preprocessing.assembly.solids.elasticity import solid_matrices
-from preprocessing.assembly.solids.elements import element_blocks, points_of
-from preprocessing.assembly.solids.stress import COMPONENTS, stress_rows
 from preprocessing.basis.solids import sparse_modes
 from preprocessing.basis.solids.nested_dissection import dissected
 from preprocessing.basis.solids.ties import freedom, tie
+from preprocessing.elements.solids.elasticity import solid_matrices
+from preprocessing.elements.solids.elements import element_blocks, points_of
+from preprocessing.elements.solids.stress import COMPONENTS, stress_rows
 from preprocessing.mesh.faces import faces_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.recipes.solids.body_recipe import BodyRecipe

@@ -11,10 +11,10 @@ from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from tests.random_scenes.planar_links import Link, answers, hinge, link, pushes, whirl
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce

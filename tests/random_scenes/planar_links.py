@@ -11,9 +11,9 @@ from tests.random_scenes.draw import rounded
 from tests.random_scenes.models import PERIODS, PLANAR, local_places, model_file
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
-from toolkit.joints.planar.distance import Distance
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import SpringDamper

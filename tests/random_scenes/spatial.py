@@ -11,12 +11,12 @@ from tests.random_scenes.planar import SWING
 from tests.random_scenes.planar_links import Link
 from tests.random_scenes.spatial_links import answers, flexible, inertia, link, pushes, tie, weight, whirl
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.joints.spatial.distance import SpatialDistance
-from toolkit.joints.spatial.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.distance import SpatialDistance
+from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.point_force import SpatialPointForce

@@ -11,11 +11,11 @@ from tests.random_scenes.models import PERIODS, SPATIAL, local_places, model_fil
 from tests.random_scenes.planar_links import Link
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.joints.both.distance import SpatialDistance
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of

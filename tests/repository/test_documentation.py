@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from docs.generators.comments import meanings, trailing_comment
-from docs.generators.formats import PLACE, TABLES, fill, kinds
+from docs.generators.formats import PAGE, PLACE, TABLES, fill, for_the_site, kinds
 from docs.generators.formulas import FENCE, REFERENCE, TAG, hide_formulas
 from docs.generators.house import about, modules, ordered
 from docs.generators.house_picture import WIDE, house, layers, needed, picture, places, ways
@@ -33,7 +33,7 @@ ROOT = Path(__file__).parents[2]
 DOCS = ROOT / "docs"
 PAGES = sorted(path.name for path in DOCS.glob("*.md"))
 THEORY = (DOCS / "theory.md").read_text(encoding="utf-8")
-FORMATS = fill((DOCS / "formats.md").read_text(encoding="utf-8"))
+FORMATS = PAGE.read_text(encoding="utf-8")
 TARGET = re.compile(r"\]\[((?:toolkit|preprocessing)[\w.]*)\]")
 MODULES = [*modules("toolkit"), *modules("preprocessing")]
 
@@ -120,7 +120,7 @@ def test_every_kind_and_every_key_of_it_is_in_the_page_on_file_formats():
     documented = {(group, name) for group, found in kinds().items() for name in found}
     assert {name for _, name in documented} == declared_kinds()
     for group, name in documented:
-        section = FORMATS.split(f"### {name} {{ #{group}-{name} }}")[1].split("\n##")[0]
+        section = FORMATS.split(f'### <a id="{group}-{name}"></a>{name}\n')[1].split("\n##")[0]
         for key in set(kinds()[group][name].model_fields) - {"type"}:
             (row,) = [line for line in section.splitlines() if line.startswith(f"| `{key}` |")]
             assert row.rstrip(" |").count("|") == 4, (
@@ -129,13 +129,23 @@ def test_every_kind_and_every_key_of_it_is_in_the_page_on_file_formats():
 
 
 def test_the_page_on_file_formats_asks_for_every_table_and_for_no_other():
-    assert sorted(PLACE.findall((DOCS / "formats.md").read_text(encoding="utf-8"))) == sorted(TABLES)
-    assert "<!-- table" not in FORMATS
+    assert sorted(PLACE.findall(FORMATS)) == sorted(TABLES)
+
+
+def test_the_page_on_file_formats_has_the_tables_of_the_classes_as_they_are():
+    assert fill(FORMATS) == FORMATS, "run: python -m docs.generators.formats"
+
+
+def test_the_page_on_file_formats_links_to_the_reference_on_the_site():
+    site = for_the_site(FORMATS)
+    assert "### revolute { #joints-revolute }\n" in site
+    assert "In the reference: [`Revolute`][toolkit.joints.planar.revolute.Revolute]." in site
+    assert "<a id" not in site
 
 
 def test_every_table_that_a_table_points_to_has_its_section():
     for section in re.findall(r"\]\(#([\w-]+)\)", FORMATS):
-        assert f"{{ #{section} }}" in FORMATS
+        assert f'<a id="{section}"></a>' in FORMATS
 
 
 def test_the_page_on_file_formats_says_what_numbers_measure_as_the_program_reads_it():

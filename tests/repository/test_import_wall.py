@@ -66,8 +66,9 @@ COMPONENTS = ("toolkit.bodies", "toolkit.joints", "toolkit.loads")
 
 
 def spaces(name: str) -> set[str]:
-    """Of the plane and space, those that a module's name names as a room of components."""
-    return {"planar", "spatial"} & set(name.split(".")) if belongs(name, COMPONENTS) else set()
+    """Of the plane and space, those that a module's name names as a room of components; a room for `both` names both."""
+    named = {"planar", "spatial"} if "both" in name.split(".") else {"planar", "spatial"} & set(name.split("."))
+    return named if belongs(name, COMPONENTS) else set()
 
 
 def test_components_of_the_plane_and_of_space_do_not_know_each_other_and_what_they_share_knows_neither():

@@ -12,7 +12,7 @@ from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.point import Point
 from toolkit.description.profile import Constant
 from toolkit.foundation.errors import BifurcationError, ConvergenceError
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.loads.planar.point_force import PointForce

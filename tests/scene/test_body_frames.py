@@ -22,12 +22,10 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
+from toolkit.joints.both.rigid_joint import RigidJoint, SpatialRigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
-from toolkit.joints.spatial.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.spatial.point_force import SpatialPointForce

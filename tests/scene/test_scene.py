@@ -14,10 +14,10 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.load import AnyLoad, Load

@@ -18,6 +18,8 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import prepare, solve
 
+pytestmark = pytest.mark.robustness
+
 ROOT = Path(__file__).parents[2]
 FILES = sorted((ROOT / "models").glob("*/scene.toml"))
 TABLES: list[dict[str, Any]] = [tomllib.loads(path.read_text()) for path in FILES]

@@ -13,8 +13,8 @@ from toolkit.description.point import Point
 from toolkit.description.profile import Constant, Sine, Sum
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.responses.motion import Rotation

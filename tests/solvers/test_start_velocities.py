@@ -20,10 +20,10 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Sine
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table

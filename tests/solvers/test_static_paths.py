@@ -17,7 +17,7 @@ from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
-from toolkit.joints.planar.driver import PositionDriver
+from toolkit.joints.both.driver import PositionDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity

@@ -10,7 +10,7 @@ from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.point import BodyPoint
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.driver import SpatialAngleDriver
+from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from preprocessing.basis.reduction import reduced_basis
-from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.discretisation.discretisation import Discretisation
 from preprocessing.elements import spatial_beam
 from preprocessing.recipes.frame.frame_design import frame_elements, frame_space
 from preprocessing.recipes.frame.frame_file import FrameFile
@@ -19,7 +19,7 @@ from preprocessing.recipes.frame.frame_file import FrameFile
 class Frame(NamedTuple):
     """Elements of one circular section, and their basis."""
 
-    elements: SpatialDiscretisation
+    elements: Discretisation
     z: np.ndarray  # [xi, Psi] (n, 1 + n_f)
     area: float
     radius: float  # of the four equal masses that stand for a section
@@ -66,7 +66,7 @@ def total(frame: Frame, motion: Motion) -> Total:
 
     place = r + A (x + u + e + th x e),   velocity = r' + A (omega x (x + u + e + th x e) + u' + th' x e)
     """
-    mesh, displaced, rates = frame.elements.mesh, frame.z[:, 1:] @ motion.q, frame.z[:, 1:] @ motion.v
+    mesh, displaced, rates = frame.elements.element, frame.z[:, 1:] @ motion.q, frame.z[:, 1:] @ motion.v
     shape, turn = spatial_beam.shape(mesh.ends, mesh.axes), spatial_beam.rotation(mesh.ends, mesh.axes)
     ratios, weights = np.polynomial.legendre.leggauss(8)
     energy, linear, angular = 0.0, np.zeros(3), np.zeros(3)

@@ -17,11 +17,11 @@ from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.point import BodyPoint
 from toolkit.description.profile import Constant
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.kernels.spatial.forms import LOCKED, Row
-from toolkit.joints.spatial.driver import SpatialAngleDriver
+from toolkit.joints.both.driver import SpatialAngleDriver
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
@@ -52,7 +52,7 @@ class Upright(SpatialPointJoint):
     """No relative rotation, every displacement free."""
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
-        return LOCKED
+        return self.poses.locked
 
 
 def beam(folder, elements=4, tip=(0.0, 0.0, LENGTH), modulus=E, basis=""):

@@ -12,7 +12,7 @@ from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.spatial.driver import SpatialAngleDriver
+from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.kinematics.spatial import matrix_of
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper

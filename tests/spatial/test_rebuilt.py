@@ -19,7 +19,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.reduced_model.file import save
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

@@ -15,7 +15,7 @@ from toolkit.compilation.redundant_rows import independent_rows
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
-from toolkit.joints.spatial.driver import SpatialAngleDriver
+from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.spatial.gravity import SpatialGravity

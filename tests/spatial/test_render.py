@@ -15,12 +15,12 @@ from toolkit.command_line.commands.report_command import refuse_space
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import SmoothStep
 from toolkit.foundation.errors import InputError
+from toolkit.joints.both.distance import SpatialDistance
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.distance import SpatialDistance
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of

@@ -23,7 +23,7 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.description.point import BodyPoint
 from toolkit.description.profile import Sine
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.spatial.driver import SpatialPositionDriver
+from toolkit.joints.both.driver import SpatialPositionDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.torque import SpatialTorque

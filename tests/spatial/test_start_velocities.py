@@ -13,7 +13,7 @@ from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.spatial.distance import SpatialDistance
+from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical

@@ -24,7 +24,7 @@ from toolkit.description.profile import SmoothStep
 from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.reduced_model.file import save

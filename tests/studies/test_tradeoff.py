@@ -219,6 +219,7 @@ def test_a_damaged_record_is_run_again(tmp_path):
     assert Record.model_validate_json(file.read_bytes()).values == first.settings[0].record.values
 
 
+@pytest.mark.robustness
 def test_a_killed_study_leaves_whole_records_and_goes_on_from_them(tmp_path):
     arguments = ["tradeoff", str(PENDULUM), *SET, "--axes", "step=0.02/0.01,rho_inf", "-o", str(tmp_path), "--jobs", "2", "-q"]
     command = [sys.executable, "-m", "toolkit.command_line.cli", *arguments]

@@ -11,7 +11,7 @@ from toolkit.bodies.planar.rigid import Rod
 from toolkit.description.point import Point
 from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
-from toolkit.joints.planar.driver import AngleDriver
+from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper

@@ -11,8 +11,7 @@ from toolkit.bodies.spatial.rigid import SpatialRigid
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.spatial.distance import SpatialDistance
+from toolkit.joints.both.distance import Distance, SpatialDistance
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution

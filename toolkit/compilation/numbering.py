@@ -11,7 +11,7 @@ from toolkit.bodies.body import QUATERNION
 from toolkit.compilation.dependence import Item, users_by_name
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
-from toolkit.joints.joint import ROW_QUANTITIES
+from toolkit.joints.rows import ROW_QUANTITIES
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene

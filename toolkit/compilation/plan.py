@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.compilation.arrays.body_arrays import constant_part, floating_part
-from toolkit.compilation.arrays.component_arrays import curve_pairs, gripped, joint_arrays, load_arrays, marker_arrays
+from toolkit.compilation.arrays.component_arrays import curve_pairs, gripped, load_arrays, marker_arrays
+from toolkit.compilation.arrays.joint_arrays import joint_arrays
 from toolkit.compilation.arrays.spatial_arrays import (
     frames_part,
     pressure_part,
     spatial_floating_part,
-    spatial_joint_arrays,
     spatial_marker_arrays,
 )
 from toolkit.compilation.numbering import Numbering
@@ -72,6 +72,7 @@ def build_plan(
     makers: dict[str, Callable[[], Any]] = {
         "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
         **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
+        "joints": lambda: joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
         "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
     }
     parts = {
@@ -101,12 +102,11 @@ def _needs(part: str, derivatives: list[Quantities]) -> set[str]:
 
 
 def _planar_parts(scene, numbering, values, derivatives, columns, pattern, dtype) -> dict[str, Callable[[], Any]]:
-    """Bodies with a moving frame, markers and joints in the plane."""
+    """Bodies with a moving frame and markers in the plane."""
     first = list(numbering.first.values())
     return {
         "floating": lambda: floating_part([first[b] for b in values.floating], values, derivatives, pattern, dtype),
         "markers": lambda: marker_arrays(scene, numbering, values, derivatives, columns, dtype),
-        "joints": lambda: joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
         "pressures": lambda: None,
     }
 
@@ -121,13 +121,12 @@ def _spatial_parts(scene, numbering, values, derivatives, columns, pattern, dtyp
     return {
         "floating": lambda: spatial_floating_part(scene, numbering, values, derivatives, pattern, dtype),
         "markers": markers,
-        "joints": lambda: spatial_joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
         "pressures": lambda: pressure_part(scene, numbering, values, derivatives, pattern, dtype),
     }
 
 
 _PARTS = {PLANE: _planar_parts, SPACE: _spatial_parts}
-"""What the plan has of bodies, markers, joints and pressures."""
+"""What the plan has of bodies, markers and pressures."""
 
 
 def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_rows: list, columns: list[np.ndarray]) -> Pattern:

@@ -39,7 +39,7 @@ class Quantities:
     constant: dict[int, ConstantNumbers]
     floating: dict[int, Any]  # FloatingNumbers or SpatialFloatingNumbers of the bodies that have them
     markers: dict[int, Any]  # MarkerNumbers or SpatialMarkerNumbers
-    joints: dict[int, np.ndarray]  # (6,) parameters, padded with zeros; in space the numbers of the rows, see `forms`
+    joints: dict[int, np.ndarray]  # the numbers of the rows, see `joints.rows`
     loads: dict[int, np.ndarray]  # (5,) parameters, in space (7,)
     pressures: dict[int, PressureNumbers]
     gravity: np.ndarray  # (d,)
@@ -66,7 +66,7 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected |
             for m, grip in enumerate(numbering.markers)
             if affected is None or m in affected.markers
         },
-        {j: _parameters(placed, joint, scene.space.joint_parameters) for j, joint in joints.items()},
+        {j: np.array(joint.parameters(placed)) for j, joint in joints.items()},
         {k: _parameters(placed, load, scene.space.load_parameters) for k, load in loads.items()},
         {
             p: pressure.numbers_on(placed, everybody[pressure.body])
@@ -115,11 +115,9 @@ def curves_of(scene: Scene) -> list[tuple[Item, Curve]]:
     return [(item, curve) for item, curve in found if curve is not None]
 
 
-def _parameters(scene: Scene, component: Component, width: int | None) -> np.ndarray:
-    """A component's parameters, padded with zeros to a width if there is one."""
+def _parameters(scene: Scene, component: Component, width: int) -> np.ndarray:
+    """A load's parameters, padded with zeros to a width."""
     row = component.parameters(scene)
-    if width is None:
-        return np.array(row)
     if len(row) > width:
         raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {component!r}.")
     return np.array([*row, *[0.0] * (width - len(row))])

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from toolkit.conformance.formula import check_joint_formula, check_load_formula
+from toolkit.conformance.formula import check_load_formula
+from toolkit.conformance.laws import check_laws
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
 from toolkit.conformance.response import check_partials
 from toolkit.joints.joint import Joint
-from toolkit.joints.spatial.row_checks import check_rows
+from toolkit.joints.row_checks import check_rows
 from toolkit.loads.load import Load
 from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
-from toolkit.scene.space import PLANE, SPACE, Space
 
 
 def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
-    """Check every derivative of a joint at random poses and rates: those of its formula, then what the equations make of them.
+    """Check every derivative of a joint at random poses and rates: those of its open formulas, then what the equations make of them.
 
-    A joint in space has rows instead of a formula, and these no derivatives of their own.
+    Rows that are forms have no derivatives of their own.
 
     Parameters
     ----------
@@ -34,18 +33,12 @@ def check_joint(joint: Joint, scene: Scene, seed: int = 0) -> None:
     ConformanceError
         A derivative differs from a complex step by more than 1e-10 of the largest; names the derivative, the entry and both values.
     ValueError
-        The joint names a body or a point that the scene does not have; or a row of it in space cannot be meant.
+        The joint names a body or a point that the scene does not have; or a row of it cannot be meant.
     """
     alone = _alone(scene, joints={"joint": joint})
-    _LAW[alone.space](joint, alone, np.random.default_rng(seed))
+    check_rows(joint, alone)
+    check_laws(joint, alone, np.random.default_rng(seed))
     check_scene(alone, seed)
-
-
-_LAW: dict[Space, Callable[..., None]] = {
-    PLANE: check_joint_formula,
-    SPACE: lambda joint, scene, _rng: check_rows(joint, scene),
-}
-"""What a joint alone is checked by."""
 
 
 def check_load(load: Load, scene: Scene, seed: int = 0) -> None:

@@ -1,4 +1,4 @@
-"""The formula of a joint or a load on its own: each derivative that it fills against a complex step of what it fills before."""
+"""The formula of a load on its own: each derivative that it fills against a complex step of what it fills before."""
 
 from __future__ import annotations
 
@@ -10,12 +10,10 @@ from toolkit.conformance.comparison import STEP, compare
 from toolkit.conformance.residual import design_paths
 from toolkit.foundation.errors import ConformanceError
 from toolkit.foundation.kernel import plain
-from toolkit.joints.joint import Joint
-from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
-from toolkit.joints.kernels.planar.joint_kernel import ROWS
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
 from toolkit.loads.kernels.load_kernel import SPATIAL_ARGUMENTS
 from toolkit.loads.load import Load
+from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 
 VECTORS = ("position", "axis 1", "axis 2", "axis 3")
@@ -32,31 +30,6 @@ FORCES = {
 """Dimension -> what a load fills, conjugate to the poses."""
 ARGUMENTS = {2: LOAD_ARGUMENTS, 3: SPATIAL_ARGUMENTS}
 """Dimension -> arguments of a load; the last one is the value of its curve."""
-
-
-def check_joint_formula(joint: Joint, scene: Scene, rng: np.random.Generator) -> None:
-    """phi_z of phi, phi_zz of phi_z, and phi_zww of w^T phi_zz w, at random poses and rates."""
-    z, w, used = arguments(joint, scene, JOINT_ARGUMENTS, rng)
-    rows = len(joint.row_names)
-
-    def fill(at: np.ndarray) -> list[np.ndarray]:
-        shapes = [(ROWS,), (ROWS, len(z)), (ROWS, len(z), len(z)), (ROWS, len(z))]
-        filled = [np.zeros(shape, at.dtype) for shape in shapes]
-        plain(joint.law())(at, w.astype(at.dtype), *filled)
-        return [array[:rows] for array in filled]
-
-    _, phi_z, phi_zz, phi_zww = fill(z)
-    owner, names = f"{joint.kind!r}: ", argument_names(used, len(z), 2)
-    compare(f"{owner}phi_z", phi_z[:, used], stepped(lambda at: fill(at)[0], z, used), [joint.row_names, names])
-    exact = stepped(lambda at: fill(at)[1][:, used], z, used)
-    if not joint.curved:
-        compare(f"{owner}phi_zz (`curved` is False, so it counts as zero)", 0 * exact, exact, [joint.row_names, names, names])
-        return
-    second = phi_zz[:, used][:, :, used]
-    exact[:, 6:, 6:] = second[:, 6:, 6:]  # parameter by parameter is never used
-    compare(f"{owner}phi_zz", second, exact, [joint.row_names, names, names])
-    exact = stepped(lambda at: np.einsum("ikl,k,l->i", fill(at)[2], w, w), z, used)
-    compare(f"{owner}phi_zww", phi_zww[:, used], exact, [joint.row_names, names])
 
 
 def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> None:
@@ -97,25 +70,28 @@ def _check_blindness(load: Load, force: np.ndarray, force_z: np.ndarray, force_w
         )
 
 
-def arguments(
-    component: Joint | Load, scene: Scene, size: int, rng: np.random.Generator
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """z = (random poses, the component's parameters), rates w that are zero for parameters, numbers of the arguments that can change.
+def arguments(load: Load, scene: Scene, size: int, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """z = (random poses, the load's parameters), rates w that are zero for parameters, numbers of the arguments that can change.
 
     A parameter that no number of the scene moves, a switch, has no derivative that anyone could use.
     """
-    n = len(POSES[component.dimension])
-    parameters = np.array(component.parameters(scene), float)
+    n = len(POSES[load.dimension])
+    parameters = np.array(load.parameters(scene), float)
     z, w = np.zeros((2, size))
     z[:n], w[:n] = rng.normal(size=(2, n))
     z[n : n + len(parameters)] = parameters
-    moved = np.zeros(len(parameters), bool)
-    group = "joints" if isinstance(component, Joint) else "loads"
+    moved = moved_numbers("loads", load, scene)
+    return z, w, np.append(np.arange(n), n + np.flatnonzero(moved))
+
+
+def moved_numbers(group: str, component: Component, scene: Scene) -> np.ndarray:
+    """Which parameters of a component some number of the scene moves, if it is the only one of its group."""
+    moved = np.zeros(len(component.parameters(scene)), bool)
     alone = scene.model_copy(update={"joints": {}, "loads": {}} | {group: {"component": component}})
     for path in design_paths(alone):
         other = alone.with_number(path, alone.number(path) + 1j * STEP)
         moved |= np.imag(getattr(other, group)["component"].parameters(other)) != 0
-    return z, w, np.append(np.arange(n), n + np.flatnonzero(moved))
+    return moved
 
 
 def argument_names(used: np.ndarray, size: int, dimension: int) -> list[str]:

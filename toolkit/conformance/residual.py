@@ -6,13 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.compilation.arrays.component_arrays import families
-from toolkit.compilation.quantities import loads_of
 from toolkit.conformance.comparison import STEP, compare
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.foundation.kernel import plain
 from toolkit.scene.scene import Scene
-from toolkit.system.system import System, compile_scene
+from toolkit.system.system import System, compile_scene, plain_formulas_of
 
 LEVELS = np.array([1.0, 0.7, 0.3])
 """Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""
@@ -70,8 +68,7 @@ def inputs(system: System, levels: np.ndarray = LEVELS) -> Inputs:
 def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, linearize: bool = False) -> Terms:
     """Evaluate as plain Python, with complex arrays if the state is complex."""
     scene, dtype = system.scene, np.result_type(q, v, acc, system.dtype).type
-    components: tuple[list, list] = list(scene.joints.values()), loads_of(scene)
-    functions = tuple(tuple(plain(formula) for formula in families(group)) for group in components)
+    functions = plain_formulas_of(scene)
     terms, work = allocate_terms(system.plan, dtype), allocate_work(system.plan, dtype)
     arrays = [np.asarray(item, dtype) for item in (q, v, acc)]
     plain(evaluate)(system.plan, functions, given, *arrays, linearize, terms, work)

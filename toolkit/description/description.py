@@ -36,7 +36,7 @@ class Description(BaseModel):
     the construction formulas relies on it. What a field's numbers measure stands beside it: `Annotated[Positive, Quantity("mass")]`.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
     def numbers(self) -> Iterator[tuple[str, Any]]:
         """Paths and values of all numbers below this record."""

@@ -7,6 +7,7 @@ from toolkit.description.description import NotNegative, Number, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.joints.planar.joint import PlanarJoint
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.spatial.load import SpatialLoad
@@ -28,6 +29,7 @@ __all__ = [
     "Positive",
     "Quantity",
     "Response",
+    "Row",
     "SpatialJoint",
     "SpatialLoad",
     "check_joint",

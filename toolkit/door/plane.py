@@ -8,10 +8,10 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.door import responses
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
-from toolkit.joints.planar.distance import Distance
-from toolkit.joints.planar.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.distance import Distance
+from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce

@@ -9,14 +9,14 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.door import responses
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
+from toolkit.joints.both.distance import SpatialDistance as Distance
+from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
+from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
+from toolkit.joints.both.rigid_joint import SpatialRigidJoint as RigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
-from toolkit.joints.spatial.distance import SpatialDistance as Distance
-from toolkit.joints.spatial.driver import SpatialAngleDriver as AngleDriver
-from toolkit.joints.spatial.driver import SpatialPositionDriver as PositionDriver
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
-from toolkit.joints.spatial.rigid_joint import SpatialRigidJoint as RigidJoint
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity

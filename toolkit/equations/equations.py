@@ -18,8 +18,7 @@ from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
 from toolkit.foundation.kernel import inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
-from toolkit.joints.kernels.planar.joint_kernel import Joints
-from toolkit.joints.kernels.spatial.joint_kernel import SpatialJoints
+from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads, LoadWork, evaluate_load, load_design, load_jacobian, load_residual, load_work
 from toolkit.loads.kernels.pressure_kernel import Pressures, add_pressure_designs, add_pressures
 from toolkit.markers.planar.marker_kernel import Markers
@@ -38,7 +37,7 @@ class Plan(NamedTuple):
     constant: Constant
     floating: Floating | SpatialFloating
     markers: Markers | SpatialMarkers
-    joints: Joints | SpatialJoints
+    joints: Joints
     loads: Loads
     pressures: Pressures | None  # in space
     dropped: np.ndarray  # rows of redundant constraints, in whose place the multiplier is zero
@@ -83,7 +82,7 @@ class Inputs(NamedTuple):
     curves: np.ndarray  # (n_curves, 3)
     curves_x: np.ndarray  # (n_d, 3)
     scale: float
-    levels: np.ndarray  # (k_2, k_1, k_0), see joint_kernel
+    levels: np.ndarray  # (k_2, k_1, k_0), see `joints.kernels.planar.joint_kernel`
     inertia: bool
     joints_only: bool
 

@@ -1,22 +1,22 @@
-"""Base of all joints, which promises nothing about the space that they are in."""
+"""Base of all joints, in the plane and in space alike."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Sequence
-from typing import ClassVar, Literal, Self, get_args
+from typing import Any, ClassVar, Self
 
 from pydantic import model_validator
 
-from toolkit.markers.component import Component
-
-RowQuantity = Literal["length", "angle"]
-"""What a row of a constraint measures."""
-ROW_QUANTITIES = get_args(RowQuantity)
+from toolkit.joints.poses import Poses
+from toolkit.joints.rows import Row, RowQuantity, row_numbers
+from toolkit.markers.component import Component, Skeleton
 
 
 class Joint(Component):
-    """A constraint g(pose a, pose b) = f(t) between two bodies; a time curve is subtracted from its last row.
+    """Constraints g(pose a, pose b) = f(t) between a marker on body a and one on body b: `constraint(scene)`, rows of forms of `poses`.
+
+    A time curve is subtracted from the last row.
 
     Attributes
     ----------
@@ -25,20 +25,51 @@ class Joint(Component):
     """
 
     siblings: ClassVar[str] = "PlanarJoint or SpatialJoint"
-    curved: ClassVar[bool] = True
-    """Whether the rows have second derivatives by the poses."""
+    stated_by: ClassVar[str] = "constraint"
 
     bodies: tuple[str, str]
 
+    @abstractmethod
+    def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
+        """The rows; without a scene their names and structure are right, their numbers need not be."""
+
     @property
     @abstractmethod
+    def poses(self) -> Poses:
+        """What its rows are made of."""
+
+    @property
+    def laws(self) -> list[Any]:
+        """Open formulas of its rows."""
+        return [row.law for row in self.constraint(None) if row.law is not None]
+
+    @property
     def rows(self) -> Sequence[tuple[str, RowQuantity]]:
         """Name of each row of the constraint, for messages, and what the row measures; their number is the joint's size."""
+        return [(row.name, row.quantity) for row in self.constraint(None)]
 
     @property
     def row_names(self) -> list[str]:
         """Names of the rows."""
         return [name for name, _ in self.rows]
+
+    @property
+    @abstractmethod
+    def curved(self) -> bool:
+        """Whether the rows have second derivatives by the poses, or the poses such by what two bodies share."""
+
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """The numbers that stand in its rows."""
+        return row_numbers(self.constraint(scene))
+
+    @classmethod
+    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
+        if cls.kind and cls.dimension and getattr(cls.constraint, "__isabstractmethod__", False):
+            raise TypeError(
+                f"{cls.__name__} has no `constraint`: state its rows as forms of the two poses, each with its name and what it "
+                "measures, as the neighbouring files do."
+            )
+        super().__pydantic_init_subclass__(**kwargs)
 
     @model_validator(mode="after")
     def _two_bodies(self) -> Self:

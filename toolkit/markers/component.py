@@ -30,8 +30,8 @@ class Skeleton(Protocol):
 class Component(InSpace):
     """Base of joints and loads.
 
-    `formula` is the compiled law of this kind with all its derivatives; a subclass without one cannot be created. Its parameters
-    enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's.
+    `formula` of a load is the compiled law of its kind with all its derivatives; a subclass without one cannot be created. Its parameters
+    enter the formula as arguments behind the two poses, so that their design derivatives come with the formula's. Joints state rows.
     """
 
     formula: ClassVar[CPUDispatcher]
@@ -50,7 +50,7 @@ class Component(InSpace):
 
     @abstractmethod
     def parameters(self, scene: Skeleton) -> list[Any]:
-        """Numbers behind the two poses in the formula's arguments, real or complex."""
+        """Numbers behind the two poses in the formula's arguments, of a joint those of its rows; real or complex."""
 
     @property
     def axes(self) -> np.ndarray | None:

@@ -65,17 +65,14 @@ def label_places(
     """
     places: list[np.ndarray] = []
     for name in names:
-        candidates = [candidate for reach in reaches for candidate in _around(name, reach * letter)]
-        free = [
-            min(
-                _clearance(candidate, name.half, obstacles),
-                _label_clearance(candidate, name.half, places, names),
-                _ENOUGH * letter,
-            )
-            - 100 * _outside(candidate, name.half, size)
-            - _NEARNESS * np.hypot(*(candidate - name.point))
-            for candidate in candidates
-        ]
+        candidates = np.concatenate([_around(name, reach * letter) for reach in reaches])
+        clearances = [_clearance(candidates, name.half, obstacles)]
+        clearances += [_clearance(candidates, name.half + other.half, at[None]) for at, other in zip(places, names, strict=False)]
+        free = (
+            np.minimum(np.min(clearances, axis=0), _ENOUGH * letter)
+            - 100 * _outside(candidates, name.half, size)
+            - _NEARNESS * np.hypot(*(candidates - name.point).T)
+        )
         places.append(candidates[int(np.argmax(np.round(free, _SAME)))])
     return places
 
@@ -92,22 +89,17 @@ def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
     return np.vstack([np.repeat(points[:-1], counts, axis=0) + within[:, None] * np.repeat(steps, counts, axis=0), points[-1:]])
 
 
-def _around(name: Name, gap: float) -> list[np.ndarray]:
-    """Centres of a label whose edge is about `gap` from its point, in all directions."""
-    return [name.point + (name.half + gap) * np.array([np.cos(angle), np.sin(angle)]) for angle in _DIRECTIONS]
+def _around(name: Name, gap: float) -> np.ndarray:
+    """Centres (m, 2) of a label whose edge is about `gap` from its point, in all directions."""
+    return name.point + (name.half + gap) * np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
 
 
-def _clearance(centre: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> float:
-    """Distance from a box to the nearest obstacle; negative by the depth if one is inside."""
-    outside = np.abs(obstacles - centre) - half
-    distance = np.hypot(*np.maximum(outside, 0).T) + np.minimum(outside.max(axis=1), 0)
-    return float(distance.min(initial=np.inf))
+def _clearance(centres: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> np.ndarray:
+    """Distances of boxes at centres (m, 2) to the nearest obstacle; negative by the depth if one is inside."""
+    x, y = (np.abs(obstacles[:, k] - centres[:, k, None]) - half[k] for k in range(2))
+    distance = np.hypot(np.maximum(x, 0), np.maximum(y, 0)) + np.minimum(np.maximum(x, y), 0)
+    return distance.min(axis=1, initial=np.inf)
 
 
-def _label_clearance(centre: np.ndarray, half: np.ndarray, places: list[np.ndarray], names: list[Name]) -> float:
-    pairs = zip(places, names, strict=False)  # those that have their place already
-    return min((_clearance(centre, half + other.half, place[None]) for place, other in pairs), default=np.inf)
-
-
-def _outside(centre: np.ndarray, half: np.ndarray, size: np.ndarray) -> float:
-    return float(np.maximum(np.maximum(half - centre, centre + half - size), 0).sum())
+def _outside(centres: np.ndarray, half: np.ndarray, size: np.ndarray) -> np.ndarray:
+    return np.maximum(np.maximum(half - centres, centres + half - size), 0).sum(axis=1)

@@ -143,12 +143,12 @@ def _artist_of_the_plane(solution: Solution, _view: View) -> _Artist:
     from toolkit.render.plane.configuration import Configuration
     from toolkit.render.plane.curves import curves_figure
     from toolkit.render.plane.look import choose_look
-    from toolkit.render.plane.scene_picture import instant_figure, overview_figure
+    from toolkit.render.plane.scene_picture import instants_alike, overview_figure
 
     return _Artist(
         lambda step: Configuration(solution, step),
         lambda steps: choose_look(solution, steps),
-        _page(instant_figure),
+        _page(instants_alike()),
         _page(overview_figure),
         _page(curves_figure),
     )

@@ -51,9 +51,18 @@ def sheet(
         yield figure, figure.subplots(rows, columns, squeeze=False, **options)
 
 
-def settle(figure: Figure, fit: Callable[[], None] = lambda: None) -> None:
-    """Lay a figure out for good, so that what is drawn from now on knows its scale; `fit` may adapt limits to the room there is."""
+def settle(figure: Figure, fit: Callable[[], None] = lambda: None, like: Figure | None = None) -> None:
+    """Lay a figure out for good, so that what is drawn from now on knows its scale; `fit` may adapt limits to the room there is.
+
+    The axes stand where they do in a figure `like` it, if there is one.
+    """
     before: list[Any] = []
+    if like is not None:
+        figure.set_layout_engine("none")
+        for axes, known in zip(figure.axes, like.axes, strict=True):
+            axes.set_position(known.get_position())
+        fit()
+        return
     for _ in range(3):  # a round may make numbers of ticks narrower or wider
         engine = figure.get_layout_engine()
         if engine is not None:

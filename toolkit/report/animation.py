@@ -8,7 +8,7 @@ from pathlib import Path
 from toolkit.render.gif import write_animation
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look
-from toolkit.render.plane.scene_picture import instant_figure
+from toolkit.render.plane.scene_picture import instants_alike
 from toolkit.render.sheet import NARROW, write_figure
 from toolkit.report.material import Material
 
@@ -18,9 +18,10 @@ PIXELS = 728
 
 def animate(material: Material, path: Path, progress: Callable[[int, int], None] = lambda *_: None) -> Path:
     """Write the motion with the stress of the skins; the file is looped by whatever shows it."""
-    write_animation([material.moment(step) for step in material.shown], _frame, material.look, path, PIXELS, progress)
+    drawn = instants_alike(NARROW)
+
+    def frame(moment: Configuration, look: Look, file: Path, width: int) -> None:
+        write_figure(drawn(moment, look), file, width / NARROW)
+
+    write_animation([material.moment(step) for step in material.shown], frame, material.look, path, PIXELS, progress)
     return path
-
-
-def _frame(moment: Configuration, look: Look, path: Path, width: int) -> None:
-    write_figure(instant_figure(moment, look, NARROW), path, width / NARROW)

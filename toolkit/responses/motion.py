@@ -10,7 +10,7 @@ from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
-from toolkit.joints.kernels.spatial.joint_kernel import angle_of
+from toolkit.joints.kernels.laws import angle_of
 from toolkit.kinematics.spatial import axes_along
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials

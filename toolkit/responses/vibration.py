@@ -18,8 +18,6 @@ import numpy as np
 from pydantic import Field
 from scipy.linalg import eig
 
-from toolkit.compilation.arrays.component_arrays import families
-from toolkit.compilation.quantities import loads_of
 from toolkit.equations.equations import Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.foundation.kernel import plain
@@ -27,7 +25,7 @@ from toolkit.responses.response import Partials, Response
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
 from toolkit.system.solution import Solution
-from toolkit.system.system import System
+from toolkit.system.system import System, plain_formulas_of
 
 STEP = 1e-30
 """Complex step: far below round-off."""
@@ -254,10 +252,7 @@ def _change(solution: Solution, found: Vibration, damped: bool) -> tuple[np.ndar
 
 def _plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> Terms:
     """The equations with their derivatives as plain Python, in complex numbers."""
-    system, scene = solution.system, solution.system.scene
-    functions = tuple(
-        tuple(plain(formula) for formula in families(group)) for group in (list(scene.joints.values()), loads_of(scene))
-    )
+    system, functions = solution.system, plain_formulas_of(solution.system.scene)
     terms, work = allocate_terms(system.plan, complex), allocate_work(system.plan, complex)
     inputs = system.inputs(solution.times[-1], LEVELS)
     arrays = [np.asarray(each, complex) for each in (q, v, acc)]

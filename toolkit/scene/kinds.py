@@ -14,6 +14,7 @@ DIMENSIONS = tuple(SPACES)
 for _room in ("bodies", "joints", "loads"):
     for _space in ("planar", "spatial"):
         import_room(f"toolkit.{_room}.{_space}")
+import_room("toolkit.joints.both")
 
 
 def kinds_of(dimension: int) -> dict[str, Mapping[str, type[Registered]]]:

@@ -11,9 +11,7 @@ from toolkit.bodies.planar.ground import Ground
 from toolkit.bodies.spatial.body import SpatialBody
 from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Registered
-from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
-from toolkit.joints.kernels.planar.joint_kernel import ROWS
-from toolkit.joints.kernels.spatial.joint_kernel import ROWS as SPATIAL_ROWS
+from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
 from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.kernels.load_kernel import ARGUMENTS as LOAD_ARGUMENTS
@@ -54,8 +52,8 @@ class Space:
         Components of the force and torque of a joint.
     joint_rows
         Most rows that a joint can have.
-    joint_parameters, load_parameters
-        Most parameters that a formula can have; None where joints have rows of forms instead, with numbers as many as they ask for.
+    load_parameters
+        Most parameters that the formula of a load can have.
     """
 
     dimension: int
@@ -71,7 +69,6 @@ class Space:
     reported: bool
     wrench: tuple[str, ...]
     joint_rows: int
-    joint_parameters: int | None
     load_parameters: int
 
 
@@ -89,7 +86,6 @@ PLANE = Space(
     reported=True,
     wrench=("x", "y", "torque"),
     joint_rows=ROWS,
-    joint_parameters=JOINT_ARGUMENTS - 6,
     load_parameters=LOAD_ARGUMENTS - 7,
 )
 SPACE = Space(
@@ -106,7 +102,6 @@ SPACE = Space(
     reported=False,
     wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
     joint_rows=SPATIAL_ROWS,
-    joint_parameters=None,
     load_parameters=SPATIAL_ARGUMENTS - 25,
 )
 SPACES = {space.dimension: space for space in (PLANE, SPACE)}

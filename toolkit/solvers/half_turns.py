@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
-from toolkit.joints.kernels.spatial.joint_kernel import angle_of
+from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.springs import TurnSpring
 from toolkit.markers.poses import update_poses
 from toolkit.system.system import System

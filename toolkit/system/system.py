@@ -13,6 +13,7 @@ from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
 from toolkit.compilation.arrays.component_arrays import families
+from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
@@ -22,8 +23,8 @@ from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.kernel import call, first_class, plain, slots
 from toolkit.foundation.near_ties import first_largest
-from toolkit.joints.kernels.planar.joint_kernel import SIGNATURE as JOINT_SIGNATURE
-from toolkit.joints.planar.revolute import revolute
+from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
+from toolkit.joints.kernels.laws import angle_law
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
@@ -162,14 +163,20 @@ class System:
 
 
 def _formulas(scene: Scene) -> tuple[list, list]:
-    """The different formulas of the scene's joints, and of its loads; there is always one."""
-    return families(list(scene.joints.values())) or [revolute], families(loads_of(scene)) or [torque]
+    """The different open formulas of the scene's joints, and the formulas of its loads; there is always one."""
+    return laws_of(list(scene.joints.values())) or [angle_law], families(loads_of(scene)) or [torque]
 
 
 def formulas_of(scene: Scene) -> tuple[tuple, tuple]:
     """The formulas of the scene's joints and loads, ready for the compiled loop."""
     joints, loads = _formulas(scene)
-    return slots(joints, JOINT_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+    return slots(joints, LAW_SIGNATURE), slots(loads, LOAD_SIGNATURE)
+
+
+def plain_formulas_of(scene: Scene) -> tuple[tuple, tuple]:
+    """The same as plain Python."""
+    joints, loads = _formulas(scene)
+    return tuple(map(plain, joints)), tuple(map(plain, loads))
 
 
 def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[tuple[str, str], ...] = ()) -> System:
@@ -190,7 +197,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
-    functions = formulas_of(scene) if dtype is float else tuple(tuple(map(plain, group)) for group in _formulas(scene))
+    functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
     system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.spatial_assembly import BeamMesh, SpatialPatch, assemble
-from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
+from preprocessing.assembly.assembly import assemble
+from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
 from preprocessing.elements.section import Patch
 from preprocessing.recipes.frame.frame_file import ALONG, FrameFile
 from preprocessing.recipes.frame.frame_tables import DIMENSIONS, BeamTable
@@ -53,14 +53,14 @@ def frame_space(file: FrameFile) -> DesignSpace:
     return DesignSpace(values, quantities(file), frozenset(values) - by_steps, partial(frame_elements, file))
 
 
-def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> SpatialDiscretisation:
+def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> Discretisation:
     """The finite elements at one design, which gives every parameter a value, real or complex."""
-    mesh, patches = frame_mesh(file, design), _patches(file, design)
+    beams = frame_beams(file, design)
     at_nodes = {name: list(file.nodes).index(point.node) for name, point in file.interface_points.items()}
-    return SpatialDiscretisation(mesh, patches, assemble(mesh, patches), {}, at_nodes=at_nodes)
+    return Discretisation(beams, assemble(beams), at_nodes)
 
 
-def frame_mesh(file: FrameFile, design: Mapping[str, Any]) -> BeamMesh:
+def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam:
     """The named nodes, then those between the ends of each beam; elements in the order of the beams."""
     names = list(file.nodes)
     corners = np.array([[design[f"{axis}_{name}"] for axis in "xyz"] for name in names])
@@ -73,7 +73,7 @@ def frame_mesh(file: FrameFile, design: Mapping[str, Any]) -> BeamMesh:
         connectivity.append(np.column_stack([chain[:-1], chain[1:]]))
         orientation += [_orientation(file, beam)] * beam.elements
         count += beam.elements - 1
-    return BeamMesh(np.vstack(nodes), np.vstack(connectivity), np.array(orientation))
+    return SpatialBeam(np.vstack(nodes), np.vstack(connectivity), np.array(orientation), _patches(file, design))
 
 
 def _orientation(file: FrameFile, beam: BeamTable) -> np.ndarray:

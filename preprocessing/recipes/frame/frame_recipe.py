@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing.discretisation.discretisation import DesignSpace
-from preprocessing.recipes.frame.frame_design import frame_elements, frame_space, places
+from preprocessing.discretisation.fibre_lines import fibre_lines
+from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
 from preprocessing.reduction.reduced import reduce
@@ -51,7 +52,7 @@ class FrameRecipe(Recipe[FrameFile]):
         )
         return {
             **found.fields(file.units),
-            "surface": frame_elements(file, designs.values).surface(found.basis.z, designs.values),
+            "surface": fibre_lines(frame_beams(file, designs.values), found.basis.z, designs.values),
         }
 
     def _stocky(self) -> Iterator[str]:

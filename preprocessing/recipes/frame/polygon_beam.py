@@ -11,6 +11,7 @@ import numpy as np
 from preprocessing.assembly.assembly import assemble
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.elements.section import Section
 from preprocessing.mesh.curve_mesh import CurveMesh
@@ -53,7 +54,8 @@ def polygon_beam(
     nodes = np.asarray(nodes, float)
     mesh, arc_lengths = _mesh(nodes)
     parameters = distribute(asdict(section), {}, separate, len(mesh.connectivity))
-    discrete = Discretisation(mesh, arc_lengths, assemble(mesh, parameters.patches), interfaces, None)
+    beams = PlanarBeam(mesh.nodes, mesh.connectivity, parameters.patches)
+    discrete = Discretisation(beams, assemble(beams), interfaces, arc_lengths)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, basis, 0, "the first node")
     inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), asdict(basis), WRITER_VERSION))

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing.airfoil.table import LARGEST_FILE
-from preprocessing.discretisation.discretisation import DesignSpace, positions
-from preprocessing.discretisation.spatial_discretisation import SpatialDiscretisation
-from preprocessing.discretisation.spatial_discretisation import positions as spatial_positions
+from preprocessing.discretisation.discretisation import DesignSpace
+from preprocessing.discretisation.fibre_lines import fibre_lines
+from preprocessing.elements.kinds.spatial_beam import SpatialBeam
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.gmsh_session import load_gmsh
 from preprocessing.recipes.checked_file import validated
@@ -90,13 +90,7 @@ def _airfoil_bytes(path: Path) -> bytes:
 def _shape_and_pictures(found: Reduced, geometry: Geometry) -> dict[str, Any]:
     """In the plane the mesh, in space the surface; the shape is compared in the plane of the section in both."""
     z, mesh, elements = found.basis.z, geometry.mesh, found.space.nominal()
-    if isinstance(elements, SpatialDiscretisation):
-        in_plane = spatial_positions(z)[:, :2]
-        return {
-            "shape": Shape(in_plane, geometry.target, geometry.arc_lengths),
-            "surface": elements.surface(z, found.space.values),
-        }
-    return {
-        "shape": Shape(positions(z), geometry.target, geometry.arc_lengths),
-        "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline),
-    }
+    shape = Shape(elements.positions(z)[:, :2], geometry.target, geometry.arc_lengths)
+    if isinstance(elements.element, SpatialBeam):
+        return {"shape": shape, "surface": fibre_lines(elements.element, z, found.space.values)}
+    return {"shape": shape, "mesh": Mesh(mesh.nodes, mesh.connectivity, z, geometry.outline, geometry.target_outline)}

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing.assembly.assembly import assemble
-from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, FiniteElements
+from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
+from preprocessing.elements.block_element import LineElement
+from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.patches import distribute
 from preprocessing.input.at_key import at_key
 from preprocessing.recipes.skin.geometry import Geometry, Remark
@@ -35,14 +37,17 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
     in_plane, wide = file.dimension == 2, file.material.state == "plane-strain"
     ratio = {"poisson_ratio": file.material.poisson_ratio or 0.0} if wide or not in_plane else {}
 
-    def discretise(design: Mapping[str, Any]) -> FiniteElements:
+    def discretise(design: Mapping[str, Any]) -> Discretisation:
         moved = {name: design[name] for name in shape if design[name] != shape[name]}
         at = geometry.moved(moved) if moved else geometry
         factor = 1 / (1 - design["poisson_ratio"] ** 2) if wide else 1.0
         places = {name: _arc_length(path, name, place, at) for name, place in file.interface_points.items()}
-        if not in_plane:
-            return spatial_skin(at, parameters.patches, places, factor, design["poisson_ratio"])
-        return Discretisation(at.mesh, at.arc_lengths, assemble(at.mesh, parameters.patches, factor), places, at.target)
+        beams: LineElement
+        if in_plane:
+            beams = PlanarBeam(at.mesh.nodes, at.mesh.connectivity, parameters.patches, factor)
+        else:
+            beams = spatial_skin(at.mesh, parameters.patches, factor, design["poisson_ratio"])
+        return Discretisation(beams, assemble(beams), places, at.arc_lengths, at.target)
 
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
     quantities = {**parameters.quantities, **dict.fromkeys(ratio, "none"), **lengths}

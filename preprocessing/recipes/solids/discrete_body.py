@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from preprocessing.assembly.assembly import Parts
-from preprocessing.assembly.solids.elasticity import SolidMatrices, solid_matrices
-from preprocessing.assembly.solids.elements import ElementBlock, element_blocks
-from preprocessing.assembly.solids.parts import element_parts, finished_parts, parameters_of
-from preprocessing.assembly.solids.stress import Rows, stress_rows
+from preprocessing.assembly.assembly import Parts, assemble
 from preprocessing.basis.solids.ties import Tie
 from preprocessing.discretisation.body_change import BodyChange, rate_of
 from preprocessing.discretisation.discretisation import STEP
+from preprocessing.elements.kinds.solid import Solid, element_solid, finished_solid, parameters_of
+from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
+from preprocessing.elements.solids.elements import ElementBlock, element_blocks
+from preprocessing.elements.solids.stress import Rows, stress_rows
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.matrix_file import read_matrix, read_square
@@ -63,10 +63,10 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
     changes: dict[str, BodyChange] = {}
     if file.matrices is None:
         others = {"poisson_ratio": _ratio(file), **{name: variable.value for name, variable in file.shape_variables.items()}}
-        parts, changes = _from_elements(named, values, ties)
+        solid, changes = _from_elements(named, values, ties)
     else:
-        parts = _from_files(named, made_with)
-    return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces)
+        solid = _from_files(named, made_with)
+    return DiscreteBody(mesh, assemble(solid), values, others, changes, named.clamped, ties, named.boundary, named.surfaces)
 
 
 def _ratio(file: BodyFile) -> float:
@@ -82,8 +82,8 @@ def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | N
         return stress_rows(named.file.stress.quantity, blocks, named.boundary, motion)
 
 
-def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]) -> tuple[Parts, dict[str, BodyChange]]:
-    """Parts of the body, and what Poisson's ratio and the shape variables change."""
+def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]) -> tuple[Solid, dict[str, BodyChange]]:
+    """The elements of the body, and what Poisson's ratio and the shape variables change."""
     mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
     with at_key(named.path, "mesh.file"):
         blocks = element_blocks(mesh)
@@ -92,18 +92,19 @@ def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[
     lame = lame_factors(ratio, state)
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
-    changes = {"poisson_ratio": BodyChange(element_parts(weightless, rows, slopes).at(values), mesh, ties, {})}
+    changes = {
+        "poisson_ratio": BodyChange(assemble(element_solid(mesh.nodes, weightless, rows, slopes)).at(values), mesh, ties, {})
+    }
     for name, motion in named.motions.items():
-        rates = element_parts(
-            solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion), _stress(named, blocks, motion), lame
-        )
+        own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
+        rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame))
         moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
         normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
         changes[name] = BodyChange(rates.at(values), moved, named.ties(moved.nodes), normals)
-    return element_parts(matrices, rows, lame), changes
+    return element_solid(mesh.nodes, matrices, rows, lame), changes
 
 
-def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Parts:
+def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:
     path, file, mesh, boundary = named.path, named.file, named.mesh, named.boundary
     assert file.matrices is not None
     found = []
@@ -120,7 +121,7 @@ def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Parts:
         by_lambda, by_mu = lame_factors(_ratio(file), _state(file, mesh))
         stress = file.material.youngs_modulus * (by_lambda * first + by_mu * shear)
     with at_key(path, "matrices"):
-        return finished_parts(mesh, found[0], found[1], stress, made_with)
+        return finished_solid(mesh, found[0], found[1], stress, made_with)
 
 
 def _refuse_other_points(rows: int, boundary: Boundary | None, mesh: SolidMesh) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import meshio
 import numpy as np
 
-from preprocessing.assembly.solids.elements import CUBE, CUBE_MIDDLES
+from preprocessing.elements.solids.elements import CUBE, CUBE_MIDDLES
 from preprocessing.input.at_key import at_key
 from preprocessing.recipes.recipe import Remark
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry

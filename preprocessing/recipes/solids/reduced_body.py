@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.solids.contraction import contractions
-from preprocessing.assembly.solids.parts import QUANTITIES
+from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.reduction import clamped_in_tangent_frame
 from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
@@ -15,10 +14,12 @@ from preprocessing.basis.solids.ties import Freedom, freedom
 from preprocessing.discretisation.body_change import BodyChange, rate_of
 from preprocessing.discretisation.discretisation import STEP
 from preprocessing.discretisation.surface_parts import pressure_on, surface_of
+from preprocessing.elements.kinds.solid import QUANTITIES
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
-from preprocessing.reduction.stored_entries import ROUND_OFF, derivatives, polynomials_without_round_off, without_round_off
+from preprocessing.reduction.contracted import Rate, contracted
+from preprocessing.reduction.stored_entries import ROUND_OFF
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.model import MEAN_AXES, InterfacePoint, Outline, StressPoints
 
@@ -29,24 +30,17 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     All shapes stay what they are when modulus, density, width or damping change, because their span does: so the invariants are exact
     polynomials of these. Poisson's ratio turns the shapes, unless they are frozen, and places of nodes change all; these have derivatives.
     """
-    by, free = contractions(body.mesh), freedom(body.mesh, body.clamped, body.ties)
+    free = freedom(body.mesh, body.clamped, body.ties)
     matrices = body.parts.at(body.values)
     mass, stiffness = ((free.map.T @ matrix @ free.map).tocsr() for matrix in (matrices.mass, matrices.stiffness))
     motions = free.coordinates_of(rigid_motions(body.mesh.nodes), body.ties)
     shapes = solid_shapes(choice, mass, stiffness, motions, free.places(body.mesh.nodes, body.ties), free, body.ties)
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
-    rates = {}
-    for parameter, change in body.changes.items():
-        d_z = _basis_rates(body, matrices, change, choice, free, shapes)
-        rates[parameter] = vars(by.contract_derivative(matrices, change.matrices, z, d_z=d_z)) | _item_rates(change, z, d_z)
-    nominal, computed = {**body.values, **body.others}, choice.kind != "full"
+    nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
-    invariants, polynomials = by.contract(matrices, z), by.polynomials(body.parts, list(nominal), z, computed=computed)
-    found = derivatives(invariants, rates, list(nominal), computed, interfaces)
-    if not computed:
-        polynomials = polynomials_without_round_off(polynomials, invariants, list(nominal.values()))
-        invariants = without_round_off(invariants)
-    points = len(invariants.stress_operator)
+    rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes.items())
+    found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
+    points = len(found.invariants.stress_operator)
     return {
         "dimension": body.mesh.dimension,
         "units": units,
@@ -54,26 +48,30 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "basis": shapes.words,
         "nominal": nominal,
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
-        "invariants": invariants,
-        "derivatives": found,
-        "affine": polynomials,
+        **found._asdict(),
         **_boundary_parts(body, z),
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }
 
 
-def _basis_rates(
-    body: DiscreteBody, matrices: Any, change: BodyChange, choice: BasisChoice, free: Freedom, shapes: SolidShapes
-) -> np.ndarray:
-    """dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
+def _rate(
+    body: DiscreteBody,
+    matrices: Matrices,
+    change: BodyChange,
+    choice: BasisChoice,
+    free: Freedom,
+    shapes: SolidShapes,
+    z: np.ndarray,
+) -> Rate:
+    """With dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
     d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
     d_z[:, 0] = change.motion
     if choice.derivative == "differentiated":
         stepped = change.freedom(body.clamped)
         on_independent = change.on(free, stepped, matrices, shapes.averaged)
         d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
-    return d_z
+    return Rate(change.matrices, d_z, _item_rates(change, z, d_z))
 
 
 def _boundary_parts(body: DiscreteBody, z: np.ndarray) -> dict[str, Any]:

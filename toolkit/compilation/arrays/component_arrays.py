@@ -1,4 +1,4 @@
-"""Markers, joints and loads as flat arrays."""
+"""Markers and loads as flat arrays."""
 
 from __future__ import annotations
 
@@ -11,17 +11,16 @@ from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, named_loads
-from toolkit.joints.kernels.planar.joint_kernel import ARGUMENTS as JOINT_ARGUMENTS
-from toolkit.joints.kernels.planar.joint_kernel import Joints
 from toolkit.loads.kernels.load_kernel import Loads
+from toolkit.loads.load import Load
 from toolkit.markers.component import Component
 from toolkit.markers.planar.marker_kernel import Markers
 from toolkit.scene.scene import Scene
 
 
-def families(components: list) -> list:
-    """The different formulas of the components, in order of appearance; joints in space have none."""
-    return list(dict.fromkeys(component.law() for component in components if component.stated_by == "formula"))
+def families(loads: list[Load]) -> list:
+    """The different formulas of the loads, in order of appearance."""
+    return list(dict.fromkeys(load.law() for load in loads))
 
 
 def gripped(numbering: Numbering, columns: list[np.ndarray], path: str, component: Component) -> tuple[np.ndarray, list[int]]:
@@ -63,45 +62,6 @@ def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
     """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
     found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
     return sorted((each for each in found if np.any(each[2].point) or np.any(each[2].shape)), key=itemgetter(0, 1))
-
-
-def joint_arrays(
-    scene: Scene,
-    numbering: Numbering,
-    values: Quantities,
-    derivatives: list[Quantities],
-    columns: list[np.ndarray],
-    pattern: Pattern,
-    dtype: type,
-) -> Joints:
-    """Joints of the scene, with the places of their local entries in the pattern."""
-    joints = list(scene.joints.values())
-    known = families(joints)
-    changes = parameter_changes([d.joints for d in derivatives], len(joints))
-    positions, markers = [], []
-    for name, joint in scene.joints.items():
-        both, pair = gripped(numbering, columns, f"joints.{name}", joint)
-        rows = numbering.row[name] + np.arange(len(joint.row_names))
-        markers.append(pair)
-        places = [pattern.find(*block(r, c)) for r, c in ((both, both), (rows, both), (both, rows))]
-        positions.append(np.concatenate(places))
-    flat = [change for pairs in changes for change in pairs]
-    return Joints(
-        family=ints([[known.index(joint.law()) for joint in joints]]),
-        curved=ints([[int(joint.curved) for joint in joints]]),
-        marker=np.array(markers, np.int64).reshape(-1, 2),
-        row=ints([[numbering.row[name] for name in scene.joints]]),
-        n_rows=ints([[len(joint.row_names) for joint in joints]]),
-        parameter=np.array(list(values.joints.values()), dtype).reshape(-1, JOINT_ARGUMENTS - 6),
-        curve=curve_numbers(joints, 0),
-        designed=designed(markers, derivatives, changes, curve_numbers(joints, 0)),
-        design_start=starts([len(pairs) for pairs in changes]),
-        design_variable=ints([[x for x, _, _ in flat]]),
-        design_parameter=ints([[p for _, p, _ in flat]]),
-        design_value=np.array([value for _, _, value in flat], float),
-        position_start=starts([len(places) for places in positions])[:-1],
-        position=ints(positions),
-    )
 
 
 def load_arrays(

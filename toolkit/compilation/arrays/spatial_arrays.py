@@ -1,4 +1,4 @@
-"""The parts of a spatial scene as flat arrays: frames, bodies whose frame turns, markers, joints."""
+"""The parts of a spatial scene as flat arrays: frames, bodies whose frame turns, markers, pressures."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
-from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, marker_changes, parameter_changes
+from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities, named_loads, pressures_of
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.spatial.forms import Form, Row, forms_of
-from toolkit.joints.kernels.spatial.joint_kernel import ROWS, SpatialJoints
-from toolkit.joints.spatial.joint import SpatialJoint
-from toolkit.joints.spatial.row_checks import check_rows
 from toolkit.kinematics.spatial import Frames
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.component import Component
@@ -143,50 +139,6 @@ def _with_axes(scene: Scene, numbering: Numbering) -> set[int]:
     return seen | {m for m, felt in used.items() if felt}
 
 
-def spatial_joint_arrays(
-    scene: Scene,
-    numbering: Numbering,
-    values: Quantities,
-    derivatives: list[Quantities],
-    columns: list[np.ndarray],
-    pattern: Pattern,
-    dtype: type,
-) -> SpatialJoints:
-    """Joints of the scene as forms, with the places of their local entries in the pattern."""
-    joints: list[Any] = list(scene.joints.values())
-    for joint in joints:
-        check_rows(joint, scene)
-    rows = [joint.constraint(scene) for joint in joints]
-    gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
-    positions = []
-    for name, (both, _) in zip(scene.joints, gripping, strict=True):
-        own = numbering.row[name] + np.arange(len(scene.joints[name].row_names))
-        positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
-    forms = [form for each in rows for form in forms_of(each)]
-    changes = parameter_changes([d.joints for d in derivatives], len(joints))
-    markers = [pair for _, pair in gripping]
-    return SpatialJoints(
-        marker=np.array(markers, np.int64).reshape(-1, 2),
-        row=ints([[numbering.row[name] for name in scene.joints]]),
-        n_rows=ints([[len(each) for each in rows]]),
-        curve=curve_numbers(joints, 0),
-        designed=designed(markers, derivatives, changes, curve_numbers(joints, 0)),
-        first_form=starts([len(forms_of(each)) for each in rows])[:-1],
-        is_angle=_angles(rows),
-        **_form_numbers(forms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
-        **_felt(rows),
-        **_design(joints, rows, changes),
-        position_start=starts([len(places) for places in positions])[:-1],
-        position=ints(positions),
-    )
-
-
-def _angles(rows: list[tuple[Row, ...]]) -> np.ndarray:
-    """Which rows are angles, (n_joints, ROWS)."""
-    found = [[int(i < len(each) and each[i].sine is not None) for i in range(ROWS)] for each in rows]
-    return np.array(found, np.int64).reshape(-1, ROWS)
-
-
 def pressure_part(
     scene: Scene, numbering: Numbering, values: Quantities, derivatives: list[Quantities], pattern: Pattern, dtype: type
 ) -> Pressures:
@@ -217,60 +169,3 @@ def pressure_part(
         position_start=starts([len(places) for places in positions])[:-1],
         position=ints(positions),
     )
-
-
-def _form_numbers(forms: list[Form], numbers: np.ndarray, dtype: type) -> dict[str, np.ndarray]:
-    """Constants, linear terms and pairs of all forms, their values taken from `row_numbers` of all joints."""
-    lengths = [1 + len(form.linear) + len(form.pairs) for form in forms]
-    first = starts(lengths)[:-1]
-    linear = [first[k] + 1 + i for k, form in enumerate(forms) for i in range(len(form.linear))]
-    pairs = [first[k] + 1 + len(form.linear) + i for k, form in enumerate(forms) for i in range(len(form.pairs))]
-    return {
-        "constant": numbers[first].astype(dtype),
-        "linear_start": starts([len(form.linear) for form in forms]),
-        "linear_place": ints([[place for form in forms for place, _ in form.linear]]),
-        "linear_value": numbers[ints([linear])].astype(dtype),
-        "pair_start": starts([len(form.pairs) for form in forms]),
-        "pair": np.array([pair[:2] for form in forms for pair in form.pairs], np.int64).reshape(-1, 2),
-        "pair_value": numbers[ints([pairs])].astype(dtype),
-    }
-
-
-def _felt(rows: list[tuple[Row, ...]]) -> dict[str, np.ndarray]:
-    """Vectors that every row feels, ROWS lists for every joint."""
-    found: list[list[int]] = []
-    for each in rows:
-        for i in range(ROWS):
-            forms = forms_of(each[i : i + 1])
-            vectors = {place // 3 for form in forms for place, _ in form.linear}
-            found.append(sorted(vectors | {vector for form in forms for pair in form.pairs for vector in pair[:2]}))
-    return {"block_start": starts([len(vectors) for vectors in found]), "block": ints(found)}
-
-
-def _design(joints: list[SpatialJoint], rows: list[tuple[Row, ...]], changes: list) -> dict[str, np.ndarray]:
-    """Start, variable, row, kind, place and derivative of every number of a row that a variable changes."""
-    lengths, table, linear, pairs = [], [], 0, 0
-    for joint, each, found in zip(joints, rows, changes, strict=True):
-        places: list[tuple[int, int, int]] = []  # row, kind and place of every number of the joint
-        for i, row in enumerate(each):
-            for form in forms_of((row,)):
-                places += [(i, 0, 0)]
-                places += [(i, 1, linear + k) for k in range(len(form.linear))]
-                places += [(i, 2, pairs + k) for k in range(len(form.pairs))]
-                linear, pairs = linear + len(form.linear), pairs + len(form.pairs)
-        if any(each[places[p][0]].sine is not None for _, p, _ in found):
-            raise InputError(
-                f"the angle of a {joint.kind!r} joint has numbers that depend on the design, which nobody differentiated."
-            )
-        lengths.append(len(found))
-        table += [(x, *places[p], value) for x, p, value in found]
-    columns: list[Any] = list(zip(*table, strict=True)) or [()] * 5
-    variable, of_row, kind, place = (ints([column]) for column in columns[:4])
-    return {
-        "design_start": starts(lengths),
-        "design_variable": variable,
-        "design_row": of_row,
-        "design_kind": kind,
-        "design_place": place,
-        "design_value": np.array(columns[4], float),
-    }

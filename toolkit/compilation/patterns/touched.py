@@ -13,8 +13,7 @@ from toolkit.bodies.kernels.constant_kernel import Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
 from toolkit.compilation.conversions import ints
-from toolkit.joints.kernels.planar.joint_kernel import Joints
-from toolkit.joints.kernels.spatial.joint_kernel import SpatialJoints
+from toolkit.joints.kernels.records import Joints
 from toolkit.loads.kernels.load_kernel import Loads
 from toolkit.loads.kernels.pressure_kernel import Pressures
 from toolkit.markers.planar.marker_kernel import Markers
@@ -26,7 +25,7 @@ def touched(
     constant: Constant,
     floating: Floating | SpatialFloating,
     markers: Markers | SpatialMarkers,
-    joints: Joints | SpatialJoints,
+    joints: Joints,
     loads: Loads,
     pressures: Pressures | None,
     curve_index: np.ndarray,
@@ -72,5 +71,7 @@ def _variables(
 ) -> np.ndarray:
     """Variables that act on a component through its markers, its parameters or its time curve."""
     by_markers = [markers.design_variable[markers.design_start[m] : markers.design_start[m + 1]] for m in part.marker[k]]
-    by_parameters = part.design_variable[part.design_start[k] : part.design_start[k + 1]]
+    by_parameters = (
+        part.changing(k) if isinstance(part, Joints) else part.design_variable[part.design_start[k] : part.design_start[k + 1]]
+    )
     return np.unique(ints([*by_markers, by_parameters, curve_variable[curve_index == part.curve[k]]]))

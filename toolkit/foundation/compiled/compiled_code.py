@@ -27,7 +27,8 @@ from numba.core.registry import CPUDispatcher
 from numba.core.serialize import dumps
 
 from toolkit.foundation.compiled.formula_stamp import UnknownNameError, formula_stamp, layout
-from toolkit.foundation.compiled.inner_code import InnerCode, InnerCompiler
+from toolkit.foundation.compiled.inner_code import InnerCompiler
+from toolkit.foundation.compiled.kept_code import parts_of, restored
 from toolkit.foundation.files.replaced_file import in_one_stroke
 
 VARIABLE = "NUMBA_CACHE_DIR"
@@ -36,6 +37,8 @@ what is loaded from there is executed."""
 REMEDY = f"Set {VARIABLE} to a folder that lasts and can be written."
 SETTINGS = ("BOUNDSCHECK", "OPT")
 """Settings of numba, from environment variables, that change the code."""
+LAYOUT = 2
+"""Of what is kept; another number for another one."""
 _DIGEST = 32  # bytes of SHA-256, before the code
 _TOLD: set[str] = set()  # kinds of remarks that this process has made
 
@@ -66,8 +69,7 @@ class CompiledCode(NullCache):
             except OSError:
                 continue
             if content[:_DIGEST] == sha256(content[_DIGEST:]).digest():
-                found = pickle.loads(content[_DIGEST:])  # noqa: S301  trusted as the program is
-                return InnerCode.kept(target, found) if self._is_inner else CompileResult._rebuild(target, *found)
+                return restored(target, pickle.loads(content[_DIGEST:]), self._is_inner)  # noqa: S301  trusted as the program is
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
@@ -77,7 +79,7 @@ class CompiledCode(NullCache):
         """Keep the code in the first folder that takes it; say where it is if it does not last there."""
         if any(not each.can_cache for each in compiled.lifted) or compiled.library.has_dynamic_globals:
             return
-        code = dumps(compiled._reduce())
+        code = dumps(parts_of(compiled))
         content, file, refusals = sha256(code).digest() + code, self._file(signature, compiled.codegen), []
         for folder in self._folders:
             try:
@@ -142,7 +144,7 @@ class CompiledCode(NullCache):
             np.__version__,
             *(getattr(numba.config, each, None) for each in SETTINGS),
         )
-        key = repr((self._stamp, signature, codegen.magic_tuple(), versions, self._is_inner)).encode()
+        key = repr((self._stamp, signature, codegen.magic_tuple(), versions, self._is_inner, LAYOUT)).encode()
         return f"{self._name}-{sha256(key).hexdigest()[:16]}.nbc"
 
 

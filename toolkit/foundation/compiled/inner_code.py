@@ -10,32 +10,19 @@ from typing import Any
 
 from llvmlite.binding import parse_bitcode
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler, CompileResult, compile_result
+from numba.core.compiler import Compiler
 
 
 class InnerCode(JITCodeLibrary):
     """A library of numba that is linked into others and never runs by itself."""
 
     @classmethod
-    def kept(cls, target: Any, found: tuple) -> CompileResult:
-        """What `CompileResult._reduce` gave, as it was, in a process whose target is this."""
-        (name, bitcode), description, environment, signature, objectmode, lifted, annotation, reload_init, referenced = found
-        library = cls(target.codegen(), name)
+    def kept(cls, codegen: Any, found: tuple[str, bytes]) -> InnerCode:
+        """The library that `serialize_using_object_code` wrote."""
+        name, bitcode = found
+        library = cls(codegen, name)
         library._shared_module, library._finalized = parse_bitcode(bitcode), True
-        return compile_result(
-            target_context=target,
-            typing_context=target.typing_context,
-            library=library,
-            environment=environment,
-            entry_point=target.get_executable(library, description, environment),
-            fndesc=description,
-            type_annotation=annotation,
-            signature=signature,
-            objectmode=objectmode,
-            lifted=lifted,
-            reload_init=reload_init,
-            referenced_envs=referenced,
-        )
+        return library
 
     def finalize(self) -> None:
         """Link what the formula calls, and leave it there."""

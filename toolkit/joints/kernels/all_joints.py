@@ -1,15 +1,16 @@
 """All joints of a scene, in the plane and in space alike; which formulas run is known when they are compiled, as in `bodies.poses`.
 
-In space the lengths of quaternions are constraints too, and every joint is its own row of numbers instead of a function of its family.
+In space the lengths of quaternions are constraints too.
 """
 
-from toolkit.foundation.kernel import inlined
+from toolkit.foundation.kernel import inlined, inner
 from toolkit.joints.kernels.planar.joint_design import joint_design
 from toolkit.joints.kernels.planar.joint_jacobian import joint_jacobian
 from toolkit.joints.kernels.planar.joint_kernel import evaluate_joint, joint_residual
+from toolkit.joints.kernels.records import DESIGNED
 from toolkit.joints.kernels.spatial.joint_design import spatial_joint_design
 from toolkit.joints.kernels.spatial.joint_jacobian import spatial_joint_jacobian
-from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, gap, spatial_joint_residual
+from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, spatial_joint_residual
 from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 
 
@@ -17,25 +18,17 @@ from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc, work):
     """Rows of one joint, their derivatives, and its force g_z^T lam."""
     if plane is not None:
-        evaluate_joint(functions, joints, j, markers, state, acc, work)
+        evaluate_joint(functions, joints, j, state, acc, work)
     if frames is not None:
-        evaluate_spatial_joint(joints, j, state, acc, work)
-
-
-@inlined
-def gap_of(frames, joints, j, i, value, target):
-    """value - target of row i, which may be an angle."""
-    if frames is not None:
-        return gap(joints, j, i, value, target)
-    return value - target
+        evaluate_spatial_joint(functions, joints, j, state, acc, work)
 
 
 @inlined
 def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, acc, linearize, work, terms):
     """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
-        for j in range(len(joints.row)):
-            evaluate_joint(functions, joints, j, markers, state, acc, work)
+        for j in range(len(joints.of)):
+            evaluate_joint(functions, joints, j, state, acc, work)
             joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
             if linearize:
                 joint_jacobian(joints, j, markers, state, inputs.levels, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
@@ -43,8 +36,8 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
         lengths_residual(frames, q, v, acc, inputs.levels, terms.inertial, terms.applied)
         if linearize:
             lengths_jacobian(frames, q, v, acc, inputs.levels, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
-        for j in range(len(joints.row)):
-            evaluate_spatial_joint(joints, j, state, acc, work)
+        for j in range(len(joints.of)):
+            evaluate_spatial_joint(functions, joints, j, state, acc, work)
             spatial_joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
             if linearize:
                 spatial_joint_jacobian(
@@ -55,36 +48,36 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
 @inlined
 def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms):
     """Partial derivatives of all rows and forces by the design."""
-    for j in range(len(joints.row)):
-        if joints.designed[j]:
-            add_joint_design(
-                plane, frames, functions, joints, j, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms
+    designed = 0
+    for j in range(len(joints.of)):
+        designed += joints.of[j, DESIGNED]
+    if designed and plane is not None:
+        add_planar_designs(
+            functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms.I_x, terms.A_x
+        )
+    if designed and frames is not None:
+        add_spatial_designs(
+            functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, terms.I_x, terms.A_x
+        )
+
+
+@inner
+def add_planar_designs(functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, I_x, A_x):
+    """Those in the plane; a function of its own, so that the code of every evaluation stays short."""
+    for j in range(len(joints.of)):
+        if joints.of[j, DESIGNED]:
+            evaluate_joint(functions, joints, j, state, acc, work)
+            joint_design(
+                joints, j, markers, state, q, acc, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, I_x, A_x
             )
 
 
-@inlined
-def add_joint_design(
-    plane, frames, functions, joints, j, markers, state, inputs, q, acc, curve_variable, curve_index, work, terms
-):
-    """Those of one joint."""
-    if plane is not None:
-        evaluate_joint(functions, joints, j, markers, state, acc, work)
-        joint_design(
-            joints, j, markers, state, q, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, terms.I_x, terms.A_x
-        )
-    if frames is not None:
-        evaluate_spatial_joint(joints, j, state, acc, work)
-        spatial_joint_design(
-            joints,
-            j,
-            markers,
-            state,
-            acc,
-            curve_variable,
-            curve_index,
-            inputs.curves_x,
-            inputs.levels,
-            work,
-            terms.I_x,
-            terms.A_x,
-        )
+@inner
+def add_spatial_designs(functions, joints, markers, state, inputs, acc, curve_variable, curve_index, work, I_x, A_x):
+    """Those in space."""
+    for j in range(len(joints.of)):
+        if joints.of[j, DESIGNED]:
+            evaluate_spatial_joint(functions, joints, j, state, acc, work)
+            spatial_joint_design(
+                joints, j, markers, state, acc, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, I_x, A_x
+            )

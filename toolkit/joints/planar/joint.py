@@ -1,19 +1,16 @@
-"""Base of all joints in the plane; a new joint is one such class with its constraint and the constraint's derivatives by the two poses."""
+"""Base of all joints in the plane; a new joint is one such class with its rows."""
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint
+from toolkit.joints.poses import PLANE, PlanePoses
 
 
 class PlanarJoint(Joint):
-    """A constraint g(pose a, pose b, parameters) = f(t) between two bodies in the plane.
-
-    `formula(z, w, phi, phi_z, phi_zz, phi_zww)` (see `joint_kernel`) fills g, g_z, g_zz and d(w^T g_zz w)/dz; if g is linear in the
-    poses, `curved` is False and the last two stay zero. `rows` names each row and says whether it is a length or an angle. A time curve
-    is subtracted from the last row.
+    """Constraints between a marker on body a and one on body b in the plane: `constraint(scene)`, rows of forms of `poses`.
 
     Attributes
     ----------
@@ -23,14 +20,15 @@ class PlanarJoint(Joint):
 
     dimension: ClassVar[int] = 2
 
-    @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        if cls.kind and hasattr(cls, "formula") and getattr(cls.rows, "__isabstractmethod__", False):
-            raise TypeError(
-                f'{cls.__name__} has no `rows`: name each row of its constraint and say whether it is a "length" or an "angle", '
-                'as a property that returns [("x", "length"), ("rotation", "angle")].'
-            )
-        super().__pydantic_init_subclass__(**kwargs)
+    @property
+    def poses(self) -> PlanePoses:
+        """What its rows are made of."""
+        return PLANE
+
+    @property
+    def curved(self) -> bool:
+        """Whether the rows have second derivatives by the poses."""
+        return any(row.law is not None or any(form.pairs for form in row.forms) for row in self.constraint(None))
 
 
 class PointJoint(AtPoint, PlanarJoint):

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from abc import abstractmethod
-from typing import Any, ClassVar
+from typing import ClassVar
 
-from toolkit.joints.joint import Joint, RowQuantity
-from toolkit.joints.kernels.spatial.forms import Row, forms_of, row_numbers
+from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint
+from toolkit.joints.poses import SPACE, SpacePoses
+from toolkit.joints.rows import forms_of
 from toolkit.markers.about_axis import AboutAxis
-from toolkit.markers.component import Skeleton
 
 
 class SpatialJoint(Joint):
-    """Constraints between a marker on body a and one on body b: `constraint(scene)`, made of the forms in `forms`.
+    """Constraints between a marker on body a and one on body b in space: `constraint(scene)`, rows of forms of `poses`.
 
     Attributes
     ----------
@@ -22,18 +21,18 @@ class SpatialJoint(Joint):
     """
 
     dimension: ClassVar[int] = 3
-    stated_by: ClassVar[str] = "constraint"
     symbol: ClassVar[str] = "ball"
     """What it is drawn as, by a name of `render.space.symbols`; nothing if empty, as of what stands beside another joint."""
 
-    @abstractmethod
-    def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
-        """The rows; without a scene their names and structure are right, their numbers need not be."""
+    @property
+    def poses(self) -> SpacePoses:
+        """What its rows are made of."""
+        return SPACE
 
     @property
-    def rows(self) -> list[tuple[str, RowQuantity]]:
-        """Name and quantity of the constraint's rows; their number is the joint's size."""
-        return [(row.name, row.quantity) for row in self.constraint(None)]
+    def curved(self) -> bool:
+        """Always: the pose itself is curved in the coordinates."""
+        return True
 
     @property
     def feels_axes(self) -> bool:
@@ -41,10 +40,6 @@ class SpatialJoint(Joint):
         forms = forms_of(self.constraint(None))
         places = [place // 3 for form in forms for place, _ in form.linear]
         return any(vector % 4 for vector in [*places, *(v for form in forms for pair in form.pairs for v in pair[:2])])
-
-    def parameters(self, scene: Skeleton) -> list[Any]:
-        """The numbers that stand in its rows."""
-        return row_numbers(self.constraint(scene))
 
 
 class SpatialPointJoint(AtPoint, SpatialJoint):

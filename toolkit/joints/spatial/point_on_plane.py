@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.joints.kernels.spatial.forms import Row, on_axis
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import AxisJoint
 from toolkit.markers.component import Skeleton
 
@@ -15,4 +15,4 @@ class PointOnPlane(AxisJoint):
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """The normal."""
-        return (on_axis(3, "normal"),)
+        return (self.poses.on_axis(3, "normal"),)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.joints.kernels.spatial.forms import LOCKED, ON_LINE, Row
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import AxisJoint
 from toolkit.markers.component import Skeleton
 
@@ -15,4 +15,4 @@ class Prismatic(AxisJoint):
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Two normals and three rotations."""
-        return (*ON_LINE, *LOCKED)
+        return (*self.poses.on_line, *self.poses.locked)

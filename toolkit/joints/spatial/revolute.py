@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.joints.kernels.spatial.forms import ALIGNED, TOGETHER, Row
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import AxisJoint
 from toolkit.markers.component import Skeleton
 
@@ -15,4 +15,4 @@ class SpatialRevolute(AxisJoint):
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Three directions and two rotations."""
-        return (*TOGETHER, *ALIGNED)
+        return (*self.poses.together, *self.poses.aligned)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.joints.kernels.spatial.forms import TOGETHER, Row
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.markers.component import Skeleton
 
@@ -14,4 +14,4 @@ class Spherical(SpatialPointJoint):
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Three directions."""
-        return TOGETHER
+        return self.poses.together

@@ -9,7 +9,7 @@ from pydantic import model_validator
 
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
-from toolkit.joints.kernels.spatial.forms import TOGETHER, Row, perpendicular
+from toolkit.joints.rows import Row
 from toolkit.joints.spatial.joint import SpatialPointJoint
 from toolkit.markers.component import Skeleton
 
@@ -49,4 +49,4 @@ class Universal(SpatialPointJoint):
 
     def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
         """Three directions and one rotation."""
-        return (*TOGETHER, perpendicular(1, 2, "about the normal of both axes"))
+        return (*self.poses.together, self.poses.perpendicular(1, 2, "about the normal of both axes"))

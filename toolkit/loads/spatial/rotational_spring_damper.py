@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from toolkit.foundation.kernel import inner, kernel
-from toolkit.joints.kernels.spatial.joint_kernel import angle_of
+from toolkit.joints.kernels.laws import angle_of
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.loads.springs import TurnSpring
 from toolkit.markers.about_axis import AboutAxis

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -34,18 +34,30 @@ _FRAME_MARGIN = 0.02
 """Round the frame of the detail at least, relative to the main window."""
 
 
-def instant_figure(moment: Configuration, look: Look, width: float = WIDE) -> Figure:
-    """One instant: the scene, and beside it the detail where it moves most."""
+def instant_figure(moment: Configuration, look: Look, width: float = WIDE, like: Figure | None = None) -> Figure:
+    """One instant: the scene, and beside it the detail where it moves most; laid out `like` another instant, if one is given."""
     corners = instant_windows(look)
     ratios = [aspect(each) for each in corners]
     height = min((width - 0.9 * len(corners)) / sum(ratios), _TALLEST)
     with sheet(height + _room(look, 1, width), 1, len(corners), width, width_ratios=ratios) as (figure, axes):
         if look.detail is not None:
             axes[0, 1].set_title("detail (frame on the left)", loc="left")
-        _fill(figure, axes, [moment] * len(corners), corners, look)
+        _fill(figure, axes, [moment] * len(corners), corners, look, like)
         if look.detail is not None:
             low, high = shown(axes[0, 1])
             axes[0, 0].add_patch(Rectangle(low, *(high - low), fill=False, edgecolor=FRAME))
+    return figure
+
+
+def instants_alike(width: float = WIDE) -> Callable[[Configuration, Look], Figure]:
+    """`instant_figure` for one instant of a motion after the other, all laid out as the first, so that nothing moves but the scene."""
+    first: list[Figure] = []
+
+    def figure(moment: Configuration, look: Look) -> Figure:
+        found = instant_figure(moment, look, width, *first)
+        first[:] = first or [found]
+        return found
+
     return figure
 
 
@@ -78,7 +90,14 @@ def _room(look: Look, rows: int, width: float) -> float:
     return lines * _LINE
 
 
-def _fill(figure: Figure, axes: np.ndarray, moments: Sequence[Configuration], corners: list[np.ndarray], look: Look) -> None:
+def _fill(
+    figure: Figure,
+    axes: np.ndarray,
+    moments: Sequence[Configuration],
+    corners: list[np.ndarray],
+    look: Look,
+    like: Figure | None = None,
+) -> None:
     """Draw a moment into each of the axes, in its window, with what explains it, and names where there is room."""
     windows = dict(zip(axes.flat, corners, strict=False))
     for panel, moment in zip(windows, moments, strict=True):
@@ -91,7 +110,7 @@ def _fill(figure: Figure, axes: np.ndarray, moments: Sequence[Configuration], co
         color_bar(figure, list(windows), look.colors, f"stress in {unit(moments[0].scene.units, 'stress')}")
     if entries := meanings(corners, look, moments[0]):
         figure.legend(handles=entries, loc="outside lower center", ncols=len(entries) if figure.get_figwidth() > _BROAD else 1)
-    open_windows(figure, moments[0], windows, axes.shape[1] if all(each is corners[0] for each in corners) else 0)
+    open_windows(figure, moments[0], windows, axes.shape[1] if all(each is corners[0] for each in corners) else 0, like)
     for panel, moment in zip(windows, moments, strict=True):
         draw_scene(panel, moment, look)
         write_names(panel, moment)

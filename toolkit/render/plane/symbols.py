@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
-from toolkit.joints.planar.rigid_joint import RigidJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.kinematics.planar import unit_vector
 from toolkit.render.plane.configuration import Configuration

@@ -44,10 +44,11 @@ def panel_height(corners: np.ndarray, width: float) -> float:
     return min((width - 0.9) / aspect(corners), 1.3 * width)
 
 
-def open_windows(figure: Figure, moment: Configuration, windows: Windows, columns: int = 0) -> None:
+def open_windows(figure: Figure, moment: Configuration, windows: Windows, columns: int = 0, like: Figure | None = None) -> None:
     """Show windows with x and y to one scale, and lay the figure out for good; a window grows where its panel has room.
 
-    With `columns` all windows are the same, so many beside each other, and only the lower and the left ones have numbers.
+    With `columns` all windows are the same, so many beside each other, and only the lower and the left ones have numbers. What is laid out
+    `like` another figure has its axes in the same places.
     """
     length = unit(moment.scene.units, "length")
     for k, (axes, corners) in enumerate(windows.items()):
@@ -55,7 +56,7 @@ def open_windows(figure: Figure, moment: Configuration, windows: Windows, column
         axes.set(xlim=corners[:, 0], ylim=corners[:, 1], xlabel=f"x in {length}" * lowest, ylabel=f"y in {length}" * leftmost)
         axes.tick_params(labelbottom=lowest, labelleft=leftmost)
         axes.set_axisbelow(True)
-    settle(figure, lambda: _fit(windows))
+    settle(figure, lambda: _fit(windows), like)
 
 
 def _fit(windows: Windows) -> None:

@@ -10,7 +10,8 @@ import numpy as np
 
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
-from toolkit.joints.kernels.planar.joint_kernel import Joints, evaluate_joint
+from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
+from toolkit.joints.kernels.records import CURVED, DESIGN
 from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.responses.forces.least_squares_forces import least_squares_forces
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
@@ -102,20 +103,19 @@ def _planar_force(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
     plan = system.plan
-    assert isinstance(plan.joints, Joints)
     work, markers = allocate_work(plan, system.dtype), plan.markers
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
     acc = np.concatenate([rest[: system.n_q], lam])
     for function in (update_poses, update_pose_designs):
         system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    system.run(evaluate_joint, system.functions[0], plan.joints, j, markers, work.markers, acc, work.joint)
+    system.run(evaluate_planar_joint, system.functions[0], plan.joints, j, work.markers, acc, work.joint)
     rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
     force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
-    force_lam[:, rows] = -work.joint.phi_z[: plan.joints.n_rows[j], :3].T
+    force_lam[:, rows] = -work.joint.slope[: plan.joints.n_rows[j], 0, :3].T
     force_q: np.ndarray = np.zeros((3, system.n_q), system.dtype)
     force_x = np.zeros((3, system.n_x))
-    stiffness = -work.joint.stiffness[:3] if plan.joints.curved[j] else 0 * work.joint.stiffness[:3]
+    stiffness = -work.joint.stiffness[:3] if plan.joints.of[j, CURVED] else 0 * work.joint.stiffness[:3]
     for side in range(2):
         m = plan.joints.marker[j, side]
         by_pose = stiffness[:, 3 * side : 3 * side + 3]
@@ -123,10 +123,11 @@ def _planar_force(
             force_q[:, markers.coordinate[k]] += by_pose @ work.markers.B[k]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             force_x[:, markers.design_variable[d]] += np.real(by_pose @ work.markers.y_x[d])
-    for d in range(plan.joints.design_start[j], plan.joints.design_start[j + 1]):
-        by_parameter = stiffness[:, 6 + plan.joints.design_parameter[d]]
-        force_x[:, plan.joints.design_variable[d]] += np.real(by_parameter) * plan.joints.design_value[d]
-    return -work.joint.force[:3], force_q, force_lam, force_x
+    for d in range(plan.joints.of[j, DESIGN], plan.joints.of[j, DESIGN + 1]):
+        of_row = acc[plan.joints.row[j] + plan.joints.design[d, 1]]
+        system.run(change_number, plan.joints, j, d, of_row, np.zeros(3), work.joint)
+        force_x[:, plan.joints.design[d, 0]] -= np.real(work.joint.force[1, :3])
+    return -work.joint.force[0, :3], force_q, force_lam, force_x
 
 
 Wrench = Callable[[System, int, np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]

@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.equations.equations import Work, allocate_work
-from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, SpatialJoints, evaluate_spatial_joint
+from toolkit.joints.kernels.records import DESIGN
+from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number, evaluate_spatial_joint
 from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.system.system import System
 
@@ -25,11 +26,11 @@ def spatial_joint_force(
     padded, acc = np.concatenate([q, rest[system.n_q :]]), np.concatenate([rest[: system.n_q], lam])
     for function in (update_poses, update_pose_designs):
         system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, work.scratch)
-    system.run(evaluate_spatial_joint, joints, j, state, acc, work.joint)
-    value = _wrench(work.joint.z, work.joint.force)
+    system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, work.joint)
+    value = _wrench(work.joint.pose[0], work.joint.force[0])
     rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
     by_lam: np.ndarray = np.zeros((6, system.n - system.n_q), system.dtype)
-    by_lam[:, rows : rows + count] = np.stack([_wrench(work.joint.z, row) for row in work.joint.phi_z[:count]], axis=1)
+    by_lam[:, rows : rows + count] = np.stack([_wrench(work.joint.pose[0], row) for row in work.joint.slope[:count, 0]], axis=1)
     by_q: np.ndarray = np.zeros((6, system.n_q), system.dtype)
     by_x = np.zeros((6, system.n_x))
     _add_number_designs(system, j, work, lam[rows : rows + count], by_x)
@@ -53,27 +54,20 @@ def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, w
     state, joint, joints = work.markers, work.joint, system.plan.joints
     for k in range(2):
         state.rate[joints.marker[j, k]] = y if k == side else 0
-    system.run(evaluate_spatial_joint, joints, j, state, acc, joint)
+    system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, joint)
     rows = slice(joints.row[j], joints.row[j] + joints.n_rows[j])
-    dforce = acc[rows] @ joint.along[: joints.n_rows[j], 0]
-    found = _wrench(joint.z, dforce)
+    dforce = acc[rows] @ joint.slope[: joints.n_rows[j], 1]
+    found = _wrench(joint.pose[0], dforce)
     if side == 0:
         moved: np.ndarray = np.zeros(NUMBERS, system.dtype)
         moved[:12] = y
-        found[3:] += _wrench(moved, joint.force)[3:]
+        found[3:] += _wrench(moved, joint.force[0])[3:]
     return found
 
 
 def _add_number_designs(system: System, j: int, work: Work, lam: np.ndarray, by_x: np.ndarray) -> None:
     """What the numbers of the rows change, such as a length."""
-    joints, z = system.plan.joints, np.real(work.joint.z)
-    assert isinstance(joints, SpatialJoints)
-    for d in range(joints.design_start[j], joints.design_start[j + 1]):
-        f, at = np.zeros(NUMBERS), joints.design_place[d]
-        factor = np.real(lam[joints.design_row[d]]) * joints.design_value[d]
-        if joints.design_kind[d] == 1:
-            f[joints.linear_place[at]] += factor
-        elif joints.design_kind[d] == 2:
-            for i, k in (joints.pair[at], joints.pair[at][::-1]):
-                f[3 * i : 3 * i + 3] += factor * z[3 * k : 3 * k + 3]
-        by_x[:, joints.design_variable[d]] += _wrench(z, f)
+    joints = system.plan.joints
+    for d in range(joints.of[j, DESIGN], joints.of[j, DESIGN + 1]):
+        system.run(change_spatial_number, joints, j, d, lam[joints.design[d, 1]], np.zeros(3), work.joint)
+        by_x[:, joints.design[d, 0]] += np.real(_wrench(work.joint.pose[0], work.joint.force[1]))

@@ -4,7 +4,9 @@ import numpy as np
 
 from toolkit.foundation.kernel import kernel
 from toolkit.foundation.near_ties import BAND
-from toolkit.joints.kernels.all_joints import evaluate_any_joint, gap_of
+from toolkit.joints.kernels.all_joints import evaluate_any_joint
+from toolkit.joints.kernels.composition import gap
+from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI
 from toolkit.markers.poses import update_poses
 
 
@@ -18,15 +20,15 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
     plane, frames = plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
         update_poses(plane, frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
-        for j in range(len(plan.joints.row)):
+        for j in range(len(plan.joints.of)):
             evaluate_any_joint(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
-            rows = plan.joints.n_rows[j]
+            rows = plan.joints.of[j, N_ROWS]
             for i in range(rows):
                 target = 0.0
-                if plan.joints.curve[j] >= 0 and i == rows - 1:
-                    target = curves[n, plan.joints.curve[j], 0]
-                value = gap_of(frames, plan.joints, j, i, work.joint.phi[i], target)
-                row = plan.joints.row[j] + i
+                if plan.joints.of[j, CURVE] >= 0 and i == rows - 1:
+                    target = curves[n, plan.joints.of[j, CURVE], 0]
+                value = gap(plan.joints, j, i, work.joint.row[PHI, i], target)
+                row = plan.joints.of[j, FIRST_ROW] + i
                 violation = weights[row] * abs(value.real)
                 if not violation <= found[0] and not np.isnan(found[0]):
                     found[0] = violation

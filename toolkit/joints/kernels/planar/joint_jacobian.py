@@ -1,34 +1,35 @@
 """Joints in the compiled loop: derivatives of their rows and forces by the state, direction by direction.
 
-A direction is a coordinate or a design variable, given by its derivatives of y, B v, B a and b (see `joint_kernel`).
+A direction is a coordinate or a design variable of one marker, given by its derivatives of y, B v, B a and b (see `joint_kernel`).
 """
 
 from toolkit.foundation.kernel import inlined
+from toolkit.joints.kernels.records import CURVED, N_ROWS, POSITION
 from toolkit.markers.planar.marker_forces import add_geometric_stiffness
 
 
 @inlined
-def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, levels, work):
+def direction_rows(joints, j, first, y, rate, acceleration, centripetal, levels, work):
     """Derivatives of the constraint rows in one direction, given its derivatives of y, B v, B a and b.
 
-    `first` and `size` say which arguments z it moves. For a coordinate's direction (y, rate) = (B, B_v), and row 2 is the derivative
-    by its velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
+    `first` is the first of the three numbers z that it moves. For a coordinate's direction (y, rate) = (B, B_v), and row 2 is the
+    derivative by its velocity: k_2 (g_z 2 B_v + 2 w^T g_zz B) + k_1 g_z B.
     """
     k2, k1, k0 = levels[0], levels[1], levels[2]
-    for i in range(joints.n_rows[j]):
+    for i in range(joints.of[j, N_ROWS]):
         inertial, total, velocity, position, bent = 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0], 0 * y[0]
-        for c in range(size):
-            g = work.phi_z[i, first + c]
+        for c in range(3):
+            g = work.slope[i, 0, first + c]
             inertial += g * acceleration[c]
             total += g * centripetal[c]
             velocity += g * rate[c]
             position += g * y[c]
-        if joints.curved[j]:
-            for c in range(size):
+        if joints.of[j, CURVED]:
+            for c in range(3):
                 k = first + c
-                inertial += work.along[i, 1, k] * y[c]
-                total += work.along[i, 2, k] * y[c] + 2 * work.along[i, 0, k] * rate[c]
-                bent += work.along[i, 0, k] * y[c]
+                inertial += work.slope[i, 2, k] * y[c]
+                total += work.slope[i, 3, k] * y[c] + 2 * work.slope[i, 1, k] * rate[c]
+                bent += work.slope[i, 1, k] * y[c]
         work.row[0, i] = k2 * inertial
         work.row[1, i] = k2 * total + k1 * (velocity + bent) + k0 * position
         work.row[2, i] = 2 * k2 * (velocity + bent) + k1 * position
@@ -36,28 +37,28 @@ def direction_rows(joints, j, first, size, y, rate, acceleration, centripetal, l
 
 
 @inlined
-def direction_force(first, size, y, work):
+def direction_force(first, y, work):
     """Derivative of g_z^T lam in one direction at constant lam."""
     for k in range(6):
-        work.dforce[k] = 0
-        for c in range(size):
-            work.dforce[k] += work.stiffness[k, first + c] * y[c]
+        work.force[1, k] = 0
+        for c in range(3):
+            work.force[1, k] += work.stiffness[k, first + c] * y[c]
 
 
 @inlined
 def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v, a and lam, scattered into the pattern."""
-    a, b = joints.marker[j, 0], joints.marker[j, 1]
+    a, b = joints.of[j, 0], joints.of[j, 1]
     n_a = markers.start[a + 1] - markers.start[a]
     n = n_a + markers.start[b + 1] - markers.start[b]
-    rows = joints.n_rows[j]
-    position = joints.position[joints.position_start[j] :]
+    rows = joints.of[j, N_ROWS]
+    position = joints.position[joints.of[j, POSITION] :]
     by_row, by_column = position[n * n :], position[n * n + rows * n :]
     for side in range(2):
-        m = joints.marker[j, side]
+        m = joints.of[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
             local = k - markers.start[m] + side * n_a
-            direction_rows(joints, j, 3 * side, 3, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
+            direction_rows(joints, j, 3 * side, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
             for i in range(rows):
                 at, transposed = by_row[i * n + local], by_column[local * rows + i]
                 I_acc[at] += levels[0] * work.row[3, i]
@@ -65,19 +66,19 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
                 I_q[at] += work.row[0, i]
                 A_q[at] += work.row[1, i]
                 A_v[at] += work.row[2, i]
-            if joints.curved[j]:
-                direction_force(3 * side, 3, state.B[k], work)
+            if joints.of[j, CURVED]:
+                direction_force(3 * side, state.B[k], work)
                 curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q)
-        add_geometric_stiffness(markers, state, m, work.force[3 * side : 3 * side + 3], 1.0, position, n, side * n_a, I_q)
+        add_geometric_stiffness(markers, state, m, work.force[0, 3 * side : 3 * side + 3], 1.0, position, n, side * n_a, I_q)
 
 
 @inlined
 def curvature_column(joints, j, markers, state, local, n, n_a, position, work, I_q):
     """B^T (lam . g_zz) B, one column."""
     for side in range(2):
-        m = joints.marker[j, side]
+        m = joints.of[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
-            entry = 0 * work.z[0]
+            entry = 0 * work.pose[0, 0]
             for c in range(3):
-                entry += state.B[k, c] * work.dforce[3 * side + c]
+                entry += state.B[k, c] * work.force[1, 3 * side + c]
             I_q[position[(k - markers.start[m] + side * n_a) * n + local]] += entry

@@ -1,135 +1,158 @@
-"""All joints in the compiled loop: chain rule, acceleration level and stabilization, the same for every kind of joint.
+"""All joints in the plane in the compiled loop: rows of forms of the poses of two markers, at acceleration level and stabilized.
 
-A joint is g(z) - f(t) = 0 with z = (pose of marker a, pose of marker b, parameters). Its kind supplies g and the derivatives
-g_z, g_zz and d(w^T g_zz w)/dz for the rates w = z' (zero for parameters). Its rows of the residual are
+A joint is g(z) - f(t) = 0 with z = (x, y, angle) of marker a and of marker b. Every row is a form (see `form_kernel`), or a law of forms
+(see `composition`). With g_z, g_zz and d(w^T g_zz w)/dz for the rates w = z', its rows of the residual are
 
     inertial:   k_2 g_z B a
     applied:    k_2 (g_z b + w^T g_zz w - f'') + k_1 (g_z w - f') + k_0 (g - f)
 
 with (k_2, k_1, k_0) = (1, 2 damping, stiffness^2) in dynamics (Baumgarte), (0, 0, 1) in statics; the forces g_z^T lam enter the
-inertial group. Coordinates and design variables are treated alike: each is a direction with its derivatives of y, B v, B a, b.
+inertial group. Coordinates and design variables of markers are treated alike: each is a direction with its derivatives of y, B v, B a, b.
 """
 
-from typing import NamedTuple
-
-import numba
 import numpy as np
 
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import inlined, inner, kernel
+from toolkit.joints.kernels.composition import change_row, compose, gap
+from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN
+from toolkit.joints.kernels.planar.form_kernel import add_pair, contract, evaluate_form
+from toolkit.joints.kernels.records import CONSTANT, CURVE, CURVED, FIRST_ROW, FORM, GRADIENT, LAW, LINEAR, N_ROWS, PHI, TURNED
 from toolkit.markers.planar.marker_forces import add_force
-
-ROWS, ARGUMENTS = 3, 12
-"""Most rows of a joint, and most arguments z: two poses and six parameters."""
-
-_f8 = numba.float64
-SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, :, ::1], _f8[:, ::1])
-"""g(z, w, phi, phi_z, phi_zz, phi_zww); the last four are zero on entry and are filled."""
-
-
-class Joints(NamedTuple):
-    """What never changes."""
-
-    family: np.ndarray  # (n_j,) which function
-    curved: np.ndarray  # (n_j,) 1 if g_zz is not zero
-    marker: np.ndarray  # (n_j, 2)
-    row: np.ndarray  # (n_j,) number of its first multiplier among all unknowns
-    n_rows: np.ndarray  # (n_j,)
-    parameter: np.ndarray  # (n_j, ARGUMENTS - 6)
-    curve: np.ndarray  # (n_j,) time curve that its last row follows, or -1
-    designed: np.ndarray  # (n,) 1 if any design variable matters to it
-    design_start: np.ndarray  # (n_j + 1,) into the next three
-    design_variable: np.ndarray
-    design_parameter: np.ndarray  # which parameter
-    design_value: np.ndarray  # its derivative
-    position_start: np.ndarray  # (n_j,) into the next
-    position: np.ndarray  # where local entries are stored: coordinates x coordinates, rows x coordinates, transposed
-
-    def work(self, dtype: type) -> "JointWork":
-        """Memory for any joint."""
-        r, z = ROWS, ARGUMENTS
-        shapes = [z, z, r, (r, z), (r, z, z), (r, z), (r, 3, z), (z, z), z, z, (4, 3), (4, r)]
-        return JointWork(*(np.zeros(shape, dtype) for shape in shapes))
-
-
-class JointWork(NamedTuple):
-    """Scratch memory for one joint."""
-
-    z: np.ndarray
-    w: np.ndarray
-    phi: np.ndarray
-    phi_z: np.ndarray
-    phi_zz: np.ndarray
-    phi_zww: np.ndarray
-    along: np.ndarray  # (ROWS, 3, ARGUMENTS): g_zz w, g_zz (B a), g_zz b + d(w g_zz w)/dz
-    stiffness: np.ndarray  # lam . g_zz
-    force: np.ndarray  # g_z^T lam
-    dforce: np.ndarray
-    unit: np.ndarray  # (4, 3) the direction of one parameter, as if it were a pose
-    row: np.ndarray  # (4, ROWS) of one direction: d inertial, d applied, d applied by its rate, g_z y
-
-
-@kernel
-def evaluate_joint(functions, joints, j, markers, state, acc, work):
-    """g and its derivatives at the poses of the two markers, and their contractions with rates and multipliers."""
-    z, w = work.z, work.w
-    for side in range(2):
-        m = joints.marker[j, side]
-        for i in range(3):
-            z[3 * side + i] = state.y[m, i]
-            w[3 * side + i] = state.rate[m, i]
-    for i in range(ARGUMENTS - 6):
-        z[6 + i] = joints.parameter[j, i]
-    work.phi[:] = 0
-    work.phi_z[:] = 0
-    if joints.curved[j]:
-        work.phi_zz[:] = 0
-        work.phi_zww[:] = 0
-    functions[joints.family[j]](z, w, work.phi, work.phi_z, work.phi_zz, work.phi_zww)
-    row = joints.row[j]
-    for k in range(6):
-        work.force[k] = 0
-        for i in range(joints.n_rows[j]):
-            work.force[k] += work.phi_z[i, k] * acc[row + i]
-    if joints.curved[j]:
-        contract_curvature(joints, j, state, acc, work)
 
 
 @inlined
-def contract_curvature(joints, j, state, acc, work):
-    """The products of g_zz that all directions share."""
-    a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]
-    work.stiffness[:] = 0
-    for i in range(joints.n_rows[j]):
-        for k in range(ARGUMENTS):
-            rates, accelerations, centripetal = 0 * work.z[0], 0 * work.z[0], work.phi_zww[i, k]
-            for c in range(3):
-                g_a, g_b = work.phi_zz[i, k, c], work.phi_zz[i, k, 3 + c]
-                rates += g_a * work.w[c] + g_b * work.w[3 + c]
-                accelerations += g_a * state.acceleration[a, c] + g_b * state.acceleration[b, c]
-                centripetal += g_a * state.centripetal[a, c] + g_b * state.centripetal[b, c]
-            work.along[i, 0, k], work.along[i, 1, k], work.along[i, 2, k] = rates, accelerations, centripetal
-            for c in range(ARGUMENTS):
-                work.stiffness[k, c] += acc[row + i] * work.phi_zz[i, k, c]
+def evaluate_joint(functions, joints, j, state, acc, work):
+    """g and its derivatives at the poses of the two markers, and their contractions with rates and multipliers."""
+    for side in range(2):
+        m = joints.of[j, side]
+        for i in range(3):
+            k = 3 * side + i
+            work.pose[0, k], work.pose[1, k] = state.y[m, i], state.rate[m, i]
+            work.pose[2, k], work.pose[3, k] = state.acceleration[m, i], state.centripetal[m, i]
+    if joints.of[j, CURVED]:
+        curved_joint(functions, joints, j, acc, work)
+    else:
+        flat_joint(joints, j, acc, work)
+
+
+@kernel
+def evaluate_planar_joint(functions, joints, j, state, acc, work):
+    """`evaluate_joint` for Python."""
+    evaluate_joint(functions, joints, j, state, acc, work)
+
+
+@inlined
+def flat_joint(joints, j, acc, work):
+    """A joint whose rows are linear in the poses."""
+    form = joints.of[j, FORM]
+    for k in range(6):
+        work.force[0, k] = 0
+    for i in range(joints.of[j, N_ROWS]):
+        for k in range(6):
+            work.slope[i, 0, k] = 0
+        lam, first = acc[joints.of[j, FIRST_ROW] + i], joints.start[form + i, 0]
+        total = joints.value[first] + 0 * work.pose[0, 0]
+        for e in range(first + 1, joints.start[form + i, 1]):
+            k, value = joints.place[e], joints.value[e]
+            total += value * work.pose[0, k]
+            work.slope[i, 0, k] += value
+            work.force[0, k] += value * lam
+        work.row[PHI, i] = total
+
+
+@inner
+def curved_joint(functions, joints, j, acc, work):
+    """A joint with products of vectors or with laws."""
+    pose, form = work.pose, joints.of[j, FORM]
+    for side in range(2):
+        if joints.of[j, TURNED + side]:
+            pose[4, 2 * side], pose[4, 2 * side + 1] = np.cos(pose[0, 3 * side + 2]), np.sin(pose[0, 3 * side + 2])
+    work.force[0] = 0
+    work.stiffness[:, :] = 0
+    for i in range(joints.of[j, N_ROWS]):
+        lam = acc[joints.of[j, FIRST_ROW] + i]
+        if joints.of[j, LAW + 2 * i] == PLAIN:
+            plain_row(joints, i, form, lam, work)
+        else:
+            composed_row(functions, joints, j, i, form, lam, work)
+        form += joints.of[j, LAW + 1 + 2 * i]
+        for k in range(6):
+            work.force[0, k] += work.slope[i, 0, k] * lam
+
+
+@inlined
+def plain_row(joints, i, form, lam, work):
+    """A row that is a form."""
+    h_zww, h_zz = work.forms[0, 4], work.forms[0, 5:]
+    work.row[PHI, i] = evaluate_form(joints, form, work.pose, work.slope[i], h_zz, h_zww)
+    if joints.start[form, 1] < joints.start[form + 1, 0]:
+        add_stiffness(lam, h_zz, work.stiffness)
+    else:
+        work.slope[i, 1:, :] = 0
+
+
+@inlined
+def add_stiffness(factor, h_zz, stiffness):
+    """stiffness += factor h_zz."""
+    for k in range(6):
+        for c in range(6):
+            stiffness[k, c] += factor * h_zz[k, c]
+
+
+@inner
+def composed_row(functions, joints, j, i, form, lam, work):
+    """A row that is a law of forms."""
+    n = joints.of[j, LAW + 1 + 2 * i]
+    for f in range(n):
+        h = work.forms[f]
+        h[1:, :] = 0
+        work.law[0, f] = evaluate_form(joints, form + f, work.pose, h[:4], h[5:], h[4])
+    compose(functions, joints.of[j, LAW + 2 * i], n, i, work)
+    for f in range(n):
+        add_stiffness(lam * work.composed[i, f, 0], work.forms[f, 5:], work.stiffness)
+        for g in range(n):
+            for k in range(6):
+                factor = lam * work.composed[i, f, 5 + g] * work.composed[i, f, GRADIENT + k]
+                for c in range(6):
+                    work.stiffness[k, c] += factor * work.composed[i, g, GRADIENT + c]
+
+
+@kernel
+def change_number(joints, j, d, lam, levels, work):
+    """Derivatives of a row and of its force by a number of its forms, see `change_row`."""
+    kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d], work.forms[FORMS]
+    h[:, :] = 0
+    if kind == CONSTANT:
+        work.law[0, FORMS] = value[0]
+    elif kind == LINEAR:
+        work.law[0, FORMS] = value[0] * work.pose[0, joints.place[place]]
+        h[0, joints.place[place]] = value[0]
+    else:
+        i, k = joints.place[place], joints.place[place + 1]
+        work.law[0, FORMS] = add_pair(i, k, value[0], value[1], work.pose, h[0], h[5:], h[4])
+        contract(work.pose, h[5:], h[4], h[:4])
+    change_row(joints, j, d, lam, levels, work)
 
 
 @inlined
 def joint_residual(joints, j, markers, state, curves, levels, work, inertial, applied):
     """Constraint rows, and constraint forces on both bodies."""
-    a, b, row = joints.marker[j, 0], joints.marker[j, 1], joints.row[j]
-    k2, k1, k0 = levels[0], levels[1], levels[2]
-    for i in range(joints.n_rows[j]):
-        rows_a, total, rate = 0 * work.z[0], 0 * work.z[0], 0 * work.z[0]
+    row, k2, k1, k0 = joints.of[j, FIRST_ROW], levels[0], levels[1], levels[2]
+    for i in range(joints.of[j, N_ROWS]):
+        rows_a, total, rate = 0 * work.pose[0, 0], 0 * work.pose[0, 0], 0 * work.pose[0, 0]
         for c in range(3):
-            g_a, g_b = work.phi_z[i, c], work.phi_z[i, 3 + c]
-            rows_a += g_a * state.acceleration[a, c] + g_b * state.acceleration[b, c]
-            total += g_a * state.centripetal[a, c] + g_b * state.centripetal[b, c]
-            rate += g_a * work.w[c] + g_b * work.w[3 + c]
-            if joints.curved[j]:
-                total += work.along[i, 0, c] * work.w[c] + work.along[i, 0, 3 + c] * work.w[3 + c]
+            g_a, g_b = work.slope[i, 0, c], work.slope[i, 0, 3 + c]
+            rows_a += g_a * work.pose[2, c] + g_b * work.pose[2, 3 + c]
+            total += g_a * work.pose[3, c] + g_b * work.pose[3, 3 + c]
+            rate += g_a * work.pose[1, c] + g_b * work.pose[1, 3 + c]
+            if joints.of[j, CURVED]:
+                total += work.slope[i, 1, c] * work.pose[1, c] + work.slope[i, 1, 3 + c] * work.pose[1, 3 + c]
         inertial[row + i] += k2 * rows_a
-        applied[row + i] += k2 * total + k1 * rate + k0 * work.phi[i]
-    if joints.curve[j] >= 0:
-        f = curves[joints.curve[j]]
-        applied[row + joints.n_rows[j] - 1] -= k2 * f[2] + k1 * f[1] + k0 * f[0]
-    add_force(markers, state, a, work.force[:3], 1.0, inertial)
-    add_force(markers, state, b, work.force[3:6], 1.0, inertial)
+        applied[row + i] += k2 * total + k1 * rate + k0 * work.row[PHI, i]
+    if joints.of[j, CURVE] >= 0:
+        f, last = curves[joints.of[j, CURVE]], joints.of[j, N_ROWS] - 1
+        applied[row + last] -= k2 * f[2] + k1 * f[1] + k0 * f[0]
+        if joints.of[j, LAW + 2 * last] == ANGLE:
+            applied[row + last] += k0 * (gap(joints, j, last, work.row[PHI, last], f[0]) - (work.row[PHI, last] - f[0]))
+    add_force(markers, state, joints.of[j, 0], work.force[0, :3], 1.0, inertial)
+    add_force(markers, state, joints.of[j, 1], work.force[0, 3:], 1.0, inertial)

@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq
 
 from toolkit.solvers.static.path.corrector import Corrected, bordered_solve, correct, measure
 from toolkit.solvers.static.path.path_equations import PathEquations
@@ -71,6 +70,8 @@ def _where(equations: PathEquations, arc: Arc, first: Place, last: Place, vanish
         if length not in found:
             found[length] = _place(equations, arc, length)
         return vanishing(found[length])
+
+    from scipy.optimize import brentq  # for limit points alone: it takes longer to import than a wing to solve
 
     length = brentq(value, first.length, last.length, xtol=EXACT * arc.length, rtol=EXACT)
     value(length)

@@ -22,7 +22,7 @@ import numpy as np
 import skfem
 from scipy import sparse
 
-from preprocessing.assembly.solids.elements import ElementBlock
+from preprocessing.elements.solids.elements import ElementBlock
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,7 +17,7 @@ import numpy as np
 import skfem
 from scipy import sparse
 
-from preprocessing.assembly.solids.elements import ElementBlock
+from preprocessing.elements.solids.elements import ElementBlock
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.outline import BoundaryLines
 from toolkit.foundation.errors import InputError

@@ -1,0 +1,95 @@
+"""What a finite element states, whatever it is: the coordinates of its nodes, and its terms of a body's matrices."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from preprocessing.elements.section import Patch
+from preprocessing.elements.section_shape import Terms
+from preprocessing.elements.space import Space
+
+
+class Contribution(NamedTuple):
+    """One term of the matrices for unit parameters, and the polynomial of the section that multiplies it.
+
+    A mass is multiplied by the density too, stiffness and stress by Young's modulus; damping follows from mass and stiffness.
+    """
+
+    kind: Literal["mass", "stiffness", "stress"]
+    patch: Patch  # whose parameters they are
+    terms: Terms  # of quantities of the patch
+    matrix: Any  # (a, b) -> sparse M_ab (n, n), for all pairs of the space; sparse K (n, n); sparse rows (n_stress, n)
+    rows: Any = (
+        None  # F of K = F^T F, sparse; of shapes that hardly strain stiff elements F psi keeps the digits that K psi loses
+    )
+
+
+def squared(patch: Patch, terms: Terms, rows: Any) -> Contribution:
+    """A stiffness F^T F by its rows F."""
+    return Contribution("stiffness", patch, terms, (rows.T @ rows).tocsr(), rows)
+
+
+@dataclass(frozen=True)
+class Coordinates:
+    """What the matrices of a body are on: all coordinates of node 0, then of node 1, and so on, and hidden ones.
+
+    The first coordinates of a node are its displacements along the axes. A hidden coordinate is one in the undeformed shape and zero in
+    every displacement, so that the places of points off the nodes are products with one vector too.
+    """
+
+    space: Space
+    n_nodes: int
+    per_node: int
+    hidden: int = 0
+
+    @property
+    def nodal(self) -> int:
+        """Number of nodal coordinates."""
+        return self.per_node * self.n_nodes
+
+    @property
+    def n(self) -> int:
+        """Number of all coordinates."""
+        return self.nodal + self.hidden
+
+    @property
+    def translations(self) -> np.ndarray:
+        """t_a: the unit rigid translations along the axes, (d, n)."""
+        found = np.zeros((self.space.dimension, self.n))
+        for axis, translation in enumerate(found):
+            translation[axis : self.nodal : self.per_node] = 1
+        return found
+
+    def undeformed(self, z: np.ndarray) -> np.ndarray:
+        """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates."""
+        return np.vstack([z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden])
+
+    def displacement(self, d_z: np.ndarray) -> np.ndarray:
+        """Displacements or rates (nodal, k) with the rows of the hidden coordinates."""
+        return np.vstack([d_z, np.zeros((self.hidden, d_z.shape[1]))])
+
+
+class Element(ABC):
+    """All elements of one kind in a body at one design; arrays are complex where a parameter made a complex step."""
+
+    nodes: np.ndarray
+    """Undeformed positions, (n_nodes, d)."""
+
+    @property
+    def components(self) -> int:
+        """Of the stress at a point: one, or six in space."""
+        return 1
+
+    @property
+    @abstractmethod
+    def coordinates(self) -> Coordinates:
+        """What the matrices are on."""
+
+    @abstractmethod
+    def contributions(self) -> Iterator[Contribution]:
+        """The terms of mass, stiffness and stress, for unit parameters; complex-safe."""

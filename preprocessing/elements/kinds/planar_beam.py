@@ -1,0 +1,74 @@
+"""Planar beams of a homogeneous rectangle: thickness t in the plane, width b across it.
+
+    M_ab = rho b t (...),   K = E b t K_1 + E b t^3 / 12 K_3
+    stress = E (eps + f kappa t / 2),   f = +1 outer fibre, -1 inner fibre
+
+with E times `modulus_factor`. The skin runs from F round the nose to G, anticlockwise, so its outside lies to the right of the direction of
+travel, at n = -t/2 in the axes of the beam (n = direction turned by +90 degrees). There the strain eps - n kappa is eps + kappa t / 2: a
+skin that is bent more strongly round the nose (kappa > 0) is in tension outside. `eps` and `kappa` are changes from the
+undeformed shape, which is free of stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.elements import beam
+from preprocessing.elements.block_element import LineElement
+from preprocessing.elements.element import Contribution, squared
+from preprocessing.elements.section import Patch
+from preprocessing.elements.section_shape import ONE, Term, Terms
+from preprocessing.elements.space import PLANE
+from toolkit.reduced_model.model import StressPoints
+
+FIBRES = np.array([1, -1])
+AREA: Terms = (Term(1.0, {"thickness": 1, "width": 1}),)
+SECOND_MOMENT: Terms = (Term(1 / 12, {"thickness": 3, "width": 1}),)
+THICKNESS: Terms = (Term(1.0, {"thickness": 1}),)
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarBeam(LineElement):
+    """Displacements x, y and the rotation at both ends."""
+
+    patches: Sequence[Patch]
+    modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
+
+    space, per_node = PLANE, 3
+
+    def contributions(self) -> Iterator[Contribution]:
+        for patch in self.patches:
+            elements, ends = patch.elements, self.ends[patch.elements]
+            yield Contribution("mass", patch, AREA, self.component_masses(elements, beam.component_mass(ends)))
+            for terms, rows in ((AREA, beam.stretching(ends)), (SECOND_MOMENT, beam.bending(ends))):
+                yield squared(patch, terms, self.placed_rows(elements, np.sqrt(self.modulus_factor) * rows))
+            numbers, n_rows = 4 * elements[:, None] + np.arange(4), 4 * len(self.connectivity)
+            for terms, rows in ((ONE, strain_rows(ends)), (THICKNESS, curvature_rows(ends))):
+                yield Contribution(
+                    "stress", patch, terms, self.placed_rows(elements, self.modulus_factor * rows, numbers, n_rows)
+                )
+
+    @property
+    def stress_points(self) -> StressPoints:
+        """For every element its ends 0 and 1, at each end the fibres +1 and -1."""
+        element, end, fibre = np.meshgrid(np.arange(len(self.connectivity)), [0, 1], FIBRES, indexing="ij")
+        return StressPoints(element.ravel(), end.ravel(), fibre.ravel())
+
+    def functions(self, element: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        ends = self.ends[[element]]
+        return self.dofs[element], beam.shape(ends)[0], beam.rotation(ends)[0]
+
+
+def strain_rows(ends: np.ndarray) -> np.ndarray:
+    """Rows of eps at the stress points, to be multiplied by E; (n_e, 4, 6)."""
+    return np.repeat(beam.strain(ends)[:, None, :], 4, axis=1)
+
+
+def curvature_rows(ends: np.ndarray) -> np.ndarray:
+    """Rows of f kappa / 2 at the stress points, to be multiplied by E t; (n_e, 4, 6)."""
+    rows = beam.curvature(ends)[:, :, None, :] * FIBRES[:, None] / 2
+    return rows.reshape(len(ends), 4, 6)

@@ -1,0 +1,100 @@
+"""Isotropic elastic solids in the plane or in space, from elements or from finished matrices.
+
+    M_ab = rho b s in block (a, b),   K = E b (lambda/E K_lambda + mu/E K_mu),   stress = E (lambda/E B_lambda + mu/E B_mu)
+
+with the width b in the plane only, and the matrices of `elements.solids`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from preprocessing.elements.element import Contribution, Coordinates, Element
+from preprocessing.elements.section import Patch
+from preprocessing.elements.section_shape import ONE, Term, Terms
+from preprocessing.elements.solids.elasticity import SolidMatrices, in_block
+from preprocessing.elements.solids.finished import refuse_supports, scalar_mass
+from preprocessing.elements.solids.stress import Rows
+from preprocessing.elements.space import SPACES
+from preprocessing.mesh.solid_mesh import SolidMesh
+
+QUANTITIES = {
+    "youngs_modulus": "stress", "density": "density", "width": "length", "stiffness_scale": "none", "mass_scale": "none",
+    "poisson_ratio": "none", "damping_mass": "rate", "damping_stiffness": "time",
+}  # fmt: skip
+"""Parameters of solids, and what they are, for their units."""
+MATERIAL = {name: name for name in ("youngs_modulus", "density", "width", "damping_mass", "damping_stiffness")}
+SCALES = {**MATERIAL, "youngs_modulus": "stiffness_scale", "density": "mass_scale"}
+"""Parameters of finished matrices of unknown material."""
+ALL = np.zeros(0, int)
+"""The elements of a solid are not told apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solid(Element):
+    """Displacements along the axes at every node, the same functions for each."""
+
+    nodes: np.ndarray  # (n_nodes, d)
+    scalar_mass: Any  # of one component of the displacement, sparse (n_nodes, n_nodes)
+    stiffness: Any  # sparse (n, n)
+    stress: Any  # sparse (n_stress, n)
+    parameters: Mapping[str, str]  # quantity -> name of the parameter
+    across: Terms  # what mass and stiffness grow with besides the material: the width in the plane
+
+    @property
+    def coordinates(self) -> Coordinates:
+        n_nodes, dimension = self.nodes.shape
+        return Coordinates(SPACES[dimension], n_nodes, dimension)
+
+    @property
+    def components(self) -> int:
+        return 6 if self.nodes.shape[1] == 3 else 1
+
+    def contributions(self) -> Iterator[Contribution]:
+        patch, space = Patch(ALL, self.parameters), self.coordinates.space
+        blocks = {(a, b): in_block(self.scalar_mass, a, b, space.dimension) for a, b in space.pairs}
+        yield Contribution("mass", patch, self.across, blocks)
+        yield Contribution("stiffness", patch, self.across, self.stiffness)
+        yield Contribution("stress", patch, ONE, self.stress)
+
+
+def element_solid(nodes: np.ndarray, matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any]) -> Solid:
+    """Of elements, or what a parameter changes of them.
+
+    Parameters
+    ----------
+    lame : lambda / E and mu / E
+    """
+    stiffness, stress = (lame[0] * first + lame[1] * shear for first, shear in ((matrices.first, matrices.shear), rows))
+    return Solid(nodes, matrices.scalar_mass, stiffness, stress, MATERIAL, _width(nodes.shape[1]))
+
+
+def _width(dimension: int) -> Terms:
+    return (Term(1.0, {"width": 1}),) if dimension == 2 else ONE
+
+
+def finished_solid(mesh: SolidMesh, mass: Any, stiffness: Any, stress: Any, made_with: Mapping[str, float]) -> Solid:
+    """Of finished matrices, which are proportional to the material that they were made with, or else to a scale.
+
+    Raises
+    ------
+    InputError
+        The matrices are not those of displacement-based elements, or of a body with supports.
+    """
+    refuse_supports(mesh, stiffness)
+    scalar = scalar_mass(mass, mesh.dimension)
+    if not made_with:
+        return Solid(mesh.nodes, scalar, stiffness, stress, SCALES, ONE)
+    modulus, density, width = made_with["youngs_modulus"], made_with["density"], made_with.get("width", 1.0)
+    scaled = scalar / (density * width), stiffness / (modulus * width), stress / modulus
+    return Solid(mesh.nodes, *scaled, MATERIAL, _width(mesh.dimension))
+
+
+def parameters_of(material: Mapping[str, float], damping: Mapping[str, float]) -> Iterator[tuple[str, float]]:
+    """Parameters by which the matrices are polynomials, and their nominal values; without a material they are scales."""
+    yield from (material or {"stiffness_scale": 1.0, "mass_scale": 1.0}).items()
+    yield from ((f"damping_{name}", value) for name, value in damping.items())

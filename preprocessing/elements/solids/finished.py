@@ -1,0 +1,53 @@
+"""Whether finished matrices of another program are those of a free body of displacement-based elements."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
+from toolkit.foundation.errors import InputError
+
+UNEQUAL = 1e-9
+"""Largest difference, relative to the largest entry, of parts of a mass matrix that should be equal or zero."""
+RESISTED = 1e-6
+"""Largest force against a rigid motion, relative to those of a motion of the same size of single nodes."""
+
+
+def scalar_mass(mass: Any, d: int) -> Any:
+    """The mass matrix (n_nodes, n_nodes) of one component of d, which is that of all.
+
+    Raises
+    ------
+    InputError
+        It is not: the elements are none of displacements alone.
+    """
+    first, limit, axes = mass[0::d, 0::d], UNEQUAL * abs(mass).max(), range(d)
+    coupled = max(abs(mass[a::d, b::d]).max() for a in axes for b in axes if a != b)
+    if coupled > limit or max(abs(mass[a::d, a::d] - first).max() for a in axes) > limit:
+        what = " and ".join(("x", "y") if d == 2 else ("x, y", "z"))
+        raise InputError(
+            f"the mass matrix treats {what} differently or couples them, as displacement-based solids do not. Export it in the order "
+            f"{what} of node 0, {what} of node 1, ..., without rotations, and all of it."
+        )
+    return first
+
+
+def refuse_supports(mesh: SolidMesh, stiffness: Any) -> None:
+    """Refuse a stiffness matrix that resists rigid motions.
+
+    Raises
+    ------
+    InputError
+        It names the motion.
+    """
+    centred = rigid_motions(mesh.nodes - mesh.nodes.mean(axis=0))
+    names = ("x", "y", "rotation") if mesh.dimension == 2 else ("x", "y", "z", "rotation about x", "about y", "about z")
+    for axis, motion in zip(names, centred.T, strict=True):
+        force, own = np.abs(stiffness @ motion).max(), (abs(stiffness) @ np.abs(motion)).max()
+        if force > RESISTED * own:
+            raise InputError(
+                f"the stiffness matrix resists a rigid motion ({axis}) by {force / own:.0e} of the forces of its elements. Export it "
+                "without supports, with nodes in the same order, and with all displacements of every node."
+            )

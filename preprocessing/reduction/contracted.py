@@ -1,0 +1,59 @@
+"""The arrays of a reduced model that follow from the parts of the matrices and a basis: values, derivatives and polynomials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from preprocessing.assembly.assembly import Matrices, Parts
+from preprocessing.assembly.invariants import contract, contract_derivative, polynomials, with_roots
+from preprocessing.reduction.stored_entries import AnyInvariants, derivatives, polynomials_without_round_off, without_round_off
+from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.model import InterfacePoint
+
+
+class Rate(NamedTuple):
+    """What one parameter changes."""
+
+    matrices: Matrices
+    z: np.ndarray  # dZ = [dxi, dPsi] (n, 1 + n_f)
+    items: Mapping[str, np.ndarray]  # derivatives of arrays besides the invariants
+
+
+class Contracted(NamedTuple):
+    """The fields of `ReducedModel` bear the same names."""
+
+    invariants: AnyInvariants
+    derivatives: dict[str, Derivatives]
+    affine: dict[str, Polynomial]
+
+
+def contracted(
+    parts: Parts,
+    matrices: Matrices,
+    values: Mapping[str, Any],
+    z: np.ndarray,
+    rates: Iterable[tuple[str, Rate]],
+    interfaces: Mapping[str, InterfacePoint],
+    computed: bool,
+    exact: bool = True,
+) -> Contracted:
+    """Contract the matrices at all parameters `values` with Z = [xi, Psi], and differentiate.
+
+    Parameters
+    ----------
+    rates : parameter -> what it changes, of those by which there are derivatives
+    computed : whether the shapes were computed, or are those of a full basis
+    exact : whether there are polynomials
+    """
+    names = list(values)
+    by_parameter = {name: {**vars(contract_derivative(matrices, rate.matrices, z, rate.z)), **rate.items} for name, rate in rates}
+    affine = polynomials(parts, names, z, computed) if exact else {}
+    invariants = with_roots(contract(matrices, z), parts, values, z)
+    found = derivatives(invariants, by_parameter, names, computed, interfaces)
+    if not computed:
+        affine = polynomials_without_round_off(affine, invariants, [float(np.real(value)) for value in values.values()])
+        invariants = without_round_off(invariants)
+    return Contracted(invariants, found, affine)

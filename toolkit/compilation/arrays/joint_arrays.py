@@ -1,0 +1,89 @@
+"""Joints as flat arrays, in the plane and in space."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.core.registry import CPUDispatcher
+
+from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, parameter_changes
+from toolkit.compilation.arrays.form_arrays import felt, form_numbers, number_changes, planar_terms, spatial_terms
+from toolkit.compilation.conversions import ints, starts
+from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.patterns.pattern import Pattern, block
+from toolkit.compilation.quantities import Quantities
+from toolkit.joints.joint import Joint
+from toolkit.joints.kernels.laws import ANGLE, PLAIN, angle_law
+from toolkit.joints.kernels.records import NUMBERS, ROWS, SPATIAL_NUMBERS, SPATIAL_ROWS, Joints
+from toolkit.joints.row_checks import check_rows
+from toolkit.joints.rows import Row, forms_of
+from toolkit.scene.scene import Scene
+from toolkit.scene.space import PLANE
+
+
+def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
+    """The different open formulas of the joints, in order of appearance; angles have a place of their own."""
+    return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law is not angle_law]
+
+
+def joint_arrays(
+    scene: Scene,
+    numbering: Numbering,
+    values: Quantities,
+    derivatives: list[Quantities],
+    columns: list[np.ndarray],
+    pattern: Pattern,
+    dtype: type,
+) -> Joints:
+    """Joints of the scene as forms, with the places of their local entries in the pattern."""
+    joints: list[Joint] = list(scene.joints.values())
+    for joint in joints:
+        check_rows(joint, scene)
+    rows = [joint.constraint(scene) for joint in joints]
+    gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
+    positions = []
+    for name, (both, _) in zip(scene.joints, gripping, strict=True):
+        own = numbering.row[name] + np.arange(len(scene.joints[name].row_names))
+        positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
+    changes = parameter_changes([d.joints for d in derivatives], len(joints))
+    markers, planar = [pair for _, pair in gripping], scene.space is PLANE
+    terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]
+    curves = curve_numbers(joints, 0)
+    return Joints(
+        numbers=NUMBERS if planar else SPATIAL_NUMBERS,
+        of=np.column_stack(
+            [
+                np.array(markers, np.int64).reshape(-1, 2),
+                [numbering.row[name] for name in scene.joints],
+                [len(each) for each in rows],
+                curves,
+                designed(markers, derivatives, changes, curves),
+                [int(joint.curved) for joint in joints],
+                starts([len(forms_of(each)) for each in rows])[:-1],
+                _turned(rows),
+                starts([len(places) for places in positions])[:-1],
+                *(starts([len(found) for found in changes])[at : len(joints) + at] for at in (0, 1)),
+                _laws(joints, rows, ROWS if planar else SPATIAL_ROWS),
+            ]
+        ).astype(np.int64),
+        **form_numbers(terms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
+        **number_changes(rows, terms, changes),
+        position=ints(positions),
+        **felt(rows, 0 if planar else SPATIAL_ROWS),
+    )
+
+
+def _turned(rows: list[tuple[Row, ...]]) -> np.ndarray:
+    """Whether products with the axes of marker a, and of marker b, are among the rows in the plane, (n_joints, 2)."""
+    axes = [{vector for form in forms_of(each) for *pair, _ in form.pairs for vector in pair if vector % 3} for each in rows]
+    return np.array([[int(any(v // 3 == side for v in found)) for side in range(2)] for found in axes], np.int64).reshape(-1, 2)
+
+
+def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.ndarray:
+    """What stands for the law of every row, and how many forms it has, (n_joints, 2 most)."""
+    known: list = laws_of(joints)
+    found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
+    for j, each in enumerate(rows):
+        for i, row in enumerate(each):
+            law = PLAIN if row.law is None else ANGLE if row.law is angle_law else known.index(row.law)
+            found[j, i] = law, len(row.forms)
+    return found.reshape(len(rows), 2 * most)

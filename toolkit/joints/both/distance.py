@@ -1,0 +1,34 @@
+"""Distance joint: a massless rod between two points, in the plane and in space."""
+
+from __future__ import annotations
+
+from toolkit.joints.joint import Joint
+from toolkit.joints.places import BetweenPoints
+from toolkit.joints.planar.joint import PlanarJoint
+from toolkit.joints.rows import Row
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.markers.component import Skeleton
+
+
+class KeptDistance(BetweenPoints, Joint):
+    """(d . d / L - L) / 2 = 0, d from point b to point a: the two points keep their distance L.
+
+    Without `length` it is the distance in the undeformed configuration and follows when a point moves.
+    """
+
+    def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
+        """One direction."""
+        return (self.poses.apart(1.0 if scene is None else self.own_length(scene)),)
+
+
+class Distance(KeptDistance, PlanarJoint):
+    __doc__ = KeptDistance.__doc__
+
+    kind = "distance"
+
+
+class SpatialDistance(KeptDistance, SpatialJoint):
+    __doc__ = KeptDistance.__doc__
+
+    kind = "distance"
+    symbol = ""

@@ -1,0 +1,31 @@
+"""Rigid joint: two points coincide and no relative rotation is left, in the plane and in space."""
+
+from __future__ import annotations
+
+from toolkit.joints.joint import Joint
+from toolkit.joints.places import AtPoint
+from toolkit.joints.planar.joint import PlanarJoint
+from toolkit.joints.rows import Row
+from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.markers.component import Skeleton
+
+
+class Welded(AtPoint, Joint):
+    """r_a = r_b and no relative rotation: both bodies move as one at the point."""
+
+    def constraint(self, _scene: Skeleton | None) -> tuple[Row, ...]:
+        """All directions and all rotations."""
+        return (*self.poses.together, *self.poses.locked)
+
+
+class RigidJoint(Welded, PlanarJoint):
+    """r_a = r_b and angle_a = angle_b: both bodies move as one at the point."""
+
+    kind = "rigid"
+
+
+class SpatialRigidJoint(Welded, SpatialJoint):
+    """r_a = r_b, and the axes of both markers stay parallel: both bodies move as one at the point."""
+
+    kind = "rigid"
+    symbol = "weld"

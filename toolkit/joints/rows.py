@@ -1,0 +1,145 @@
+"""What joints are stated in, in the plane and in space: rows of forms of the poses of two markers, see `poses`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+
+from toolkit.joints.kernels.laws import angle_law
+
+RowQuantity = Literal["length", "angle"]
+"""What a row of a constraint measures."""
+ROW_QUANTITIES = get_args(RowQuantity)
+
+
+@dataclass(frozen=True, eq=False)
+class Form:
+    """constant + sum value * number + sum value * (vector . vector): numbers and vectors of both poses, by their places.
+
+    Forms are added, subtracted, and multiplied by numbers; what is made that way has the same terms whatever the numbers are.
+    """
+
+    constant: Any = 0.0
+    linear: tuple[tuple[int, Any], ...] = ()
+    pairs: tuple[tuple[int, int, Any], ...] = ()
+
+    __array_ufunc__ = None  # numbers of numpy leave the arithmetic to the form
+
+    def __add__(self, other: Any) -> Form:
+        if not isinstance(other, Form):
+            return Form(self.constant + other, self.linear, self.pairs)
+        return Form(
+            self.constant + other.constant,
+            tuple((place, value) for (place,), value in _united([*self.linear, *other.linear])),
+            tuple((i, j, value) for (i, j), value in _united([*self.pairs, *other.pairs])),
+        )
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Form:
+        return self * -1.0
+
+    def __sub__(self, other: Any) -> Form:
+        return self + -other
+
+    def __rsub__(self, other: Any) -> Form:
+        return -self + other
+
+    def __mul__(self, factor: Any) -> Form:
+        linear = tuple((place, value * factor) for place, value in self.linear)
+        return Form(self.constant * factor, linear, tuple((i, j, value * factor) for i, j, value in self.pairs))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Any) -> Form:
+        return self * (1 / divisor)
+
+    @property
+    def numbers(self) -> list[Any]:
+        """Its constant, the values of its linear terms and those of its pairs."""
+        return [self.constant, *(value for *_, value in self.linear), *(value for *_, value in self.pairs)]
+
+
+@dataclass(frozen=True, eq=False)
+class Vector:
+    """A sum of vectors of the poses: number of each, place of its first component (-1 if its components are no forms), and factor."""
+
+    parts: tuple[tuple[int, int, Any], ...]
+    size: int
+
+    __array_ufunc__ = None
+
+    def __add__(self, other: Vector) -> Vector:
+        found = _united([*self.parts, *other.parts])
+        return Vector(tuple((vector, place, factor) for (vector, place), factor in found), self.size)
+
+    def __sub__(self, other: Vector) -> Vector:
+        return self + other * -1.0
+
+    def __mul__(self, factor: Any) -> Vector:
+        return Vector(tuple((vector, place, value * factor) for vector, place, value in self.parts), self.size)
+
+    __rmul__ = __mul__
+
+    def __getitem__(self, c: int) -> Form:
+        """Component along a coordinate axis."""
+        if any(place < 0 for _, place, _ in self.parts):
+            raise TypeError("components of axes in the plane are no forms: take the scalar product with another vector")
+        return Form(linear=tuple((place + c, factor) for _, place, factor in self.parts))
+
+    def __matmul__(self, other: Any) -> Form:
+        """Scalar product, with a vector of the poses or with numbers."""
+        if not isinstance(other, Vector):
+            return sum((self[c] * other[c] for c in range(self.size)), Form())
+        pairs = [(min(i, j), max(i, j), x * y) for i, _, x in self.parts for j, _, y in other.parts]
+        return Form(pairs=tuple((i, j, value) for (i, j), value in _united(pairs)))
+
+
+def _united(terms: Iterable[tuple]) -> list[tuple[tuple, Any]]:
+    """Terms of the same places as one, in the order in which they come up first."""
+    found: dict[tuple, Any] = {}
+    for *places, value in terms:
+        found[tuple(places)] = found[tuple(places)] + value if tuple(places) in found else value
+    return list(found.items())
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One constraint: form = 0, or law(form, form, ...) = 0. A time curve is subtracted from a joint's last row.
+
+    Attributes
+    ----------
+    quantity
+        "length" or "angle", in which the cosine of two axes that are normal to each other counts.
+    form
+        What is zero; or all that a law takes. A number is a form too.
+    law
+        An open formula, see `kernels.laws`: what no form is, such as an angle in space, a screw, a cam.
+    """
+
+    name: str
+    quantity: RowQuantity
+    form: Form | tuple[Any, ...]
+    law: Any = None
+
+    @property
+    def forms(self) -> tuple[Form, ...]:
+        """All of them."""
+        given = self.form if isinstance(self.form, tuple) else (self.form,)
+        return tuple(each if isinstance(each, Form) else Form(each) for each in given)
+
+
+def angle(name: str, cosine: Form, sine: Form) -> Row:
+    """atan2(sine, cosine) = 0, taken next to the curve that it follows."""
+    return Row(name, "angle", (cosine, sine), angle_law)
+
+
+def forms_of(rows: Iterable[Row]) -> list[Form]:
+    """The forms of a joint, in order."""
+    return [form for row in rows for form in row.forms]
+
+
+def row_numbers(rows: Iterable[Row]) -> list[Any]:
+    """All numbers of all forms, in order."""
+    return [number for form in forms_of(rows) for number in form.numbers]
