@@ -117,3 +117,10 @@ def test_a_derivative_that_is_wrong_is_named(folder):
 
     with pytest.raises(ConformanceError, match=r"d half-a-velocity-of-a-test / d q is wrong at \(t = .*a complex step gives"):
         check_response(Blind(**TIP), plane(folder))
+
+
+@pytest.mark.parametrize("where", CASES)
+def test_a_file_says_the_same_as_python(where):
+    for response in CASES[where][1].values():
+        table = written(response)
+        assert Response.kinds[table.pop("type")].model_validate(table) == response

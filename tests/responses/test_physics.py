@@ -332,6 +332,9 @@ def test_a_run_without_inertia_has_no_rates(response):
 def test_work_of_both_and_times_of_what_looks_at_all_are_refused():
     with pytest.raises(ValueError, match="give one of `load` and `joint`"):
         Power(load="a", joint="b")
+    for bodies in (("rod", "rod"), (), ("ground",)):
+        with pytest.raises(ValueError, match="one or more bodies, each once, and not the ground"):
+            CentreOfMass(bodies=bodies, component="x")
     with pytest.raises(ValueError, match="leave `time` out"):
         TimeMax(of=KineticEnergy(time=0.1))
 

@@ -10,7 +10,6 @@ from toolkit.description.description import Positive
 from toolkit.description.quantity import Quantity
 from toolkit.responses.response import Partials, Response
 from toolkit.scene.scene import Scene
-from toolkit.solvers.static.path.load_margin import factor_of_limit_point, next_limit_point
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 
@@ -45,6 +44,8 @@ class LoadMargin(Response):
         BifurcationError
             The path loses its stability at a bifurcation before.
         """
+        from toolkit.solvers.static.path.load_margin import factor_of_limit_point, next_limit_point  # read where one is asked for
+
         system, options = solution.system, solution.options or solution.system.scene.solver
         known = solution.path
         if known is not None and known.limit_points:

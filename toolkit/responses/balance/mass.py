@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any, Literal
 
 import numpy as np
+from pydantic import field_validator
 
 from toolkit.bodies.body import CENTRE
 from toolkit.compilation.dependence import affected_items
@@ -31,9 +32,18 @@ class OfBodies(Instant):
 
     bodies: tuple[str, ...] | None = None
 
+    @field_validator("bodies")
+    @classmethod
+    def _some_once(cls, bodies: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        if bodies is not None and (len(set(bodies)) < len(bodies) or not bodies or "ground" in bodies):
+            raise ValueError(
+                "`bodies` names one or more bodies, each once, and not the ground, which has no mass; leave it out for all"
+            )
+        return bodies
+
     def names(self, scene: Any) -> tuple[str, ...]:
-        """Names of the bodies that count; the ground has no mass."""
-        return tuple(name for name in (scene.bodies if self.bodies is None else self.bodies) if name != "ground")
+        """Names of the bodies that count."""
+        return tuple(scene.bodies) if self.bodies is None else self.bodies
 
 
 class Mass(OfBodies):

@@ -56,7 +56,9 @@ class Velocity(PointVector):
 
 
 class Acceleration(PointVector):
-    """Acceleration of a point of a body in global axes: one component, or its magnitude; gravity is not part of it."""
+    """Acceleration of a point of a body in global axes: one component, or its magnitude; gravity is not part of it. That of the scheme
+    `paper` lags behind by a part of a step, so that it is of first order.
+    """
 
     kind = "acceleration"
     quantity = "acceleration"

@@ -79,9 +79,9 @@ class OverTime(Response):
             The solution is static.
         """
         look, shares = self.source.instants(solution), time_shares(solution)
-        values = np.array([look(step).value for step in range(len(solution.times))])
-        value, weights = self.reduced(values, shares)
-        return weighted(look, solution, np.real(weights))._replace(value=value)
+        parts = [look(step) for step in range(len(solution.times))]
+        value, weights = self.reduced(np.array([part.value for part in parts]), shares)
+        return weighted(parts.__getitem__, solution, np.real(weights))._replace(value=value)
 
 
 class OfTable(OverTime):
