@@ -19,7 +19,6 @@ from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.responses.instant import Instant
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.response import Response
-from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, StressResponse
 
@@ -34,11 +33,6 @@ def steps_seen(response: Response, times: np.ndarray) -> tuple[int, int]:
 def _(response: Instant, times: np.ndarray) -> tuple[int, int]:
     step = response.nearest(times)
     return step, step
-
-
-@steps_seen.register
-def _(response: ShapeResponse, times: np.ndarray) -> tuple[int, int]:
-    return len(times) - 1, len(times) - 1
 
 
 @steps_seen.register
