@@ -37,7 +37,7 @@ from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSq
 from toolkit.responses.response import Response
 from toolkit.responses.stress.local_stress import StressAlongLine, StressAtPoint
 from toolkit.responses.stress.stress import KSStress, MaxStress
-from toolkit.responses.vibration import DampingRatio, Frequency
+from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 
 AXIS = (0.3, -0.5, 1.0)

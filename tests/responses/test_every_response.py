@@ -14,7 +14,7 @@ from toolkit.foundation.errors import ConformanceError
 from toolkit.responses.catalogue import Response
 from toolkit.responses.kinematics.marker_motion import Motion
 from toolkit.responses.kinematics.point_motion import PointVector
-from toolkit.responses.vibration import OfVibration
+from toolkit.responses.vibrations.vibration import OfVibration
 from toolkit.sensitivity.methods import gradients_by
 
 AGREEMENT = 1e-10

@@ -13,7 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.spring_damper import SpringDamper
-from toolkit.responses.vibration import DampingRatio, Frequency
+from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.numerical import numerical
