@@ -24,8 +24,8 @@ from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDam
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.check import check_joint, check_load, check_response, check_scene
 from toolkit.conformance.curve import check_curve
 from toolkit.curves.catalogue import Curve
 from toolkit.description.description import NotNegative, Number, Positive
@@ -14,11 +14,16 @@ from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector
+from toolkit.responses.kinematics.marker_motion import Motion
 from toolkit.responses.response import Partials, Response
 
 __all__ = [
     "Curve",
     "Instant",
+    "MarkerFormula",
+    "MarkerVector",
+    "Motion",
     "NotNegative",
     "Number",
     "Partials",
@@ -33,6 +38,7 @@ __all__ = [
     "check_curve",
     "check_joint",
     "check_load",
+    "check_response",
     "check_scene",
     "inner",
     "kernel",

@@ -14,6 +14,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import Scene
 
@@ -36,7 +37,10 @@ def scene_schema() -> dict[str, Any]:
     _define("curve", Curve.kinds, definitions)
     instants = sorted(f"response-{kind}" for kind in Instant.kinds)
     definitions["instant"] = _one_of(name for name in instants if name in definitions)
-    definitions["response-time-integral"]["properties"]["of"] = {"$ref": "#/$defs/instant"}
+    for kind in (kind for kind, described in Response.kinds.items() if issubclass(described, OverTime)):
+        over_time = definitions.get(f"response-{kind}", {}).get("properties", {})
+        if "of" in over_time:
+            over_time["of"] = {"$ref": "#/$defs/instant"}
     definitions["body-point"] = _schema(BodyPoint, definitions)
     solver = _schema(RunOptions, definitions)
     path = {"type": "string", "description": "path of a number, for example points.A.x"}
