@@ -39,8 +39,9 @@ from preprocessing.recipes.solids.body_tables import (
     TiedRegion,
 )
 from preprocessing.recipes.tables import BasisTable, Damping
+from toolkit.curves.catalogue import Curve
+from toolkit.description.design import CommonVariable
 from toolkit.description.point import BodyPoint
-from toolkit.description.profile import CURVES
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.responses.catalogue import Response
@@ -73,7 +74,7 @@ def kinds() -> dict[str, dict[str, type[BaseModel]]]:
         **kinds_of(2),
         **{f"spatial-{group}": found for group, found in kinds_of(3).items()},
         "responses": Response.kinds,
-        "curves": CURVES,
+        "curves": Curve.kinds,
     }
     return {
         group: {name: found[name] for name in sorted(found) if found[name].__module__.startswith("toolkit.")}
@@ -105,6 +106,7 @@ def _sections(group: str) -> Callable[[], str]:
 TABLES: dict[str, Callable[[], str]] = {
     "scene": table(Scene, without=("directory",)),
     "points": table(BodyPoint),
+    "design": table(CommonVariable),
     "solver": table(RunOptions),
     "baumgarte": table(Baumgarte),
     **{group: _sections(group) for group in kinds()},

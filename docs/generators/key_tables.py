@@ -9,13 +9,14 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from docs.generators.comments import meanings
+from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.quantity import Quantity
 
 BOUNDS = {"exclusiveMinimum": "&gt;", "minimum": "&ge;", "exclusiveMaximum": "&lt;", "maximum": "&le;"}
 SIMPLE = {"number": "number", "integer": "whole number", "string": "text", "boolean": "`true` or `false`"}
 SECTIONS = {
-    "curves": ("Constant", "SmoothStep", "Sine", "Table", "Sum"),
     "points": ("Point", "BodyPoint"),
+    "design": ("CommonVariable",),
     "solver": ("RunOptions",),
     "baumgarte": ("Baumgarte",),
     "start-and-end": ("ContourPoint",),
@@ -75,6 +76,8 @@ def in_words(schema: Mapping[str, Any]) -> str:
     """What a JSON schema allows."""
     if "$ref" in schema:
         return _described_elsewhere(schema["$ref"].rpartition("/")[2])
+    if schema.get("$comment") == PLACEHOLDER:
+        return "[table](#curves)"
     if "const" in schema:
         return f"`{toml(schema['const'])}`"
     if "enum" in schema:

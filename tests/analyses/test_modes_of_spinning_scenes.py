@@ -15,8 +15,8 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.command_line.cli import app
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute

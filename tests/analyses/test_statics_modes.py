@@ -12,8 +12,8 @@ from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.joints.both.distance import Distance

@@ -17,7 +17,7 @@ import pytest
 
 import preprocessing
 import toolkit as ffrf
-from toolkit.description.profile import CURVES
+from toolkit.curves.catalogue import Curve
 from toolkit.responses.response import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.sensitivity.direct import direct
@@ -66,7 +66,7 @@ def test_a_name_that_is_not_there_lists_those_that_are():
 def test_every_kind_that_a_scene_file_can_name_can_be_imported(dimension, place):
     module = getattr(ffrf, place)
     offered = {getattr(module, name) for name in module.__all__}
-    for kinds in [*kinds_of(dimension).values(), Response.kinds, CURVES]:
+    for kinds in [*kinds_of(dimension).values(), Response.kinds, Curve.kinds]:
         built_in = {kind for name, kind in kinds.items() if name != "ground" and kind.__module__.startswith("toolkit.")}
         assert built_in <= offered
 

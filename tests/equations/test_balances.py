@@ -13,8 +13,10 @@ from tests.models.beam_models import save_beam
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
 from toolkit.description.point import Point
-from toolkit.description.profile import Sine, SmoothStep, Sum
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute

@@ -9,8 +9,8 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.both.driver import AngleDriver

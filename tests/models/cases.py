@@ -12,8 +12,12 @@ from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint

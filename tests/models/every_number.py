@@ -5,10 +5,22 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.curves.kinds.harmonic import Harmonic
+from toolkit.curves.kinds.polynomial import Polynomial
+from toolkit.curves.kinds.product import Product
+from toolkit.curves.kinds.ramp import Ramp
+from toolkit.curves.kinds.sequence import Sequence
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
@@ -21,20 +33,27 @@ from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDam
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 
 SOLVER = RunOptions(end_time=0.06, step=0.02, tolerance=1e-13, assemble=True, rho_inf=0.7, load_steps=1)
 """Few steps; Newton down to round-off, because a derivative is as exact as the state; lengths and start values move the bodies."""
 
+RISE = Cycloid(height=0.02, start=-0.02, duration=0.09)
+SLOPE = float(RISE.evaluate(np.array([0.03]))[0, 1])
 LEAD = Sum(
     terms=(
         Constant(value=0.05),
         SmoothStep(height=0.5, start=-0.2, duration=1.1),
         Sine(amplitude=0.1, frequency=0.6, phase=0.4),
         Table(times=(-0.1, 0.05, 0.11, 0.9), values=(-0.08, -0.1, -0.12, 0.1)),
+        Product(
+            curve=Harmonic(offset=0.02, amplitude=0.05, frequency=0.7, phase=0.9),
+            factors=(Ramp(initial=0.3, final=1.2, start=-0.03, end=0.2, smoothness="cubic"),),
+        ),
+        Sequence(curves=(RISE, Polynomial(coefficients=(0.3, SLOPE - 0.02 * 0.7, 0.7), start=-0.01)), times=(0.03,)),
     )
 )
 """Every kind of curve; its value at the start is small, so that the bodies move little to follow it. No step hits a corner."""

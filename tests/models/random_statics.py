@@ -11,8 +11,8 @@ import numpy as np
 
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider

@@ -4,8 +4,8 @@ from pathlib import Path
 
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.planar.revolute import Revolute
@@ -14,8 +14,8 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene

@@ -8,8 +8,10 @@ from typing import Any
 from tests.models.every_number import FOLLOW, LEAD, SOLVER
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
@@ -27,8 +29,8 @@ from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.stress.stress import KSStress
 from toolkit.scene.scene import Scene
 

@@ -7,7 +7,11 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 
 T = TypeVar("T")
 

@@ -20,8 +20,8 @@ from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.stress.stress import KSStress, MaxStress
 
 

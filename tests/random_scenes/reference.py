@@ -9,8 +9,9 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ToolkitError
-from toolkit.responses.instant import Instant, TimeIntegral
+from toolkit.responses.instant import Instant
 from toolkit.responses.motion import Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
 from toolkit.sensitivity.preparation import prepare, responses_of, solve
@@ -69,7 +70,7 @@ def _sizes(response: Any, solution: Solution, value: float, gradient: dict[str, 
 
 def _total(part: Any, solution: Solution, n: int) -> np.ndarray:
     total = np.zeros(solution.system.n_x) if part.design is None else np.real(part.design).astype(float)
-    pairs = ((part.q, solution.dq), (part.v, solution.dv), (part.multipliers, solution.dmultipliers))
+    pairs = ((part.q, solution.dq), (part.v, solution.dv), (part.a, solution.da), (part.multipliers, solution.dmultipliers))
     return total + sum(np.real(partial) @ change[n] for partial, change in pairs if partial is not None)
 
 

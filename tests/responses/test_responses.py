@@ -9,12 +9,15 @@ from tests.models.scenes import WING, hanging_skin
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 from toolkit.responses.energy import KineticEnergy
-from toolkit.responses.instant import TimeIntegral, magnitude
+from toolkit.responses.instant import magnitude
 from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.shape_error import ShapeMSE, ShapeRMS, shape_error
+from toolkit.responses.over_time.extremes import TimeMax
+from toolkit.responses.over_time.means import TimeIntegral, TimeMean
+from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS, shape_error, shape_error_history
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
@@ -84,6 +87,27 @@ def test_rms_and_mse_are_those_of_the_distances_per_node(wing):
     free = error > 0
     mean = 2 * np.mean(np.where(free[:, None], error[:, None] * np.nan_to_num(derivative), 0), axis=0)
     np.testing.assert_allclose(ShapeMSE(body="skin").gradient(wing), mean, rtol=1e-10)  # node by node against squared errors
+
+
+def test_the_distance_over_time_is_that_of_every_step(wing):
+    """And its gradient, through the whole motion, by both exact methods."""
+    asked = {
+        "mean": TimeMean(of=ShapeRMS(body="skin")),
+        "largest": TimeMax(of=ShapeMax(body="skin")),
+        "half": ShapeRMS(body="skin", time=0.5),
+    }
+    scene = wing.system.scene.model_copy(update={"responses": asked})
+    names = list(scene.design)
+    solution = solve(prepare(scene, names), "transient")
+    error = shape_error_history(solution, "skin")[0]
+    rms = np.sqrt(np.mean(error**2, axis=1))
+    # sums in another order
+    assert asked["mean"].value(solution) == pytest.approx(np.trapezoid(rms, solution.times) / solution.times[-1], rel=1e-12)
+    assert asked["largest"].value(solution) == pytest.approx(error.max(), rel=1e-12)
+    assert asked["half"].value(solution) == pytest.approx(rms[np.argmin(np.abs(solution.times - 0.5))], rel=1e-12)
+    backwards, forwards = adjoint(scene, names, "transient").gradients, direct(scene, names, "transient").gradients
+    for name, slopes in forwards.items():
+        assert backwards[name] == pytest.approx(slopes, rel=1e-8), name  # round-off times the condition of the skin's equations
 
 
 def test_distance_derivative_is_undefined_where_a_node_meets_its_target(wing, tmp_path):

@@ -18,8 +18,8 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver

@@ -14,8 +14,9 @@ from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from tests.models.cases import write_models
 from tests.models.every_number import SCENES
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
+from toolkit.curves.curve import Curve
+from toolkit.curves.kinds.sine import Sine
 from toolkit.description.description import Description, Number
-from toolkit.description.profile import Curve, Sine
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.dimensions import LABELLED, Dimension, factor
 from toolkit.foundation.errors import InputError

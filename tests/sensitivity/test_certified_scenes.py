@@ -14,8 +14,8 @@ from tests.scenes.test_benchmarks import CHAIN, slider_crank
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.compilation.quantities import STEP
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
@@ -25,8 +25,8 @@ from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDam
 from toolkit.loads.planar.torque import Torque
 from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement, Rotation
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.responses.stress.stress import KSStress, MaxStress
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.evaluation import values_of

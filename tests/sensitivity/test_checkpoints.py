@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.benchmarks.chain import chain
+from tests.models.response_cases import PLANE, plane, write_models
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
 from toolkit.analyses.checkpoints import solve_windows, window_bounds
 from toolkit.analyses.transient import simulate
@@ -43,6 +44,25 @@ def test_gradients_of_every_kind_of_response_are_those_without_checkpoints(schem
     for name, slopes in whole.gradients.items():
         largest = max(abs(slope) for slope in slopes.values())
         assert parts.gradients[name] == pytest.approx(slopes, rel=ROUND_OFF, abs=ROUND_OFF * largest), name
+
+
+def test_responses_over_time_are_put_together_from_windows(tmp_path):
+    """Also accelerations, whose derivatives enter the step backwards, and the work of a driver."""
+    write_models(tmp_path)
+    scene = with_options(plane(tmp_path), end_time=0.24, step=0.01).model_copy(update={"responses": PLANE})
+    design = [
+        "points.A.x",
+        "loads.motor.torque",
+        "loads.spring.damping",
+        "bodies.crank.density",
+        "joints.lead.curve.terms.2.amplitude",
+    ]
+    whole = adjoint(scene, design, "transient")
+    parts = adjoint(with_options(scene, memory=1e-6), design, "transient")
+    assert parts.values == pytest.approx(whole.values, rel=ROUND_OFF)
+    for name, slopes in whole.gradients.items():
+        largest = max(abs(slope) for slope in slopes.values())
+        assert parts.gradients[name] == pytest.approx(slopes, rel=0, abs=ROUND_OFF * largest), name
 
 
 def test_windows_hold_every_state_once_to_the_last_bit():

@@ -7,8 +7,8 @@ import pytest
 from tests.benchmarks.chain import chain
 from tests.models.scenes import WING, hanging_skin
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
 from toolkit.responses.motion import Displacement
+from toolkit.responses.over_time.means import TimeIntegral
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.compiled import Compiled

@@ -9,8 +9,10 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.sum import Sum
 from toolkit.description.point import Point
-from toolkit.description.profile import Constant, Sine, Sum
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.both.distance import Distance

@@ -7,8 +7,8 @@ import pytest
 
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.sine import Sine
 from toolkit.description.point import Point
-from toolkit.description.profile import Sine
 from toolkit.description.run_options import Baumgarte, RunOptions
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity

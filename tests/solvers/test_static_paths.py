@@ -13,8 +13,8 @@ from tests.models.random_statics import KINDS, SNAPPING, WING, random_scene
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import BifurcationError, ConvergenceError, CriticalPointError, LimitPointError
 from toolkit.joints.both.driver import PositionDriver

@@ -12,8 +12,12 @@ from tests.solvers.test_orders import DESIGN, driven_pendulum
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.point import Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
 from toolkit.joints.planar.revolute import Revolute

@@ -14,8 +14,8 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid
+from toolkit.curves.kinds.constant import Constant
 from toolkit.description.point import BodyPoint
-from toolkit.description.profile import Constant
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import SpatialAngleDriver
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint

@@ -9,7 +9,7 @@ from tests.spatial.scenes import at
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid
-from toolkit.description.profile import SmoothStep
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.joints.both.driver import SpatialAngleDriver

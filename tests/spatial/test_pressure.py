@@ -13,8 +13,8 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint
-from toolkit.description.profile import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.loads.spatial.pressure import Pressure

@@ -17,7 +17,7 @@ from tests.spatial.rebuilt import angle, angle_rates, force, in_space, place
 from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
-from toolkit.description.profile import SmoothStep
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.driver import AngleDriver
 from toolkit.reduced_model.file import save

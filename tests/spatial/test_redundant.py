@@ -12,7 +12,7 @@ from tests.spatial.scenes import at
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.compilation.redundant_rows import independent_rows
-from toolkit.description.profile import SmoothStep
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.joints.both.driver import SpatialAngleDriver

@@ -12,8 +12,8 @@ from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.command_line.commands.report_command import refuse_space
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint

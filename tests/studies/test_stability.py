@@ -18,9 +18,9 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.command_line.cli import app
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.description import Number
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import SmoothStep
 from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError

@@ -14,7 +14,12 @@ from typer.testing import CliRunner
 
 from toolkit.command_line.cli import app
 from toolkit.compilation.quantities import curves_of
-from toolkit.description.profile import Constant, Curve, Sine, SmoothStep, Sum, Table
+from toolkit.curves.curve import Curve
+from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.sine import Sine
+from toolkit.curves.kinds.smooth_step import SmoothStep
+from toolkit.curves.kinds.sum import Sum
+from toolkit.curves.kinds.table import Table
 from toolkit.description.time_grid import time_grid
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -312,7 +317,7 @@ def test_a_cubic_table_that_swings_beyond_its_values_is_remarked_on(tmp_path):
     worst = turns[np.argmax(np.abs(spline(turns)))]
     text = said(found, "curve-overshoot")
     assert f"reaches {spline(worst):.4g} at t = {worst:.4g}, {-spline(worst) / 1000:.3g} times" in text
-    assert 'loads.p.curve.interpolation = "linear" does not' in text
+    assert 'loads.p.curve.interpolation = "monotone" does not' in text
     assert text not in found.verdict.reasons
 
 

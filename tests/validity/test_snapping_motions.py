@@ -10,7 +10,7 @@ import pytest
 from tests.solvers.test_snap_through import LIMIT, TURN, truss
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid
-from toolkit.description.profile import SmoothStep
+from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene

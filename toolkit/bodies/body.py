@@ -11,6 +11,8 @@ import numpy as np
 from toolkit.description.description import InSpace
 from toolkit.reduced_model.model import ReducedModel
 
+CENTRE = "(centre of mass)"
+"""In place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
 QUATERNION = 4
 """Coordinates of an orientation that has a length to keep."""
 
@@ -111,6 +113,10 @@ class Body(InSpace):
     @abstractmethod
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """What is constant in the body's equations."""
+
+    @abstractmethod
+    def whole_mass(self, scene: Placed) -> Any:
+        """Its mass."""
 
     def floating(self, _scene: Placed) -> Any:
         """Invariants, if the body is flexible with a moving frame."""

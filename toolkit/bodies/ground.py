@@ -31,6 +31,10 @@ class InertialFrame(Body):
         """No mass, no size."""
         return 0.0
 
+    def whole_mass(self, _scene: Placed) -> float:
+        """None."""
+        return 0.0
+
     def constant(self, _scene: Placed, _gravity: np.ndarray) -> ConstantNumbers:
         """Nothing."""
         return no_constants(0)

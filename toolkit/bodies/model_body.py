@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import ConfigDict
 
-from toolkit.bodies.body import Body, Placed
+from toolkit.bodies.body import CENTRE, Body, Placed
 from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -72,14 +72,21 @@ class ModelBody(Body):
         """Invariants at the scene's parameter values."""
         return self.design_point(scene).invariants()
 
+    def whole_mass(self, scene: Placed) -> Any:
+        """That of its reduced model."""
+        return self.invariants(scene).mass
+
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), of one of the body's interface points, or of its frame.
+        """Z_P (d, 1 + n_f) and T_P (1 + n_f,), in space (3, 1 + n_f), of an interface point, the frame or the centre of mass.
 
         Raises
         ------
         InputError
             The point is no interface point of this body; lists those that are. Or its arc length is outside of the element.
         """
+        if point == CENTRE:
+            inv = self.invariants(scene)
+            return inv.first_moment / inv.mass, self.undeforming_point(inv.first_moment.shape[-1])[1]
         written, design = scene.interface(point), self.design_point(scene)
         model = design.model
         if getattr(written, "body", None) != name:

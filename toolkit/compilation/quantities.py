@@ -16,7 +16,8 @@ from toolkit.bodies.body import ConstantNumbers
 from toolkit.compilation.dependence import Affected, Item, affected_by
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.remembered import Remembered
-from toolkit.description.profile import Curve
+from toolkit.curves.curve import Curve
+from toolkit.description.design import Design
 from toolkit.foundation.errors import InputError
 from toolkit.loads.load import Load
 from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
@@ -123,13 +124,13 @@ def _parameters(scene: Scene, component: Component, width: int) -> np.ndarray:
     return np.array([*row, *[0.0] * (width - len(row))])
 
 
-def derivatives(scene: Scene, numbering: Numbering, paths: list[str], among: Affected | None = None) -> list[Quantities]:
-    """Derivative of all numbers, or of those `among` some, by each number at a path; curves stay complex, they are differentiated where
+def derivatives(scene: Scene, numbering: Numbering, design: Design, among: Affected | None = None) -> list[Quantities]:
+    """Derivative of all numbers, or of those `among` some, by each design variable; curves stay complex, they are differentiated where
     they are evaluated."""
     found = []
-    for path in paths:
-        affected = affected_by(scene, numbering.markers, [path], numbering.users)
-        moved = scene.with_number(path, scene.number(path) + 1j * STEP)
+    for variable in design:
+        affected = affected_by(scene, numbering.markers, list(variable.paths), numbering.users)
+        moved = scene.moved(variable, 1j * STEP)
         stepped = evaluate_quantities(moved, numbering, affected if among is None else affected & among)
         parts = {f.name: getattr(stepped, f.name) for f in fields(Quantities)}
         found.append(Quantities(**{name: part if name == "curves" else _imag(part) for name, part in parts.items()}))

@@ -9,9 +9,11 @@ import numpy as np
 from toolkit.conformance.formula import check_load_formula
 from toolkit.conformance.laws import check_laws
 from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives
+from toolkit.conformance.response import check_partials
 from toolkit.joints.joint import Joint
 from toolkit.joints.row_checks import check_rows
 from toolkit.loads.load import Load
+from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
 
 
@@ -44,6 +46,26 @@ def check_load(load: Load, scene: Scene, seed: int = 0) -> None:
     alone = _alone(scene, loads={"load": load})
     check_load_formula(load, alone, np.random.default_rng(seed))
     check_scene(alone, seed)
+
+
+def check_response(response: Response, scene: Scene, seed: int = 0) -> None:
+    """Check a response's partial derivatives by the states at every time, and by every number that can be a design variable.
+
+    Parameters
+    ----------
+    response : the response; its bodies and points are those of the scene
+    scene : any scene with those bodies, points, joints and loads
+    seed : another one gives other states
+
+    Raises
+    ------
+    ConformanceError
+        A derivative differs from a complex step by more than 1e-10 of the largest; names the derivative, the entry and both values.
+    InputError
+        The response asks for what the scene does not have.
+    """
+    alone = Scene(**{**dict(scene), "responses": {"response": response}, "design": {}})
+    check_partials(response, alone, seed)
 
 
 def check_scene(scene: Scene, seed: int = 0) -> None:

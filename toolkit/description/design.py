@@ -4,15 +4,94 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Annotated, Any, Self
+
+from pydantic import BeforeValidator, Field, model_validator
+
+from toolkit.description.description import Description, Number
+from toolkit.description.quantity import Quantity
+
+
+class CommonVariable(Description):
+    """One design variable that drives several numbers: where it grows by d, each grows by d times its factor.
+
+    Its value is that of the first number over its factor. So where all numbers are equal and all factors one, it is what they have in
+    common; where they are not, they keep their differences, and a value moves all as it moves the first.
+
+    Attributes
+    ----------
+    of
+        Paths of numbers of one unit, each in no other variable.
+    factors
+        Of each number, not zero; all are one by default.
+    """
+
+    of: tuple[str, ...] = Field(min_length=1)
+    factors: Annotated[tuple[Number, ...] | None, Quantity("none")] = None
+
+    @model_validator(mode="after")
+    def _fit(self) -> Self:
+        if len(set(self.of)) < len(self.of):
+            twice = next(path for path in self.of if self.of.count(path) > 1)
+            raise ValueError(f"`of` names {twice} twice; name each number once, with the factor that it shall have")
+        if self.factors is not None and len(self.factors) != len(self.of):
+            raise ValueError(
+                f"{len(self.of)} paths but {len(self.factors)} factors; give as many of each, or no factors if all are one"
+            )
+        if 0 in self.shares:
+            raise ValueError(
+                f"the factor of {self.of[self.shares.index(0)]} is zero, so that nothing drives it; leave it out of `of`"
+            )
+        return self
+
+    @property
+    def shares(self) -> tuple[float, ...]:
+        """The factors, also where they are not written."""
+        return (1.0,) * len(self.of) if self.factors is None else self.factors
+
+
+def _entry(value: Any) -> Any:
+    """A path as it is, or the table of a variable of several numbers."""
+    if isinstance(value, str | CommonVariable):
+        return value
+    if isinstance(value, Mapping):
+        return CommonVariable.model_validate(value)
+    raise ValueError(
+        'a design variable is the path of a number, "points.A.x", or a table { of = ["points.A.x", "points.B.x"] } of several'
+    )
+
+
+DesignEntry = Annotated[str | CommonVariable, BeforeValidator(_entry)]
+"""What stands beside a name in the table [design]."""
 
 
 @dataclass(frozen=True)
 class DesignVariable:
-    """One number of the scene: its short name and the path that leads to it, for example `points.A.x`."""
+    """A short name, the paths of the numbers that it drives, for example `points.A.x`, and by which factors.
+
+    Its value is that of the first number over its factor.
+    """
 
     name: str
-    path: str
     value: float
+    paths: tuple[str, ...]
+    factors: tuple[float, ...] = (1.0,)
+
+    @property
+    def path(self) -> str:
+        """Of the first number, whose unit and kind all have."""
+        return self.paths[0]
+
+    def record(self) -> dict[str, Any]:
+        """Path and value; of several numbers all paths and factors too."""
+        several = {"of": list(self.paths), "factors": list(self.factors)} if len(self.paths) > 1 or self.factors != (1.0,) else {}
+        return {"path": self.path, "value": self.value, **several}
+
+
+def label(record: Mapping[str, Any]) -> str:
+    """All paths of a variable, from its `record`, with factors that are not one."""
+    paths, factors = record.get("of", [record["path"]]), record.get("factors", [1.0])
+    return ", ".join(path if factor == 1 else f"{factor:g} {path}" for path, factor in zip(paths, factors, strict=True))
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,10 @@ class Quantity:
         """Whether it is said where the record stands, as of the values of a time curve."""
         return not self.each
 
+    def measure_of(self, values: Measure, place: int = 0) -> Measure:
+        """Of the number at a place, where the owner of the record has said what its values measure."""
+        return values if self.of_owner else self.measure(place)
+
     def measure(self, place: int = 0) -> Measure:
         """Of the number at a place of a list; of all, where one text stands for all."""
         return self._measures[place if len(self._measures) > 1 else 0]
@@ -55,8 +59,18 @@ class Quantity:
         return schema
 
 
+class PerTime(Quantity):
+    """Coefficients of a polynomial of time: what its values measure, per time to the power of the place."""
+
+    def measure_of(self, values: Measure, place: int = 0) -> Measure:
+        """The first is a value itself."""
+        return Measure(values.dimension.times(LABELLED["time"].power(-place)), values.angle)
+
+
 OF_OWNER = Quantity()
 """Of a value of a time curve: what it measures is said where the curve stands."""
+OF_OWNER_PER_TIME = PerTime()
+"""Of coefficients of a polynomial."""
 
 
 def _measure(text: str) -> Measure:

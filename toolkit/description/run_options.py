@@ -62,6 +62,9 @@ class RunOptions(Description):
         Whether inertia is left out, so that the motion is a sequence of equilibria (with the forces of dampers). Needs an equilibrium at
         time 0, and refuses to jump where the path of equilibria ends. Without dampers the path is followed between two times where
         the states do not show it, and unstable equilibria are refused.
+    start
+        Where a motion begins: "given", in the written positions, undeformed; or "equilibrium", in the equilibrium under the loads that
+        act at time 0, with the velocities that the scene writes. Its gradients know how that equilibrium depends on the design.
     local_error
         Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
@@ -99,6 +102,7 @@ class RunOptions(Description):
     newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
     quasi_static: bool = False
+    start: Literal["given", "equilibrium"] = "given"
     local_error: Annotated[Positive | None, Quantity("none")] = None
     times: Annotated[tuple[NotNegative, ...] | None, Quantity("time")] = Field(default=None, min_length=2)
     load_steps: Count = 10

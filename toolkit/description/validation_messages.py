@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any, get_args
@@ -23,11 +23,18 @@ def messages(error: ValidationError, kind: type[BaseModel], value: Any, where: s
     nested : classes of tables below it that have a `type`
     """
     lines = []
-    for each in error.errors():
+    for each in _causes(error):
         keys, owner = _walk(kind, value, each, nested)
         place = ".".join([*([where] if where else []), *keys])
         lines.append((f"{place}: " if place else "") + _said(each, owner))
     return list(dict.fromkeys(lines))
+
+
+def _causes(error: ValidationError) -> list[Any]:
+    """All mistakes but those that follow from others: a list is not too short because its entries are wrong."""
+    found = error.errors()
+    below = {each["loc"][:depth] for each in found for depth in range(len(each["loc"]))}
+    return [each for each in found if each["type"] != "too_short" or each["loc"] not in below]
 
 
 def _walk(kind: type[BaseModel], value: Any, error: Any, nested: Mapping[str, type]) -> tuple[list[str], type[BaseModel]]:
@@ -54,8 +61,15 @@ def _has(value: Any, part: Any) -> bool:
 
 def _field_class(kind: type[BaseModel], part: Any) -> type[BaseModel]:
     field = kind.model_fields.get(part) if isinstance(part, str) else None
-    options = [] if field is None else [field.annotation, *get_args(field.annotation)]
-    return next((option for option in options if isinstance(option, type) and issubclass(option, BaseModel)), kind)
+    return kind if field is None else next(_classes(field.annotation), kind)
+
+
+def _classes(annotation: Any) -> Iterator[type[BaseModel]]:
+    """Classes of tables in an annotation."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _classes(part)
 
 
 def _said(error: Any, owner: type[BaseModel]) -> str:

@@ -1,8 +1,10 @@
-"""What joints, loads and responses of one's own are made from, numbers with what they measure, and the checks of derivatives."""
+"""What joints, loads, time curves and responses of one's own are made from: bases, numbers with what they measure, and checks."""
 
 from __future__ import annotations
 
-from toolkit.conformance.check import check_joint, check_load, check_scene
+from toolkit.conformance.check import check_joint, check_load, check_response, check_scene
+from toolkit.conformance.curve import check_curve
+from toolkit.curves.catalogue import Curve
 from toolkit.description.description import NotNegative, Number, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
@@ -12,10 +14,16 @@ from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.loads.spatial.load import SpatialLoad
 from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector
+from toolkit.responses.kinematics.marker_motion import Motion
 from toolkit.responses.response import Partials, Response
 
 __all__ = [
+    "Curve",
     "Instant",
+    "MarkerFormula",
+    "MarkerVector",
+    "Motion",
     "NotNegative",
     "Number",
     "Partials",
@@ -27,8 +35,10 @@ __all__ = [
     "Row",
     "SpatialJoint",
     "SpatialLoad",
+    "check_curve",
     "check_joint",
     "check_load",
+    "check_response",
     "check_scene",
     "inner",
     "kernel",

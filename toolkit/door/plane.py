@@ -5,7 +5,9 @@ from __future__ import annotations
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.door import curves, responses
+from toolkit.door.curves import *  # noqa: F403
+from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint
@@ -15,25 +17,15 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.planar.torque import Torque
-from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
-from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
-from toolkit.responses.stress.stress import KSStress, MaxStress
 
 __all__ = [
+    *curves.__all__,
+    *responses.__all__,
     "AngleDriver",
     "BodyPoint",
-    "Constant",
-    "Displacement",
     "Distance",
     "Flexible",
     "Gravity",
-    "JointForce",
-    "KSStress",
-    "KineticEnergy",
-    "MaxStress",
     "Point",
     "PointForce",
     "PositionDriver",
@@ -41,18 +33,8 @@ __all__ = [
     "Rigid",
     "RigidJoint",
     "Rod",
-    "Rotation",
     "RotationalSpringDamper",
-    "ShapeMSE",
-    "ShapeMax",
-    "ShapeRMS",
-    "Sine",
     "Slider",
-    "SmoothStep",
     "SpringDamper",
-    "StrainEnergy",
-    "Sum",
-    "Table",
-    "TimeIntegral",
     "Torque",
 ]

@@ -6,7 +6,9 @@ from toolkit.bodies.spatial.flexible import SpatialFlexible as Flexible
 from toolkit.bodies.spatial.rigid import SpatialRigid as Rigid
 from toolkit.bodies.spatial.rigid import SpatialRod as Rod
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import Constant, Sine, SmoothStep, Sum, Table
+from toolkit.door import curves, responses
+from toolkit.door.curves import *  # noqa: F403
+from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
 from toolkit.joints.both.distance import SpatialDistance as Distance
 from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
 from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
@@ -23,26 +25,16 @@ from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper as RotationalSpringDamper
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper as SpringDamper
 from toolkit.loads.spatial.torque import SpatialTorque as Torque
-from toolkit.responses.energy import KineticEnergy, StrainEnergy
-from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.instant import TimeIntegral
-from toolkit.responses.motion import Displacement, Rotation
-from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS
-from toolkit.responses.stress.stress import KSStress, MaxStress
 
 __all__ = [
+    *curves.__all__,
+    *responses.__all__,
     "AngleDriver",
     "BodyPoint",
-    "Constant",
     "Cylindrical",
-    "Displacement",
     "Distance",
     "Flexible",
     "Gravity",
-    "JointForce",
-    "KSStress",
-    "KineticEnergy",
-    "MaxStress",
     "Point",
     "PointForce",
     "PointOnPlane",
@@ -53,19 +45,9 @@ __all__ = [
     "Rigid",
     "RigidJoint",
     "Rod",
-    "Rotation",
     "RotationalSpringDamper",
-    "ShapeMSE",
-    "ShapeMax",
-    "ShapeRMS",
-    "Sine",
-    "SmoothStep",
     "Spherical",
     "SpringDamper",
-    "StrainEnergy",
-    "Sum",
-    "Table",
-    "TimeIntegral",
     "Torque",
     "Universal",
 ]

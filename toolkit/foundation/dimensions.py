@@ -30,7 +30,8 @@ LABELLED = {
     "none": NONE, "angle": NONE, "length": Dimension(0, 1, 0), "time": Dimension(0, 0, 1), "mass": Dimension(1, 0, 0),
     "force": Dimension(1, 1, -2), "stress": Dimension(1, -1, -2), "density": Dimension(1, -3, 0), "torque": Dimension(1, 2, -2),
     "energy": Dimension(1, 2, -2), "area": Dimension(0, 2, 0), "second_moment": Dimension(0, 4, 0),
-    "rate": Dimension(0, 0, -1),
+    "rate": Dimension(0, 0, -1), "velocity": Dimension(0, 1, -1), "acceleration": Dimension(0, 1, -2),
+    "angular_velocity": Dimension(0, 0, -1), "power": Dimension(1, 2, -3),
 }  # fmt: skip
 """Of the quantities that `toolkit.foundation.units` has labels for."""
 

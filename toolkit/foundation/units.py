@@ -6,10 +6,12 @@ _LABELS = {
     "mm-t-s": {
         "length": "mm", "time": "s", "mass": "t", "force": "N", "stress": "MPa", "density": "t/mm^3", "torque": "N mm",
         "energy": "mJ", "angle": "rad", "area": "mm^2", "second_moment": "mm^4", "rate": "1/s", "none": "",
+        "velocity": "mm/s", "acceleration": "mm/s^2", "angular_velocity": "rad/s", "power": "mW",
     },
     "m-kg-s": {
         "length": "m", "time": "s", "mass": "kg", "force": "N", "stress": "Pa", "density": "kg/m^3", "torque": "N m",
         "energy": "J", "angle": "rad", "area": "m^2", "second_moment": "m^4", "rate": "1/s", "none": "",
+        "velocity": "m/s", "acceleration": "m/s^2", "angular_velocity": "rad/s", "power": "W",
     },
 }  # fmt: skip
 UNIT_SYSTEMS = tuple(_LABELS)

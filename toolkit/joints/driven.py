@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pydantic import field_validator
 
+from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description
-from toolkit.description.profile import Curve, is_smooth
 
 
 def smooth(curve: Curve) -> Curve:
     """Refuse a curve without second derivative: the acceleration of what it drives would not exist."""
-    if not is_smooth(curve):
-        raise ValueError("a driver needs a curve with a second derivative; use interpolation = 'cubic' or a smooth-step")
+    if why := curve.kink():
+        raise ValueError(f"a driver needs a curve with a second derivative; {why}")
     return curve
 
 

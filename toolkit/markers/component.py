@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 from numba.core.registry import CPUDispatcher
 
+from toolkit.curves.curve import Curve
 from toolkit.description.description import InSpace
-from toolkit.description.profile import Curve
 
 Place = str | tuple[str, str]
 """A point that both bodies share, or each body's own point, where two flexible bodies meet."""

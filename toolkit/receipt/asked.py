@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from types import UnionType
+
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import rigid_bodies
 from toolkit.responses.shape_error import ShapeResponse
+from toolkit.responses.stress.local_stress import LocalStress
 from toolkit.responses.stress.stress import StressResponse
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import responses_of
@@ -23,7 +26,7 @@ def derivative_blocks(system: System, scene: Scene) -> list[Line]:
     blocks = [Line(each.name, int(count)) for each, count in zip(system.design, moved, strict=True)]
     if len(blocks) > MOST_NAMES:
         blocks = [Line(f"{len(blocks)} variables", int(moved.sum()))]
-    paths = {each.path for each in system.design}
+    paths = {path for each in system.design for path in each.paths}
     others = len([path for path in scene.available_paths() if path not in paths])
     return [*blocks, Line("other numbers of the scene", 0, others, "no derivative by them was asked for")]
 
@@ -34,7 +37,7 @@ def fields(system: System) -> list[Line]:
     for name, body in system.scene.bodies.items():
         if isinstance(body, ModelBody):
             points = len(system.scene.model(body.model).invariants.stress_operator)
-            stress, shape = asking(system.scene, StressResponse, name), asking(system.scene, ShapeResponse, name)
+            stress, shape = asking(system.scene, StressResponse | LocalStress, name), asking(system.scene, ShapeResponse, name)
             found.append(_field(f"stress of {name}", points, stress))
             if shape:
                 target = system.scene.model(body.model, "shape").shape
@@ -57,10 +60,14 @@ def markers(system: System) -> list[Line]:
     return [*found, Line(f"{len(rigid)} rigid", count)] if rigid else found
 
 
-def asking(scene: Scene, kind: type[StressResponse | ShapeResponse], body: str) -> list[str]:
+def asking(scene: Scene, kind: type | UnionType, body: str) -> list[str]:
     """Responses of a kind, or made of one, that look at a body."""
     parts = {name: (each, getattr(each, "of", None)) for name, each in responses_of(scene).items()}
-    return [name for name, both in parts.items() if any(isinstance(each, kind) and each.body == body for each in both)]
+    return [
+        name
+        for name, both in parts.items()
+        if any(isinstance(each, kind) and getattr(each, "body", None) == body for each in both)
+    ]
 
 
 def _field(what: str, points: int, asked: list[str]) -> Line:

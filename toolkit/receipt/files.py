@@ -57,7 +57,11 @@ def _reason(system: System, path: str, group: str) -> str:
     bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.model == path}
     if group in DEPENDENCE:
         nominal = scene.model(path).nominal
-        asked = [each.name for name in bodies for each in system.design if model_parameter(scene, name, each.path) in nominal]
+        asked = [
+            each.name
+            for each in system.design
+            if any(model_parameter(scene, name, path) in nominal for name in bodies for path in each.paths)
+        ]
         return f"for {', '.join(asked)}" if asked else "a parameter is off its nominal value"
     if group == "shape":
         return f"for {', '.join(name for body in bodies for name in asking(scene, ShapeResponse, body))}"

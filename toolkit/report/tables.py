@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.description.design import label
 from toolkit.foundation.units import unit
 from toolkit.report.material import Material
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
@@ -50,7 +51,7 @@ def response_table(material: Material) -> Table:
 def variable_table(material: Material) -> Table:
     """Design variables with their values."""
     rows = [
-        [n, each["path"], each["value"], variable_unit(material.scene, each["path"])]
+        [n, label(each), each["value"], variable_unit(material.scene, each["path"])]
         for n, each in material.results.variables.items()
     ]
     return Table("variables", "Design variables", "What the derivatives are by.", ["variable", "path", "value", "unit"], rows)

@@ -1,4 +1,4 @@
-"""Kinetic and strain energy of the whole scene."""
+"""Kinetic and strain energy of the whole scene, or of one body."""
 
 from __future__ import annotations
 
@@ -10,31 +10,51 @@ from toolkit.responses.response import Partials
 from toolkit.system.solution import Solution
 
 
-class KineticEnergy(Instant):
+class Energy(Instant):
+    """Base of energies.
+
+    Attributes
+    ----------
+    body
+        Name of one body; by default all of the scene count.
+    """
+
+    quantity = "energy"
+
+    body: str | None = None
+
+    def counted(self, solution: Solution) -> np.ndarray:
+        """Coordinates that count, (n_q,)."""
+        found = np.zeros(solution.system.n_q, bool)
+        found[slice(None) if self.body is None else solution.coordinates(self.body)] = True
+        return found
+
+
+class KineticEnergy(Energy):
     """T = v^T M(q) v / 2, with M v taken from the inertial forces at the acceleration v."""
 
     kind = "kinetic-energy"
-    quantity = "energy"
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Value, and derivatives by q, v and the design."""
-        system, pad = solution.system, np.zeros(solution.system.n - solution.system.n_q)
-        q, v = np.concatenate([solution.q[step], pad]), np.concatenate([solution.v[step], pad])
+        system, pad, counts = solution.system, np.zeros(solution.system.n - solution.system.n_q), self.counted(solution)
+        q, v = np.concatenate([solution.q[step], pad]), np.concatenate([np.where(counts, solution.v[step], 0), pad])
         terms = system.evaluate(system.inputs(solution.times[step], np.zeros(3)), q, np.zeros_like(q), v, design=True)
         value_q = v @ system.matrix(terms.I_q) / 2
         n_q = system.n_q
-        return Partials(v @ terms.inertial / 2, q=value_q[:n_q], v=terms.inertial[:n_q], design=v @ terms.I_x / 2)
+        by_v = np.where(counts, terms.inertial[:n_q], 0)
+        return Partials(v @ terms.inertial / 2, q=value_q[:n_q], v=by_v, design=v @ terms.I_x / 2)
 
 
-class StrainEnergy(Instant):
-    """U = q^T K q / 2 of all flexible bodies."""
+class StrainEnergy(Energy):
+    """U = q^T K q / 2 of all flexible bodies, or of one."""
 
     kind = "strain-energy"
-    quantity = "energy"
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Value, and derivatives by q and the design."""
-        system, part, q = solution.system, solution.system.plan.constant, solution.q[step]
+        system, part = solution.system, solution.system.plan.constant
+        q = np.where(self.counted(solution), solution.q[step], 0)
         shape = (system.n_q, system.n_q)
         force = coo_array((part.stiffness, (part.row, part.column)), shape=shape) @ q
         design = np.zeros(system.n_x)

@@ -23,6 +23,7 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
             if np.any(np.abs(np.diff(angles)) > np.pi):
                 yield Caution(
                     "rotation-folded",
-                    f"{name} passed half a turn: in space it is an angle in (-pi, pi], without the turns that are done.",
+                    f"{name} passed half a turn: in space it is an angle in (-pi, pi], without the turns that are done. "
+                    "The response relative-angle counts them.",
                     doubt=False,
                 )

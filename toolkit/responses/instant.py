@@ -1,21 +1,19 @@
-"""Responses at one time, and their integral over time."""
+"""Responses at one time."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Callable
+from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import field_validator
 
 from toolkit.description.description import NotNegative
 from toolkit.description.quantity import Quantity
 from toolkit.description.time_grid import time_grid
-from toolkit.foundation.dimensions import LABELLED, Dimension
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.units import unit
-from toolkit.responses.response import Partials, Response
+from toolkit.responses.response import STATES, Partials, Response
 from toolkit.system.solution import Solution
 
 
@@ -73,25 +71,31 @@ class Instant(Response):
             )
         return step
 
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """`at` of one solution, step by step; a kind that has something to prepare for all steps does it here, once."""
+        return partial(self.at, solution)
+
     def partials(self, solution: Solution) -> Partials:
         """Those of the one step, zero at all others."""
         weights = np.zeros(len(solution.times))
         weights[self.step(solution)] = 1
-        return weighted(self, solution, weights)
+        return weighted(self.instants(solution), solution, weights)
 
 
-def weighted(instant: Instant, solution: Solution, weights: np.ndarray) -> Partials:
-    """Sum over time of weights (n_t,) times the quantity."""
-    parts = [(n, instant.at(solution, n)) for n in map(int, np.flatnonzero(weights))]
-    value: Any = sum(weights[n] * part.value for n, part in parts)
-    widths = {"q": solution.q.shape, "v": solution.v.shape, "multipliers": solution.multipliers.shape}
-    arrays: dict[str, Any] = {name: np.zeros(shape) for name, shape in widths.items()}
+def weighted(look: Callable[[int], Partials], solution: Solution, weights: np.ndarray) -> Partials:
+    """Sum over time of weights (n_t,) times a quantity, which `look` gives for a step."""
+    value: Any = 0.0
+    arrays: dict[str, np.ndarray] = {}
     design = np.zeros(solution.system.n_x)
-    for n, part in parts:
-        for name, array in arrays.items():
-            partial = getattr(part, name)
-            if partial is not None:
-                array[n] += weights[n] * np.real(partial)
+    for n in map(int, np.flatnonzero(weights)):
+        part = look(n)
+        value = value + weights[n] * part.value
+        for name in STATES:
+            slope = getattr(part, name)
+            if slope is not None:
+                if name not in arrays:
+                    arrays[name] = np.zeros(getattr(solution, name).shape)
+                arrays[name][n] += weights[n] * np.real(slope)
         if part.design is not None:
             design += weights[n] * np.real(part.design)
     return Partials(value, **arrays, design=design)
@@ -107,71 +111,3 @@ def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any
     if length.real != 0:
         return length, vector / length
     return length, np.full(len(vector), np.nan if np.any(change()) else 0.0)
-
-
-class TimeIntegral(Response):
-    """Integral over time of a quantity, by the trapezoidal rule (second order, as the default scheme); `of` is its table.
-
-    Attributes
-    ----------
-    of
-        Table of a response at one time, with its `type` and keys.
-    """
-
-    kind = "time-integral"
-    of: Any
-
-    @property
-    def needs_motion(self) -> bool:
-        """Always."""
-        return True
-
-    @field_validator("of")
-    @classmethod
-    def _instant(cls, value: Any) -> Instant:
-        if isinstance(value, Instant):
-            return cls._over_all_times(value)
-        kind = value.get("type") if isinstance(value, dict) else None
-        if not isinstance(kind, str) or kind not in Instant.kinds:
-            raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
-        found = Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"})
-        assert isinstance(found, Instant)
-        return cls._over_all_times(found)
-
-    @staticmethod
-    def _over_all_times(quantity: Instant) -> Instant:
-        if quantity.time is not None:
-            raise ValueError("an integral runs over all times; leave `time` out of `of`")
-        return quantity
-
-    def check(self, scene: Any) -> None:
-        """The quantity's own."""
-        self.of.check(scene)
-
-    def markers(self) -> tuple[tuple[str, str], ...]:
-        """Those of the quantity."""
-        return self.of.markers()
-
-    @property
-    def physical_dimension(self) -> Dimension:
-        """That of the quantity times time."""
-        return self.of.physical_dimension.times(LABELLED["time"])
-
-    def unit(self, system_of_units: str) -> str:
-        """Unit of the quantity times time."""
-        return f"{self.of.unit(system_of_units)} {unit(system_of_units, 'time')}"
-
-    def partials(self, solution: Solution) -> Partials:
-        """The quantity's, with trapezoidal weights.
-
-        Raises
-        ------
-        InputError
-            The solution is static.
-        """
-        whole = solution.whole_run
-        if len(whole) < 2:
-            raise InputError("an integral over time needs a transient solution. Use `simulate`, or another response.")
-        h, first = np.diff(whole), int(np.searchsorted(whole, solution.times[0]))
-        weights = (np.append(h, 0) + np.append(0, h)) / 2
-        return weighted(self.of, solution, weights[first : first + len(solution.times)])

@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.responses.instant import Instant, TimeIntegral
-from toolkit.responses.response import Response
+from toolkit.responses.instant import Instant
+from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.response import STATES, Partials, Response
 from toolkit.system.solution import Solution
 
 INSTANTS = 40
@@ -34,14 +35,13 @@ def largest_magnitude(response: Response, solution: Solution, value: Any) -> flo
 
 @largest_magnitude.register
 def _(response: Instant, solution: Solution, value: Any) -> float:
-    return max(
-        abs(float(np.real(value))), *(abs(float(np.real(response.at(solution, step).value))) for step in _instants(solution))
-    )
+    look = response.instants(solution)
+    return max(abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in _instants(solution)))
 
 
 @largest_magnitude.register
-def _(response: TimeIntegral, solution: Solution, value: Any) -> float:
-    return largest_magnitude(response.of, solution, 0.0) * float(solution.whole_run[-1] - solution.whole_run[0])
+def _(response: OverTime, solution: Solution, value: Any) -> float:
+    return response.of_size(largest_magnitude(response.source, solution, 0.0), _duration(solution))
 
 
 @singledispatch
@@ -54,21 +54,26 @@ def largest_slopes(response: Response, solution: Solution) -> np.ndarray:
 def _(response: Instant, solution: Solution) -> np.ndarray:
     if not solution.system.n_x:
         return np.zeros(0)
-    return np.nan_to_num(np.max([np.abs(_slope(response, solution, step)) for step in _instants(solution)], axis=0))
+    look = response.instants(solution)
+    return np.nan_to_num(np.max([np.abs(_slope(look(step), solution, step)) for step in _instants(solution)], axis=0))
 
 
 @largest_slopes.register
-def _(response: TimeIntegral, solution: Solution) -> np.ndarray:
-    return largest_slopes(response.of, solution) * float(solution.whole_run[-1] - solution.whole_run[0])
+def _(response: OverTime, solution: Solution) -> np.ndarray:
+    size, slopes = largest_magnitude(response.source, solution, 0.0), largest_slopes(response.source, solution)
+    return response.of_slopes(size, slopes, _duration(solution))
+
+
+def _duration(solution: Solution) -> float:
+    return float(solution.whole_run[-1] - solution.whole_run[0])
 
 
 def _instants(solution: Solution) -> list[int]:
     return [int(step) for step in np.unique(np.linspace(0, len(solution.times) - 1, INSTANTS).round())]
 
 
-def _slope(response: Instant, solution: Solution, step: int) -> np.ndarray:
+def _slope(found: Partials, solution: Solution, step: int) -> np.ndarray:
     """Total derivative of the quantity at one step, (n_x,)."""
-    found = response.at(solution, step)
     total = np.zeros(solution.system.n_x) if found.design is None else np.real(found.design).astype(float)
-    pairs = ((found.q, solution.dq), (found.v, solution.dv), (found.multipliers, solution.dmultipliers))
+    pairs = ((getattr(found, state), getattr(solution, f"d{state}")) for state in STATES)
     return total + sum(np.real(partial) @ derivative[step] for partial, derivative in pairs if partial is not None)

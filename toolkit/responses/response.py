@@ -16,7 +16,7 @@ from toolkit.system.solution import Solution
 class Partials(NamedTuple):
     """A response's value and its partial derivatives; None stands for zero. With the states' design derivatives
 
-        dvalue = sum over time (value_q . dq + value_v . dv + value_lam . dlam) + value_x
+        dvalue = sum over time (value_q . dq + value_v . dv + value_a . da + value_lam . dlam) + value_x
 
     An undefined derivative is nan.
     """
@@ -26,6 +26,11 @@ class Partials(NamedTuple):
     v: np.ndarray | None = None  # (n_t, n_q)
     multipliers: np.ndarray | None = None  # (n_t, n_lam)
     design: np.ndarray | None = None  # (n_x,)
+    a: np.ndarray | None = None  # (n_t, n_q)
+
+
+STATES = ("q", "v", "a", "multipliers")
+"""What a value can depend on, by the names in `Partials` and in a solution."""
 
 
 class Response(Registered):
@@ -39,6 +44,11 @@ class Response(Registered):
         """Whether it exists for a transient solution only; a static analysis leaves it out."""
         return False
 
+    @property
+    def needs_rest(self) -> bool:
+        """Whether it exists for an equilibrium only; a transient analysis leaves it out."""
+        return False
+
     @abstractmethod
     def partials(self, solution: Solution) -> Partials:
         """Value and partial derivatives; complex-safe in the value."""
@@ -46,6 +56,10 @@ class Response(Registered):
     def markers(self) -> tuple[tuple[str, str], ...]:
         """(body, point) pairs that the response looks at, so that the compilation provides them."""
         return ()
+
+    def grips(self, _scene: Any) -> tuple[tuple[str, str], ...]:
+        """The same for a scene, where they depend on it."""
+        return self.markers()
 
     @property
     def unit_quantity(self) -> str:
@@ -76,8 +90,8 @@ class Response(Registered):
         """The number and its total design derivative, shape (n_x,)."""
         partials = self.partials(solution)
         total = np.zeros(solution.system.n_x) if partials.design is None else partials.design.astype(float)
-        pairs = ((partials.q, solution.dq), (partials.v, solution.dv), (partials.multipliers, solution.dmultipliers))
-        for partial, derivative in pairs:
+        for state in STATES:
+            partial, derivative = getattr(partials, state), getattr(solution, f"d{state}")
             if partial is not None and derivative.shape[-1]:
                 total = total + np.einsum("ti,tix->x", np.real(partial), derivative)
         return partials.value, total

@@ -1,4 +1,4 @@
-"""Distance of a flexible body to its target shape (paper, eqs. 49-53), in the last state and in the frame of the body."""
+"""Distance of a flexible body to its target shape (paper, eqs. 49-53), in one state, by default the last, and in the frame of the body."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
-from toolkit.responses.response import Partials, Response
+from toolkit.responses.instant import Instant
+from toolkit.responses.response import Partials
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
@@ -93,7 +94,7 @@ def distances(solution: Solution, body: str, steps: slice) -> tuple[np.ndarray, 
     return error, np.where(zero, np.nan, change / np.where(zero, 1, error[:, :, None]))
 
 
-class ShapeResponse(Response):
+class ShapeResponse(Instant):
     """Base of responses that weight the squared distances of the nodes.
 
     Attributes
@@ -106,14 +107,19 @@ class ShapeResponse(Response):
 
     def check(self, scene: Scene) -> None:
         """The body has a target shape."""
+        super().check(scene)
         target_shape(scene, self.body)
 
-    def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
+    def gap(self, solution: Solution, step: int) -> np.ndarray:
+        """Gap vectors at a step, shape (n_k, 2)."""
+        return gaps(solution, self.body, slice(step, step + 1))[0][0]
+
+    def chain(self, solution: Solution, step: int, value: complex, weights: np.ndarray) -> Partials:
         """Partials of a response from its derivatives by the gap vectors, shape (n_k, 2)."""
-        value_q, design, weights = np.zeros(solution.q.shape), np.zeros(solution.system.n_x), np.real(weights)
+        value_q, design, weights = np.zeros(solution.system.n_q), np.zeros(solution.system.n_x), np.real(weights)
         where = elastic_coordinates(solution, self.body)
-        value_q[-1, where] = np.einsum("ki,kif->f", weights, np.real(gaps(solution, self.body)[1]))
-        for x, rate in gap_rates(solution, self.body, solution.q[-1:, where]):
+        value_q[where] = np.einsum("ki,kif->f", weights, np.real(gaps(solution, self.body)[1]))
+        for x, rate in gap_rates(solution, self.body, solution.q[step : step + 1, where]):
             design[x] += np.sum(weights * rate[0])
         return Partials(value, q=value_q, design=design)
 
@@ -124,10 +130,10 @@ class ShapeMSE(ShapeResponse):
     kind = "shape-mse"
     quantity = "area"
 
-    def partials(self, solution: Solution) -> Partials:
+    def at(self, solution: Solution, step: int) -> Partials:
         """mse = sum_k d_k . d_k / n."""
-        gap = gaps(solution, self.body)[0][0]
-        return self.chain(solution, np.sum(gap * gap) / len(gap), 2 * gap / len(gap))
+        gap = self.gap(solution, step)
+        return self.chain(solution, step, np.sum(gap * gap) / len(gap), 2 * gap / len(gap))
 
 
 class ShapeRMS(ShapeResponse):
@@ -136,12 +142,12 @@ class ShapeRMS(ShapeResponse):
     kind = "shape-rms"
     quantity = "length"
 
-    def partials(self, solution: Solution) -> Partials:
+    def at(self, solution: Solution, step: int) -> Partials:
         """rms = sqrt(mse), drms = dmse / (2 rms); undefined only if every node meets its target exactly."""
-        gap = gaps(solution, self.body)[0][0]
+        gap = self.gap(solution, step)
         rms = np.sqrt(np.sum(gap * gap) / len(gap))
         weights = gap / (len(gap) * rms) if rms.real != 0 else np.full(gap.shape, np.nan)
-        return self.chain(solution, rms, weights)
+        return self.chain(solution, step, rms, weights)
 
 
 class ShapeMax(ShapeResponse):
@@ -150,11 +156,11 @@ class ShapeMax(ShapeResponse):
     kind = "shape-max"
     quantity = "length"
 
-    def partials(self, solution: Solution) -> Partials:
+    def at(self, solution: Solution, step: int) -> Partials:
         """The node with the largest distance."""
-        gap = gaps(solution, self.body)[0][0]
+        gap = self.gap(solution, step)
         k = first_largest(np.sum(gap * gap, axis=1).real, SAME)
         distance = np.sqrt(gap[k] @ gap[k])
         weights = np.zeros(gap.shape, gap.dtype)
         weights[k] = gap[k] / distance if distance.real != 0 else np.nan
-        return self.chain(solution, distance, weights)
+        return self.chain(solution, step, distance, weights)

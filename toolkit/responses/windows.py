@@ -3,8 +3,8 @@
     f = F(f_1, ..., f_m),   df/dq_n = F_j df_j/dq_n   for a state n in window j
 
 with f_j the response of window j alone. A maximum is the maximum of those of the windows, a Kreisselmeier-Steinhauser function that of
-theirs, an integral their sum; what looks at one time needs one window. A response of another kind needs a function for it here,
-registered with `combine.register`.
+theirs, an integral their sum (see `OverTime.combined`); what looks at one time needs one window. A response of another kind needs a
+function for it here, registered with `combine.register`.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
-from toolkit.responses.instant import Instant, TimeIntegral
+from toolkit.responses.instant import Instant
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.response import Response
-from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, StressResponse
 
@@ -33,11 +33,6 @@ def steps_seen(response: Response, times: np.ndarray) -> tuple[int, int]:
 def _(response: Instant, times: np.ndarray) -> tuple[int, int]:
     step = response.nearest(times)
     return step, step
-
-
-@steps_seen.register
-def _(response: ShapeResponse, times: np.ndarray) -> tuple[int, int]:
-    return len(times) - 1, len(times) - 1
 
 
 @steps_seen.register
@@ -63,8 +58,8 @@ def combine(response: Response, values: np.ndarray) -> tuple[Any, np.ndarray]:
 
 
 @combine.register
-def _(response: TimeIntegral, values: np.ndarray) -> tuple[Any, np.ndarray]:
-    return values.sum(), np.ones(len(values))
+def _(response: OverTime, values: np.ndarray) -> tuple[Any, np.ndarray]:
+    return response.combined(values)
 
 
 @combine.register

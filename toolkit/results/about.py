@@ -10,11 +10,13 @@ Numbers = dict[str, float]
 
 
 class Variable(BaseModel):
-    """A design variable: where it is in the scene, and its value in the run."""
+    """A design variable: where it is in the scene, and its value in the run; of one that drives several numbers, which and how."""
 
     model_config = ConfigDict(extra="forbid")
     path: str
     value: float
+    of: list[str] | None = None
+    factors: list[float] | None = None
 
 
 class SceneWords(BaseModel):

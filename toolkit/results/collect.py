@@ -64,7 +64,7 @@ def collect(solved: Result | Solution, text: str = "", changes: Mapping[str, str
         response_units=found.units,
         gradients=found.gradients,
         bodies={name: _body(solution, name) for name, body in scene.bodies.items() if isinstance(body, ModelBody)},
-        variables={each.name: {"path": each.path, "value": each.value} for each in variables},
+        variables={each.name: each.record() for each in variables},
         run={
             "drift": solution.drift,
             "correction": solution.correction,

@@ -134,6 +134,9 @@ def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
 
 def _read(content: Content, path: Path) -> Results:
     about: dict[str, Any] = About.model_validate(json.loads(layout.text(content, "about"))).model_dump()
+    about["variables"] = {
+        name: {key: item for key, item in each.items() if item is not None} for name, each in about["variables"].items()
+    }
     sizes: dict[str, int] = {}
     arrays: dict[str, Any] = {name: layout.array(content, name, axes, sizes) for name, axes in STATES.items()}
     labels: dict[str, Any] = {name: layout.names(content, f"names/{name}", sizes[axis]) for name, axis in NAMES.items()}

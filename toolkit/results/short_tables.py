@@ -65,4 +65,4 @@ def _in_unit(name: str, unit: str) -> str:
 
 def _in_their_units(scene: Scene, names: Sequence[str]) -> list[str]:
     """Design variables with their units: a gradient is in that of its response over that of its variable."""
-    return [_in_unit(name, variable_unit(scene, scene.path_of(scene.design.get(name, name)))) for name in names]
+    return [_in_unit(name, variable_unit(scene, scene.paths_of(name)[0])) for name in names]

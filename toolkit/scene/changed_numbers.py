@@ -41,14 +41,23 @@ def with_numbers(scene: Scene, numbers: Mapping[str, float]) -> tuple[Scene, lis
             real = float(value)
         except OverflowError as error:
             raise InputError(f"{name} is larger than any number that can be meant. Mend the exponent.") from error
-        path = scene.path_of(scene.design.get(name, name))
-        if path in paths:
-            raise InputError(f"{name!r} is the same number as another one that is given, {path}. Give it once.")
-        paths.append(path)
-        scene = scene.with_number(path, real)
+        mine = scene.paths_of(name)
+        if (twice := next((path for path in mine if path in paths), None)) is not None:
+            raise InputError(f"{name!r} is the same number as another one that is given, {twice}. Give it once.")
+        paths += mine
+        scene = _with_value(scene, name, real)
     for path in paths:
         _check(scene, path)
     return scene, paths
+
+
+def _with_value(scene: Scene, name: str, value: float) -> Scene:
+    """A copy in which a number, or a design variable of several, has a value; numbers that were the factor times the old one stay so."""
+    old = scene.value_of(name)
+    for path, factor in zip(scene.paths_of(name), scene.factors_of(name), strict=True):
+        number = scene.number(path)
+        scene = scene.with_number(path, factor * value if number == factor * old else number + factor * (value - old))
+    return scene
 
 
 def _check(scene: Scene, path: str) -> None:

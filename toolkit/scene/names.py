@@ -12,7 +12,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.markers.component import Component
 
-PLURAL = {"body": "bodies", "point": "points", "joint": "joints"}
+PLURAL = {"body": "bodies", "point": "points", "joint": "joints", "load": "loads"}
 
 
 def check_names(
@@ -29,7 +29,7 @@ def check_names(
     for group, items in groups.items():
         for name in items:
             _legal(group, name)
-    existing = {"body": (*bodies, "ground"), "point": points, "joint": joints}
+    existing = {"body": (*bodies, "ground"), "point": points, "joint": joints, "load": loads}
     for group in ("joints", "loads"):
         for name, component in groups[group].items():
             if isinstance(component, Component):
@@ -49,10 +49,17 @@ def check_names(
             known(written.body, bodies, f"points.{name}", "body")
     for name, response in responses.items():
         for kind, names in existing.items():
-            for each in (response, getattr(response, "of", None)):
-                used = getattr(each, kind, None)
-                if used is not None:
-                    known(used, names, f"responses.{name}", kind)
+            for used in _named(response, kind):
+                known(used, names, f"responses.{name}", kind)
+
+
+def _named(response: Any, kind: str) -> list[str]:
+    """What a response, or the one that it looks at over time, names under the word for one of a kind or for several."""
+    found: list[str] = []
+    for each in (response, getattr(response, "of", None)):
+        for value in (getattr(each, kind, None), getattr(each, PLURAL[kind], None)):
+            found += [value] if isinstance(value, str) else value if isinstance(value, tuple) else ()
+    return found
 
 
 def check_dimension(dimension: int, points: Mapping[str, Any], groups: Mapping[str, Mapping[str, Any]]) -> None:

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description, Registered, numbers_below
-from toolkit.description.design import Design, DesignVariable
+from toolkit.description.design import Design, DesignEntry, DesignVariable
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.description.vector_paths import numbered
@@ -23,16 +23,9 @@ from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel, place_parameter
+from toolkit.scene.design_variables import variables_of
 from toolkit.scene.names import check_dimension, check_names, known
 from toolkit.scene.space import SPACES, Space
-
-NOT_DESIGN = {
-    "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
-    "motion. Choose numbers of points, bodies, joints or loads.",
-    "responses": "numbers of a response change what is asked about the motion, not the motion. Choose numbers of points, bodies, "
-    "joints or loads.",
-}
-"""Tables of a scene whose numbers have no derivative, and why."""
 
 
 class Scene(Description):
@@ -53,7 +46,7 @@ class Scene(Description):
     loads
         Name -> load.
     design
-        Short name -> path of a number of points, bodies, joints or loads.
+        Short name -> path of a number of points, bodies, joints or loads; or a table of several numbers that it drives.
     responses
         Name -> response.
     solver
@@ -68,7 +61,7 @@ class Scene(Description):
     bodies: dict[str, Body]
     joints: dict[str, Joint] = Field(default_factory=dict)
     loads: dict[str, AnyLoad] = Field(default_factory=dict)
-    design: dict[str, str] = Field(default_factory=dict)
+    design: dict[str, DesignEntry] = Field(default_factory=dict)
     responses: dict[str, Registered] = Field(default_factory=dict)
     solver: RunOptions = RunOptions()
     directory: Path = Path()
@@ -265,38 +258,37 @@ class Scene(Description):
             return self.model_copy(update={group: {**owner, name: changed}})
         return super().with_number(path, value)
 
+    def paths_of(self, name: str) -> tuple[str, ...]:
+        """Paths of the numbers of a design variable, by its short name, or of one number by its path."""
+        entry = self.design.get(name, name)
+        return tuple(map(self.path_of, (entry,) if isinstance(entry, str) else entry.of))
+
+    def factors_of(self, name: str) -> tuple[float, ...]:
+        """Factors by which a design variable drives these numbers."""
+        entry = self.design.get(name, name)
+        return (1.0,) if isinstance(entry, str) else entry.shares
+
+    def value_of(self, name: str) -> float:
+        """Value of a design variable: the first of its numbers over its factor."""
+        return float(np.real(self.number(self.paths_of(name)[0]))) / self.factors_of(name)[0]
+
+    def moved(self, variable: DesignVariable, step: Any) -> Self:
+        """A copy in which a design variable has grown by a step, real or complex."""
+        found = self
+        for path, factor in zip(variable.paths, variable.factors, strict=True):
+            found = found.with_number(path, found.number(path) + factor * step)
+        return found
+
     def design_variables(self, names: list[str] | None = None) -> Design:
         """The design variables by short name or path; all that the scene declares by default.
 
         Raises
         ------
         InputError
-            A name or path is unknown, or leads to a number without derivative; lists those that are possible.
+            A name or path is unknown, or leads to a number without derivative; lists those that are possible. Two variables drive the same
+            number, or one drives numbers of different units.
         """
-        variables: list[DesignVariable] = []
-        available = dict.fromkeys(self.available_paths())
-        for name in self.design if names is None else names:
-            path = self.path_of(self.design.get(name, name))
-            if path.split(".")[0] in NOT_DESIGN:
-                raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
-            if path.endswith(".arc_length") and path.split(".")[1] in self.points and path not in available:
-                raise InputError(
-                    f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
-                    "State it by an arc length off the nodes in the skin file, and run preprocessing again."
-                )
-            if path not in available:
-                which = (
-                    f"the path {path!r} of design variable {name!r} leads nowhere"
-                    if path != name
-                    else f"unknown design variable {name!r}"
-                )
-                raise InputError(
-                    f"{which}; short names of the scene: {', '.join(self.design) or 'none'}; paths: {listed(available)}."
-                )
-            if (twin := next((other.name for other in variables if other.path == path), None)) is not None:
-                raise InputError(f"design variables {twin!r} and {name!r} are the same number, {path}. Name it once.")
-            variables.append(DesignVariable(name, path, float(np.real(self.number(path)))))
-        return Design(tuple(variables))
+        return variables_of(self, self.design if names is None else names)
 
 
 def position_in(scene: Any, point: str) -> np.ndarray:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from toolkit.bodies.model_body import ModelBody
 from toolkit.description.description import Description
-from toolkit.description.profile import CURVES
-from toolkit.description.quantity import Measure, Quantity
-from toolkit.foundation.dimensions import Dimension, dimension_of_label
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.dimensions import Dimension
 from toolkit.responses.response import Response
+from toolkit.scene.measures import measure_in, number_measure
 from toolkit.scene.scene import Scene
 
 GROUPS = ("points", "bodies", "joints", "loads", "responses")
-_CURVES = tuple(CURVES.values())
 
 
 def dimensions(scene: Scene) -> dict[str, Dimension]:
@@ -43,18 +39,6 @@ def number_dimension(scene: Scene, path: str) -> Dimension:
     return number_measure(scene, path).dimension
 
 
-def number_measure(scene: Scene, path: str) -> Measure:
-    """Dimension of one number, and the power of an angle in it; as `number_dimension`.
-
-    Raises
-    ------
-    InputError
-        As `dimensions`.
-    """
-    group, name, *keys = scene.path_of(path).split(".")
-    return _measure(getattr(scene, group)[name], keys, scene)
-
-
 def response_dimension(response: Response) -> Dimension:
     """Dimension of a response's value."""
     return response.physical_dimension
@@ -62,54 +46,4 @@ def response_dimension(response: Response) -> Dimension:
 
 def _below(where: str, item: Description, scene: Scene) -> Iterator[tuple[str, Dimension]]:
     for path, _ in item.numbers():
-        yield f"{where}.{path}", _measure(item, path.split("."), scene).dimension
-
-
-def _measure(item: Description, keys: list[str], scene: Scene) -> Measure:
-    """Measure of the number that keys lead to from an item."""
-    field, *rest = keys
-    if isinstance(item, ModelBody) and field not in type(item).model_fields:
-        return _parameter(item, field, scene)
-    below, said = getattr(item, field, None), item.quantity_of(field)
-    if isinstance(below, _CURVES):
-        return _in_curve(below, rest, said) or _refuse_curve(item, field)
-    if isinstance(below, Description):
-        return _measure(below, rest, scene)
-    return _at(said, rest) or _refuse(item, field)
-
-
-def _in_curve(curve: Description, keys: list[str], values: Quantity | None) -> Measure | None:
-    """Measure of a number in a time curve, whose values its owner knows; None if nobody has said it."""
-    field, *rest = keys
-    below = getattr(curve, field)
-    if isinstance(below, tuple) and rest and isinstance(below[int(rest[0])], _CURVES):
-        return _in_curve(below[int(rest[0])], rest[1:], values)
-    said = curve.quantity_of(field)
-    return _at(values if said is not None and said.of_owner else said, rest)
-
-
-def _at(said: Quantity | None, keys: list[str]) -> Measure | None:
-    """Measure of a number of a field, at the place in a list that the first key gives."""
-    place = int(keys[0]) if keys and keys[0].isdecimal() else 0
-    return None if said is None or said.of_owner else said.measure(place)
-
-
-def _refuse(item: Description, field: str) -> Measure:
-    raise InputError(
-        f"nobody has said what the number {field!r} of a {type(item).__name__} is, so it cannot be given in other units. "
-        f'Say it beside the field: `{field}: Annotated[Number, Quantity("length")]`, see toolkit.description.quantity.'
-    )
-
-
-def _refuse_curve(owner: Description, field: str) -> Measure:
-    raise InputError(
-        f"nobody has said what the values of the time curve of a {type(owner).__name__} are, so they cannot be given in other "
-        f'units. Say it beside the field: `{field}: Annotated[Curve, Quantity("length")]`, see toolkit.description.quantity.'
-    )
-
-
-def _parameter(body: ModelBody, name: str, scene: Scene) -> Measure:
-    model = scene.model(body.model)
-    if name not in model.nominal_units:
-        raise InputError(f"reduced model {body.model!r} has no parameter {name!r}; available: {', '.join(model.nominal)}.")
-    return Measure(dimension_of_label(model.nominal_units[name], model.units))
+        yield f"{where}.{path}", measure_in(item, path.split("."), scene).dimension

@@ -10,8 +10,8 @@ from toolkit.foundation.dimensions import LABELLED, NONE, Dimension
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.responses.response import Response
+from toolkit.scene.measures import number_measure
 from toolkit.scene.scene import Scene
-from toolkit.scene_file.dimensions import number_measure
 
 _BASE = ("mass", "length", "time")
 
@@ -81,7 +81,7 @@ def gradient_unit(scene: Scene, response: str, variable: str) -> str:
     """Unit of the derivative of a response by a design variable, by its short name or path: "J s / (N/m)"."""
     found = scene.responses[response]
     numerator = found.unit(scene.units) if isinstance(found, Response) else ""
-    return per(numerator, variable_unit(scene, scene.path_of(scene.design.get(variable, variable))))
+    return per(numerator, variable_unit(scene, scene.paths_of(variable)[0]))
 
 
 def gradient_units(scene: Scene, gradients: Mapping[str, Iterable[str]]) -> dict[str, dict[str, str]]:

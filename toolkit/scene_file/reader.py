@@ -8,15 +8,16 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from toolkit.curves.catalogue import Curve
 from toolkit.description.description import Description, Registered
 from toolkit.description.point import BodyPoint, Point
-from toolkit.description.profile import CURVES
 from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
+from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
 
@@ -44,11 +45,15 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
     """
     path = Path(path)
     table = read_toml(path, "a scene in TOML")
-    short = table.get("design", {})
+    short, common = table.get("design", {}), dict[str, Any]()
     for key, text in (changes or {}).items():
         long = short.get(key) if isinstance(short, dict) else None
-        _change(table, long if isinstance(long, str) else key, text, path)
-    return scene_from_table(table, path)
+        if isinstance(long, dict):
+            common[key] = _value(text)
+        else:
+            _change(table, long if isinstance(long, str) else key, text, path)
+    scene = scene_from_table(table, path)
+    return with_numbers(scene, common)[0] if common else scene
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
@@ -146,16 +151,13 @@ def _validated(kind: type[Description], value: Any, where: str, problems: list[s
     try:
         return kind.model_validate(value)
     except ValidationError as error:
-        problems += messages(error, kind, value, where, {**Instant.kinds, **CURVES})
+        problems += messages(error, kind, value, where, {**Instant.kinds, **Curve.kinds})
         return None
 
 
 def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
     """Set one value by its path; x and y, in space z too, name the entries of a vector."""
-    try:
-        value = parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text
-    except ValueError:
-        value = text
+    value = _value(text)
     *owners, last = key.split(".")
     owner: Any = table
     axes = "xyz"[: table["dimension"] if table.get("dimension") in DIMENSIONS else 2]
@@ -173,6 +175,14 @@ def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
     if index is None and (isinstance(owner, list) or not owners):
         raise InputError(_leads_nowhere(key, last, owner, axes, path))
     owner[last if index is None else index] = value
+
+
+def _value(text: Any) -> Any:
+    """What a text stands for in a file."""
+    try:
+        return parse_toml(f"value = {text}")["value"] if isinstance(text, str) else text
+    except ValueError:
+        return text
 
 
 def _index(owner: Any, name: str, axes: str) -> Any:

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from toolkit.curves.catalogue import Curve
+from toolkit.curves.curve import PLACEHOLDER
 from toolkit.description.description import Description
+from toolkit.description.design import CommonVariable
 from toolkit.description.point import BodyPoint
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import UNIT_SYSTEMS
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
+from toolkit.responses.over_time.over_time import OverTime
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene_file.reader import Scene
 
@@ -30,11 +34,17 @@ def scene_schema() -> dict[str, Any]:
         for group, known in kinds_of(dimension).items():
             _define(f"{prefix}{_GROUPS[group]}", known, definitions)
     _define("response", Response.kinds, definitions)
+    _define("curve", Curve.kinds, definitions)
     instants = sorted(f"response-{kind}" for kind in Instant.kinds)
     definitions["instant"] = _one_of(name for name in instants if name in definitions)
-    definitions["response-time-integral"]["properties"]["of"] = {"$ref": "#/$defs/instant"}
+    for kind in (kind for kind, described in Response.kinds.items() if issubclass(described, OverTime)):
+        over_time = definitions.get(f"response-{kind}", {}).get("properties", {})
+        if "of" in over_time:
+            over_time["of"] = {"$ref": "#/$defs/instant"}
     definitions["body-point"] = _schema(BodyPoint, definitions)
     solver = _schema(RunOptions, definitions)
+    path = {"type": "string", "description": "path of a number, for example points.A.x"}
+    definitions["CommonVariable"] = _schema(CommonVariable, definitions)
     either = {name: _table({"anyOf": [_item(name, dimension) for dimension in PREFIXES]}) for name in ("points", *_GROUPS)}
     root = {
         "$schema": DRAFT,
@@ -46,7 +56,7 @@ def scene_schema() -> dict[str, Any]:
             "dimension": {"enum": list(PREFIXES), "default": 2, "description": "of space; it stands at the top of the file"},
             **either,
             "responses": _table({"$ref": "#/$defs/response"}),
-            "design": _table({"type": "string", "description": "path of a number, for example points.A.x"}),
+            "design": _table({"anyOf": [path, {"$ref": "#/$defs/CommonVariable"}]}),
             "solver": solver,
         },
         "required": ["units", "bodies"],
@@ -115,6 +125,8 @@ def tidy(schema: Any) -> Any:
         return [tidy(item) for item in schema]
     if not isinstance(schema, dict):
         return schema
+    if schema.get("$comment") == PLACEHOLDER:
+        return {**schema, "$ref": "#/$defs/curve"}
     found = {key: tidy(item) for key, item in schema.items() if key != "discriminator" and item is not None}
     if isinstance(found.get("title"), str) and "$schema" not in found:
         del found["title"]

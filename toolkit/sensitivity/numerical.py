@@ -99,7 +99,7 @@ def derivative(
     """Derivative of all responses by one variable; beside a `known` equilibrium a complex step need not follow the path there again."""
 
     def shifted(step: complex) -> dict[str, Any]:
-        moved = scene.with_number(variable.path, variable.value + step)
+        moved = scene.moved(variable, step)
         if isinstance(step, complex) and kind == "static" and known is not None:
             return evaluate_responses(equilibrium_beside(prepare(moved), known))
         return values_of(moved, kind)

@@ -19,9 +19,9 @@ Kind = Literal["transient", "static"]
 
 
 def responses_of(scene: Scene, moving: bool = True) -> dict[str, Response]:
-    """The scene's responses; without motion only those that a state at rest has."""
+    """The scene's responses, as far as a motion has them; without motion those that a state at rest has."""
     known = {name: response for name, response in scene.responses.items() if isinstance(response, Response)}
-    return {name: response for name, response in known.items() if moving or not response.needs_motion}
+    return {name: response for name, response in known.items() if not (response.needs_rest if moving else response.needs_motion)}
 
 
 def moving(solution: Solution) -> bool:
@@ -39,9 +39,10 @@ def frozen(scene: Scene, solution: Solution) -> Scene:
 
 def prepare(scene: Scene, design: list[str] | None = None) -> System:
     """Compile a scene with what its responses look at, after they had a look at the scene."""
-    for response in responses_of(scene).values():
+    responses = [*{**responses_of(scene), **responses_of(scene, moving=False)}.values()]
+    for response in responses:
         response.check(scene)
-    markers = [marker for response in responses_of(scene).values() for marker in response.markers()]
+    markers = [marker for response in responses for marker in response.grips(scene)]
     return compile_scene(scene, design, tuple(dict.fromkeys(markers)))
 
 

@@ -45,10 +45,10 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
     check_numbers(scene)
-    numbering, variables = system.numbering, [each.path for each in system.design]
+    numbering = system.numbering
     affected = affected_by(scene, numbering.markers, paths, numbering.users)
     old = [system.values, *system.derivatives]
-    new = [evaluate_quantities(scene, numbering, affected), *derivatives(scene, numbering, variables, affected)]
+    new = [evaluate_quantities(scene, numbering, affected), *derivatives(scene, numbering, system.design, affected)]
     try:
         pairs = [renew(*pair, entries=system.values) for pair in zip(old, new, strict=True)]
     except NewEntryError:
@@ -58,6 +58,6 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     sizes = weights(scene) if moved else system.weights
     changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
-    design = Design(tuple(replace(each, value=float(np.real(scene.number(each.path)))) for each in system.design))
+    design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
     return found.compiled_as(system)

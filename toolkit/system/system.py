@@ -192,7 +192,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values = evaluate_quantities(scene, numbering)
-    changes = derivatives(scene, numbering, [variable.path for variable in variables])
+    changes = derivatives(scene, numbering, variables)
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)

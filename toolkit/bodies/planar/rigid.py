@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from toolkit.bodies.body import ConstantNumbers, Placed
+from toolkit.bodies.body import CENTRE, ConstantNumbers, Placed
 from toolkit.bodies.mass import GivenMass, UniformRod
 from toolkit.bodies.planar.body import MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
@@ -34,6 +34,10 @@ class RigidBody(StartVelocity):
         """Two displacements and an angle."""
         return np.array([1.0, 1.0, np.nan])
 
+    def whole_mass(self, scene: Placed) -> Any:
+        """As given, or of the rod."""
+        return self.mass_properties(scene)[0]
+
     def radius_of_gyration(self, scene: Placed) -> float:
         """About the centre of mass."""
         mass, _, inertia = self.mass_properties(scene)
@@ -41,7 +45,8 @@ class RigidBody(StartVelocity):
 
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
         """Any point can be gripped."""
-        z0 = scene.position(point) - self.mass_properties(scene)[1]
+        centre = self.mass_properties(scene)[1]
+        z0 = (centre if point == CENTRE else scene.position(point)) - centre
         return MarkerNumbers(np.append(z0, 0.0), np.arange(3), np.zeros((3, 3)))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:

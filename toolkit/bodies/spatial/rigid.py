@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import field_validator
 
-from toolkit.bodies.body import ConstantNumbers, Placed, no_constants
+from toolkit.bodies.body import CENTRE, ConstantNumbers, Placed, no_constants
 from toolkit.bodies.mass import GivenMass, UniformRod
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Number
@@ -55,6 +55,10 @@ class SpatialRigidBody(SpatialBody):
         """Displacements and angles."""
         return self.frame_lengths()
 
+    def whole_mass(self, scene: Placed) -> Any:
+        """As given, or of the rod."""
+        return self.mass_properties(scene)[0]
+
     def radius_of_gyration(self, scene: Placed) -> float:
         """Root of the mean square distance from the centre of mass."""
         mass, _, moments = self.mass_properties(scene)
@@ -64,7 +68,8 @@ class SpatialRigidBody(SpatialBody):
         """Any point can be gripped."""
         origin = self.frame_origin(scene) if self.frame_size else np.zeros(3)
         axes = np.eye(3) if axes is None else axes
-        pose = pose_of(scene.position(point) - origin, axes, origin if self.frame == "turning" else 0 * origin)
+        place = self.mass_properties(scene)[1] if point == CENTRE else scene.position(point)
+        pose = pose_of(place - origin, axes, origin if self.frame == "turning" else 0 * origin)
         return SpatialMarkerNumbers(pose, np.arange(self.frame_size), np.zeros((self.frame_size, 6)))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:

@@ -143,7 +143,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         **{group: {name: part.kind for name, part in parts.items()} for group, parts in groups.items()},
         **({"reference_conditions": frames} if frames else {}),
         "responses": {name: {"type": each.kind, "unit": each.unit(scene.units)} for name, each in responses_of(scene).items()},
-        "design": {each.name: {"path": each.path, "value": each.value} for each in scene.design_variables()},
+        "design": {each.name: each.record() for each in scene.design_variables()},
         "paths": {path: float(scene.number(path)) for path in scene.available_paths()},
         **_questions(scene).record(),
     }

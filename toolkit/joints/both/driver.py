@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from toolkit.description.profile import Curve
+from toolkit.curves.curve import Curve
 from toolkit.description.quantity import Quantity
 from toolkit.joints.driven import Driven
 from toolkit.joints.joint import Joint

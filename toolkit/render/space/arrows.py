@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.bodies.spatial.flexible import SpatialFlexible
-from toolkit.description.profile import Curve
+from toolkit.curves.curve import Curve
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.loads.spatial.torque import SpatialTorque

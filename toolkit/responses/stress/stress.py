@@ -48,9 +48,17 @@ def by_instant(states: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
     """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
     scene = solution.system.scene
-    names = {model_parameter(scene, body, variable.path): x for x, variable in enumerate(solution.system.design)}
-    asked = any(name in scene.model(flexible_body(scene, body).model).nominal for name in names)
-    return design_point(scene, body, *DEPENDENCE, *parts).rates(item, names) if asked else NONE
+    driven = [
+        (model_parameter(scene, body, path), x, factor)
+        for x, variable in enumerate(solution.system.design)
+        for path, factor in zip(variable.paths, variable.factors, strict=True)
+    ]
+    names = {name: k for k, (name, _, _) in enumerate(driven)}
+    if not any(name in scene.model(flexible_body(scene, body).model).nominal for name in names):
+        return NONE
+    found = design_point(scene, body, *DEPENDENCE, *parts).rates(item, names)
+    columns, factors = (np.array(each) for each in zip(*(numbers for _, *numbers in driven), strict=True))
+    return Derivatives(columns[found.parameter], found.entry, factors[found.parameter] * found.value)
 
 
 def model_parameter(scene: Scene, body: str, path: str) -> str:

@@ -11,7 +11,7 @@ from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
 from toolkit.foundation.errors import SingularSystemError
-from toolkit.responses.response import Partials
+from toolkit.responses.response import STATES, Partials
 from toolkit.solvers.transient.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.prediction import SAME, STEEP
@@ -72,13 +72,13 @@ def sweep(
 def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found: Sequence[Partials]) -> None:
     system, steps = state.system, slice(first + piece.start, first + piece.stop)
     begins, ends = steps.start == 0, steps.stop == len(window.whole_run)
-    by_q, by_v, by_acc = (_stacked(system, piece, found, name) for name in ("q", "v", "multipliers"))
+    by_q, by_v, by_a, by_lam = (_stacked(system, piece, found, name) for name in STATES)
     curves, curves_x = system.curves(window.times[piece])
     levels = constraint_levels(state.options, state.lengths[steps], state.relaxation[steps])
     failed = system.run(
         integrate_backwards, system.evaluator, system.plan, system.functions, curves, curves_x, state.lengths[steps],
         state.ratios[steps], levels, state.scheme, state.transposition, begins, ends, *_padded(system, window, piece),
-        by_q, by_v, by_acc, state.memory, state.gradient,
+        by_q, by_v, by_a + by_lam, state.memory, state.gradient,
     )  # fmt: skip
     if failed >= 0:
         raise SingularSystemError(

@@ -34,13 +34,13 @@ def direction(scene: Scene, exact: Result) -> dict[str, float]:
     """
     sizes, variables = variable_sizes(scene, exact), scene.design_variables(list(next(iter(exact.gradients.values()), {})))
     parts = {variable.name: 1 - 0.5 * (k * GOLDEN % 1) for k, variable in enumerate(variables)}
-    return {v.name: parts[v.name] * sizes[v.name] for v in variables if can_move(scene, v.path)}
+    return {v.name: parts[v.name] * sizes[v.name] for v in variables if all(can_move(scene, path) for path in v.paths)}
 
 
 def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:
     """The scene at x + step d."""
     for variable in scene.design_variables(list(along)):
-        scene = scene.with_number(variable.path, variable.value + step * along[variable.name])
+        scene = scene.moved(variable, step * along[variable.name])
     return scene
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -39,13 +39,27 @@ STEPS = (1.0, -1.0, 0.5, -0.5)
 """In units of a variable's step."""
 
 
+class Part(NamedTuple):
+    """A parameter of a reduced model that a variable drives."""
+
+    body: str
+    parameter: str  # its name for the preprocessing
+    value: float
+    factor: float
+
+
 class Wanted(NamedTuple):
     """A variable of which fresh models are wanted."""
 
     variable: DesignVariable
-    body: str
-    parameter: str  # its name for the preprocessing
+    parts: list[Part]
+    rest: DesignVariable | None  # the same without the numbers that are in models
     step: float
+
+    @property
+    def bodies(self) -> list[str]:
+        """Those that are built afresh."""
+        return list(dict.fromkeys(part.body for part in self.parts))
 
 
 class Fresh(NamedTuple):
@@ -89,49 +103,61 @@ def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Calla
     """
     found, wanted = FreshGradients(), []
     for variable in scene.design_variables(design):
-        body, parameter = _parameter(scene, variable)
-        if body and (reason := _hindrance(scene, variable, body)):
+        each = _wanted(scene, variable)
+        if each.parts and (reason := next(filter(None, (_hindrance(scene, part) for part in each.parts)), "")):
             found.left_out[variable.name] = reason
-        elif body:
-            wanted.append(Wanted(variable, body, parameter, RELATIVE_STEP * typical_size(scene, variable)))
-            if _model(scene, body).basis.startswith("frozen"):
+        elif each.parts:
+            wanted.append(each)
+            if any(_model(scene, body).basis.startswith("frozen") for body in each.bodies):
                 found.frozen[variable.name] = FROZEN
     with tempfile.TemporaryDirectory() as folder:
         _build(scene, wanted, Path(folder))
         for k, each in enumerate(wanted):
-            for response, fresh in _differences(
-                scene, each, [Path(folder) / f"{k} {i}.h5" for i in range(len(STEPS))], kind
-            ).items():
+            for response, fresh in _differences(scene, k, each, Path(folder), kind).items():
                 found.slopes.setdefault(response, {})[each.variable.name] = fresh
             progress(k + 1, len(wanted))
     return found
 
 
-def _parameter(scene: Scene, variable: DesignVariable) -> tuple[str, str]:
-    """The flexible body whose reduced model has the variable among its parameters, and the parameter's name for the preprocessing."""
+def _wanted(scene: Scene, variable: DesignVariable) -> Wanted:
+    """The numbers of a variable, those in reduced models apart."""
+    parts, rest = [], []
+    for path, factor in zip(variable.paths, variable.factors, strict=True):
+        body, parameter = _parameter(scene, path)
+        if body:
+            parts.append(Part(body, parameter, float(scene.number(path)), factor))
+        else:
+            rest.append((path, factor))
+    others = replace(variable, paths=tuple(p for p, _ in rest), factors=tuple(f for _, f in rest)) if rest else None
+    return Wanted(variable, parts, others, RELATIVE_STEP * typical_size(scene, variable))
+
+
+def _parameter(scene: Scene, path: str) -> tuple[str, str]:
+    """The flexible body whose reduced model has the number among its parameters, and the parameter's name for the preprocessing."""
     for name, body in scene.bodies.items():
-        if isinstance(body, ModelBody) and (parameter := model_parameter(scene, name, variable.path)):
-            if parameter in _model(scene, name).nominal and variable.path.startswith("bodies."):
+        if isinstance(body, ModelBody) and (parameter := model_parameter(scene, name, path)):
+            if parameter in _model(scene, name).nominal and path.startswith("bodies."):
                 return name, parameter
-            if variable.path.startswith("points."):
+            if path.startswith("points."):
                 return name, f"interface_points.{parameter.removeprefix('arc_length_')}.arc_length"
     return "", ""
 
 
-def _hindrance(scene: Scene, variable: DesignVariable, body: str) -> str:
-    """Why there are no fresh models of a variable; empty if there are."""
-    skin = source(scene, body)
+def _hindrance(scene: Scene, part: Part) -> str:
+    """Why there are no fresh models of a parameter; empty if there are."""
+    skin = source(scene, part.body)
     if not skin.is_file():
         return f"there is no {skin.name} beside the reduced model to build it from"
-    if not is_built_from(scene, body, skin):
+    if not is_built_from(scene, part.body, skin):
         return f"the reduced model was not built from the {skin.name} beside it"
-    if variable.value == 0 and "damping" in variable.path:
+    if part.value == 0 and "damping" in part.parameter:
         return "damping is zero and cannot be less"
     return ""
 
 
-def _differences(scene: Scene, wanted: Wanted, files: list[Path], kind: Kind) -> dict[str, Fresh]:
-    up, down, half_up, half_down = (values_of(with_model(scene, wanted.body, file), kind) for file in files)
+def _differences(scene: Scene, k: int, wanted: Wanted, folder: Path, kind: Kind) -> dict[str, Fresh]:
+    """Difference quotients of variable k."""
+    up, down, half_up, half_down = (values_of(_afresh(scene, k, i, wanted, folder), kind) for i in range(len(STEPS)))
     found = {}
     for name in up:
         coarse, fine = (up[name] - down[name]) / (2 * wanted.step), (half_up[name] - half_down[name]) / wanted.step
@@ -140,14 +166,27 @@ def _differences(scene: Scene, wanted: Wanted, files: list[Path], kind: Kind) ->
     return found
 
 
+def _afresh(scene: Scene, k: int, i: int, wanted: Wanted, folder: Path) -> Scene:
+    """The scene with the models of variable k at step i, and all else that it drives moved with them."""
+    for body in wanted.bodies:
+        scene = with_model(scene, body, _file(folder, k, i, body))
+    return scene if wanted.rest is None else scene.moved(wanted.rest, STEPS[i] * wanted.step)
+
+
+def _file(folder: Path, k: int, i: int, body: str) -> Path:
+    return folder / f"{k} {i} {body}.h5"
+
+
 def _build(scene: Scene, wanted: list[Wanted], folder: Path) -> None:
-    """All models of a body in one process: file `k i.h5` is that of variable k at step i."""
-    for body in dict.fromkeys(each.body for each in wanted):
+    """All models of a body in one process, those of every variable at every step."""
+    for body in dict.fromkeys(body for each in wanted for body in each.bodies):
         lines, given = [], given_values(scene, body)
         for k, each in enumerate(wanted):
-            if each.body == body:
-                values = [{**given, each.parameter: each.variable.value + s * each.step} for s in STEPS]
-                lines += [{"file": str(folder / f"{k} {i}.h5"), "values": v} for i, v in enumerate(values)]
+            if body in each.bodies:
+                mine = [part for part in each.parts if part.body == body]
+                for i, s in enumerate(STEPS):
+                    values = {**given, **{part.parameter: part.value + s * each.step * part.factor for part in mine}}
+                    lines.append({"file": str(_file(folder, k, i, body)), "values": values})
         build_all(source(scene, body), lines)
 
 

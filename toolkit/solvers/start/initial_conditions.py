@@ -53,6 +53,13 @@ def consistent_start(
         Joints are redundant, so that accelerations or multipliers are not unique.
     """
     position, dq = closed_positions(system, q, time, options)
+    return moving_start(system, levels, position, dq, v, time)
+
+
+def moving_start(
+    system: System, levels: np.ndarray, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0
+) -> State:
+    """The state in positions (n,) where every joint is closed, with their design derivatives (n, n_x); all else as `consistent_start`."""
     velocity, dv = _velocities(system, position, dq, v, time)
     acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
     return State(position, velocity, acc, dq, dv, dacc)

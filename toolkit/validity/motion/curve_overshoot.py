@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.compilation.quantities import curves_of
-from toolkit.description.profile import Curve, Sum, Table
+from toolkit.curves.curve import Curve
+from toolkit.curves.kinds.table import Table
 from toolkit.foundation.verdict import Caution
 from toolkit.system.solution import Solution
 
@@ -19,8 +20,8 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
     """Remarks on cubic tables that leave the range of their values within a motion."""
     times = solution.whole_run
     for (group, name), curve in curves_of(solution.system.scene):
-        for path, table in _cubics(f"{group}.{name}.curve", curve):
-            time, value = _furthest(table, float(times[0]), float(times[-1]))
+        for path, table, start, end in _cubics(f"{group}.{name}.curve", curve, float(times[0]), float(times[-1])):
+            time, value = _furthest(table, start, end)
             low, high = np.real(min(table.values, key=np.real)), np.real(max(table.values, key=np.real))
             beyond = max(value - high, low - value)
             if beyond > BEYOND * (high - low) > 0:
@@ -28,18 +29,20 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
                     "curve-overshoot",
                     f"{path} swings beyond its values, which are from {low:g} to {high:g}: it reaches {value:.4g} at t = {time:.4g}, "
                     f"{beyond / (high - low):.3g} times their range outside, because it is a cubic through all of them. "
-                    f'{path}.interpolation = "linear" does not, and neither do more rows where it is steep, or smooth steps.',
+                    f'{path}.interpolation = "monotone" does not, and neither do "linear", more rows where it is steep, or smooth steps.',
                     doubt=False,
                 )
 
 
-def _cubics(path: str, curve: Curve) -> Iterator[tuple[str, Table]]:
-    """Cubic tables of a curve, and their paths."""
-    if isinstance(curve, Sum):
-        for n, term in enumerate(curve.terms):
-            yield from _cubics(f"{path}.terms.{n}", term)
-    elif isinstance(curve, Table) and curve.interpolation == "cubic":
-        yield path, curve
+def _cubics(path: str, curve: Curve, start: float, end: float) -> Iterator[tuple[str, Table, float, float]]:
+    """Cubic tables of a curve, their paths, and when they count, in their own time."""
+    for part in curve.parts():
+        low, high = max(start, part.begin), min(end, part.end)
+        if low < high:
+            shift = float(np.real(part.shift))
+            yield from _cubics(f"{path}.{part.path}", part.curve, low - shift, high - shift)
+    if isinstance(curve, Table) and curve.interpolation == "cubic":
+        yield path, curve, start, end
 
 
 def _furthest(table: Table, start: float, end: float) -> tuple[float, float]:

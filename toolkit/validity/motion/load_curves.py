@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.compilation.quantities import curves_of
-from toolkit.description.profile import Constant, Curve, Sine, Sum
+from toolkit.curves.curve import Curve
 from toolkit.foundation.verdict import Caution
 from toolkit.system.solution import Solution
 
@@ -79,7 +79,7 @@ def loss_of(curve: Curve, times: np.ndarray, has_zero: bool = True) -> Loss | No
     sign: a whole period in a step loses no impulse, but all that it does. A load that begins at zero does all that it does by its level,
     also if it reaches it within the first step, and a small part of the level always counts; a driver is at rest where it begins.
     """
-    if _is_constant(curve):
+    if curve.is_constant:
         return None
     pieces = _pieces(curve, float(times[0]), float(times[-1]))
     piece, step, weight, shift = _picked(pieces, times)
@@ -110,10 +110,6 @@ def _variation(f: np.ndarray, lengths: np.ndarray, ends: np.ndarray, has_zero: b
     rest = 0.0 if has_zero else float(ends[0])
     *around, level = (float(areas @ np.abs(f.ravel() - each)) for each in (*ends, mean, rest))
     return max(min(around), LEVEL * level, level - abs(float(ends[0]) - rest) * float(areas.sum()))
-
-
-def _is_constant(curve: Curve) -> bool:
-    return all(map(_is_constant, curve.terms)) if isinstance(curve, Sum) else isinstance(curve, Constant)
 
 
 def _values(curve: Curve, times: np.ndarray) -> np.ndarray:
@@ -158,16 +154,9 @@ def _samples(
     return f, (f - line).mean(axis=1) * (high - low), np.abs(f - line).mean(axis=1) * (high - low), high - low
 
 
-def _periods(curve: Curve) -> list[float]:
-    """Of all sines."""
-    if isinstance(curve, Sum):
-        return [period for term in curve.terms for period in _periods(term)]
-    return [1 / float(np.real(curve.frequency))] if isinstance(curve, Sine) else []
-
-
 def _advice(curve: Curve, loss: Loss) -> str:
     """Steps that see it."""
-    period = min(_periods(curve), default=np.inf)
+    period = min(curve.periods(), default=np.inf)
     what, shortest = ("period", period) if period < loss.shortest else ("piece", loss.shortest)
     told = f"Try solver.step = {shortest / 10:.2g}, a tenth of its shortest {what}"
     if what == "period" or not len(loss.corners):

@@ -35,7 +35,8 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
     if solution.own_start:
         yield from _moved_start(solution)
         return
-    yield from _assembled(solution)
+    if options.start == "given":
+        yield from _assembled(solution)
     if options.quasi_static:
         yield from _without_velocities(solution)
     else:

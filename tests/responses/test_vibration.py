@@ -1,0 +1,93 @@
+"""Frequencies and damping about an equilibrium, against closed forms and against the modes, which are found otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from tests.models.response_cases import CASES, write_models
+from toolkit.analyses.modes import solve_modes
+from toolkit.bodies.planar.rigid import Rigid
+from toolkit.description.point import Point
+from toolkit.foundation.errors import InputError
+from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.gravity import Gravity
+from toolkit.loads.planar.spring_damper import SpringDamper
+from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare, solve
+
+MASS, STIFFNESS, DAMPING = 2.0, 300.0, 7.0
+
+
+def block(name: str, at: float, stiffness: float) -> Scene:
+    """Parts of a block on a damped spring that slides along x, for a scene."""
+    return {
+        "points": {f"{name}E": Point(x=at, y=0.0), name: Point(x=at + 1.0, y=0.0)},
+        "bodies": {name: Rigid(mass=MASS, inertia=0.1, center=name)},
+        "joints": {f"guide{name}": Slider(bodies=(name, "ground"), point=name, axis=(1.0, 0.0), lock_rotation=True)},
+        "loads": {
+            f"spring{name}": SpringDamper(
+                bodies=(name, "ground"), points=(name, f"{name}E"), stiffness=stiffness, damping=DAMPING
+            )
+        },
+    }
+
+
+def blocks(*stiffness: float) -> Scene:
+    parts = [block(f"B{k}", 3.0 * k, each) for k, each in enumerate(stiffness)]
+    groups = {group: {name: item for part in parts for name, item in part[group].items()} for group in parts[0]}
+    loads = {**groups.pop("loads"), "weight": Gravity(acceleration=(-1.0, 0.0))}
+    responses = {"f": Frequency(), "zeta": DampingRatio(), "last": Frequency(number=len(stiffness))}
+    return Scene(units="m-kg-s", **groups, loads=loads, responses=responses)
+
+
+@pytest.mark.parametrize("method", ["direct", "adjoint", "complex-step"])
+def test_a_block_on_a_spring_vibrates_as_theory_says(method):
+    """f = sqrt(k/m) / 2 pi, zeta = c / (2 sqrt(k m)); the damper does not change the undamped frequency."""
+    design = {"k": "loads.springB0.stiffness", "m": "bodies.B0.mass", "c": "loads.springB0.damping"}
+    found = gradients_by(method, blocks(STIFFNESS), list(design.values()), "static")
+    f, zeta = np.sqrt(STIFFNESS / MASS) / (2 * np.pi), DAMPING / (2 * np.sqrt(STIFFNESS * MASS))
+    # round-off of a problem of two numbers
+    assert found.values["f"] == pytest.approx(f, rel=1e-12)
+    assert found.values["zeta"] == pytest.approx(zeta, rel=1e-12)
+    slopes = {"f": {"k": f / STIFFNESS / 2, "m": -f / MASS / 2, "c": 0.0}}
+    slopes["zeta"] = {"k": -zeta / STIFFNESS / 2, "m": -zeta / MASS / 2, "c": zeta / DAMPING}
+    for name, expected in slopes.items():
+        ours = {letter: found.gradients[name][path] for letter, path in design.items()}
+        assert ours == pytest.approx(expected, rel=1e-10, abs=1e-12 * found.values[name]), name
+
+
+def test_vibrations_of_one_frequency_have_no_derivative_of_their_own():
+    """Which of both is the first would be decided by round-off."""
+    found = gradients_by("direct", blocks(STIFFNESS, STIFFNESS), ["loads.springB0.stiffness"], "static")
+    assert found.values["f"] == pytest.approx(found.values["last"], rel=1e-12)
+    assert all(np.isnan(found.gradients[name]["loads.springB0.stiffness"]) for name in ("f", "last"))
+
+
+@pytest.mark.parametrize("where", CASES)
+def test_frequencies_are_those_of_the_modes_and_gradients_differences_of_whole_equilibria(where, tmp_path):
+    write_models(tmp_path)
+    asked = {"first": Frequency(), "second": Frequency(number=2), "damping": DampingRatio(number=2)}
+    scene = CASES[where][0](tmp_path).model_copy(update={"responses": asked})
+    names = ["loads.coil.stiffness", "bodies.crank.density", "loads.spring.damping", "points.A.y"]
+    found = gradients_by("direct", scene, names, "static")
+    modes = solve_modes(solve(prepare(scene), "static"), 2)
+    assert [found.values["first"], found.values["second"]] == pytest.approx(modes.frequencies, rel=1e-8)  # round-off of both
+    wide, narrow = (numerical(scene, names, "static", "central-difference", relative_step=h).gradients for h in (2e-4, 1e-4))
+    for response, slopes in found.gradients.items():
+        largest = max(map(abs, slopes.values()))
+        for name, slope in slopes.items():
+            near, far = narrow[response][name], wide[response][name]
+            # round-off, 1e-11, over the step of the extrapolated quotient
+            assert slope == pytest.approx(near + (near - far) / 3, rel=1e-6, abs=1e-6 * largest), (response, name)
+
+
+def test_a_vibration_that_is_not_there_and_a_number_that_is_none_are_refused():
+    scene = blocks(STIFFNESS)
+    with pytest.raises(InputError, match=r"there are 1 vibrations about this equilibrium; number = 3 is none of them"):
+        gradients_by("direct", scene.model_copy(update={"responses": {"f": Frequency(number=3)}}), [], "static")
+    with pytest.raises(ValueError, match="greater than or equal to 1"):
+        Frequency(number=0)

@@ -1,0 +1,1 @@
+"""Time curves: what scales a load, or leads a driver, over time."""

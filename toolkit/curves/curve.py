@@ -1,0 +1,135 @@
+"""Base of all time curves, with exact derivatives by time; they scale loads and lead drivers.
+
+A curve's numbers may be complex (the complex step of the design derivatives); times are real, but for a check of the derivatives by time.
+"""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Mapping
+from difflib import get_close_matches
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler, SerializerFunctionWrapHandler, model_serializer
+from pydantic_core import core_schema
+
+from toolkit.description.description import Registered
+from toolkit.description.validation_messages import SHORT
+
+PLACEHOLDER = "any time curve"
+"""What stands in a JSON schema of one class for a curve of any kind."""
+
+
+def _any_curve(value: Any) -> Curve:
+    """A curve as it is, or one from its table.
+
+    Raises
+    ------
+    ValueError
+        There is no such kind, or its table is wrong; pydantic puts the place before it.
+    """
+    if isinstance(value, Curve):
+        return value
+    if not isinstance(value, Mapping) or "type" not in value:
+        raise ValueError(f"a time curve is a table with a `type`, one of: {', '.join(sorted(Curve.kinds))}")
+    wanted = value["type"]
+    kind = Curve.kinds.get(wanted) if isinstance(wanted, str) else None
+    if kind is None:
+        close = get_close_matches(wanted, Curve.kinds, n=1) if isinstance(wanted, str) else []
+        raise ValueError(
+            f"type = {SHORT.repr(wanted)} is no kind of time curve{f', did you mean {close[0]!r}' if close else ''}; "
+            f"available: {', '.join(sorted(Curve.kinds))}"
+        )
+    found = kind.model_validate({key: item for key, item in value.items() if key != "type"})
+    assert isinstance(found, Curve)
+    return found
+
+
+class Part(NamedTuple):
+    """A curve inside of another one, and when it counts."""
+
+    path: str
+    curve: Curve
+    shift: float = 0.0
+    """Time of the whole when its own is zero."""
+    begin: float = -np.inf
+    end: float = np.inf
+
+
+class Curve(Registered):
+    """Base of all time curves; a new one is one subclass with `rates`, and with `corners` if it has some."""
+
+    @abstractmethod
+    def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
+        """f, f', f'' at the times, each (n_t,) or one number for all; complex-safe in the curve's numbers and in time.
+
+        At a corner it may be those of either side.
+        """
+
+    def corners(self) -> tuple[Any, ...]:
+        """Times where f, f', f'' or the third derivative jumps."""
+        return ()
+
+    def kink(self) -> str:
+        """Where the slope jumps, so that there is no second derivative, and what would be right, in words; empty if it jumps nowhere."""
+        return ""
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether it has one value at all times."""
+        return False
+
+    def periods(self) -> tuple[float, ...]:
+        """Of what oscillates in it."""
+        return ()
+
+    def parts(self) -> tuple[Part, ...]:
+        """Curves that it is made of."""
+        return ()
+
+    def evaluate(self, time: np.ndarray) -> np.ndarray:
+        """f, f', f'' at the times, shape (n_t, 3).
+
+        At a corner that is hit exactly they are the mean of both sides, and so are their derivatives by the curve's numbers, as those
+        of a central difference.
+        """
+        found = self._columns(time)
+        hit = np.isin(np.real(time), np.real(np.array(self.corners())))
+        if np.any(hit):
+            left, right = (self._columns(_beside(time[hit], direction)) for direction in (-np.inf, np.inf))
+            found = found.astype(np.result_type(found, left, right))
+            found[hit] = _mean(left, right, found[hit], np.spacing(np.abs(np.real(time[hit]))))
+        return found
+
+    def _columns(self, time: np.ndarray) -> np.ndarray:
+        return np.stack([np.broadcast_to(rate, time.shape) for rate in self.rates(time)], axis=1)
+
+    @model_serializer(mode="wrap")
+    def _with_type(self, plain: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """The table that a file would have."""
+        return {"type": self.kind, **plain(self)}
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> Any:
+        """A field of the base takes a curve of any kind, or its table with the `type`; one of a kind takes that kind."""
+        return handler(source) if cls.kind else core_schema.no_info_plain_validator_function(_any_curve)
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The schema of files puts the kinds in the place of a curve of any kind."""
+        return handler(schema) if cls.kind else {"$comment": PLACEHOLDER}
+
+
+def _mean(left: np.ndarray, right: np.ndarray, here: np.ndarray, apart: np.ndarray) -> np.ndarray:
+    """Mean of both sides, (n, 3), which were evaluated a little `apart` (n,); where f or f' does not jump it is what it is `here`."""
+    mean = (left + right) / 2
+    reach = 4 * apart[:, None] * np.maximum(np.abs(np.real(left)), np.abs(np.real(right)))[:, 1:]
+    alike = np.abs(np.real(right - left))[:, :2] <= reach
+    mean[:, :2] += np.where(alike, np.real(here - mean)[:, :2], 0)
+    return mean
+
+
+def _beside(time: np.ndarray, direction: float) -> np.ndarray:
+    """The numbers next to the times, on one side; imaginary parts stay."""
+    return np.nextafter(np.real(time), direction) + (1j * np.imag(time) if np.iscomplexobj(time) else 0)

@@ -1,0 +1,1 @@
+"""Formulas that several kinds of curves share, or that are long."""

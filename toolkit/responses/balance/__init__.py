@@ -1,0 +1,1 @@
+"""Mass, centre of mass, power and work as responses."""

@@ -1,0 +1,116 @@
+"""Power of a load or of a driver."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Self
+
+import numpy as np
+from pydantic import model_validator
+
+from toolkit.bodies.body import CENTRE
+from toolkit.description.description import Description
+from toolkit.foundation.errors import InputError
+from toolkit.loads.gravity import UniformGravity
+from toolkit.loads.load import Load
+from toolkit.responses.balance.power_of_gravity import power_of_gravity
+from toolkit.responses.balance.power_of_load import power_of_load
+from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.rates import refuse_rates_without_inertia
+from toolkit.responses.response import Partials
+from toolkit.scene.scene import Scene
+from toolkit.system.solution import Solution
+
+
+class Doer(Description):
+    """Base of responses of what a load or the driver of a joint does to the scene.
+
+    Attributes
+    ----------
+    load
+        Name of a load.
+    joint
+        Name of a joint with a driver; give this or a load.
+    """
+
+    load: str | None = None
+    joint: str | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.load is None) == (self.joint is None):
+            raise ValueError("give one of `load` and `joint`: the load, or the joint with a driver, that does the work")
+        return self
+
+
+class Power(Doer, Instant):
+    """Power of a load or of a driver: what it puts into the scene per time; a damper takes it out, which is negative.
+
+        load: P = f . w,      driver: P = - lam s'(t)
+
+    with the forces f on both markers and their rates w, the driver's multiplier lam and its time curve s.
+    """
+
+    kind = "power"
+    quantity = "power"
+
+    @property
+    def needs_motion(self) -> bool:
+        """Always."""
+        return True
+
+    def check(self, scene: Any) -> None:
+        """The load has a power that is known, the joint has a driver.
+
+        Raises
+        ------
+        InputError
+            It is a pressure, or a joint without a driver; lists what can be asked for.
+        """
+        super().check(scene)
+        refuse_rates_without_inertia(scene, self.kind)
+        known = [name for name, load in scene.loads.items() if isinstance(load, Load | UniformGravity)]
+        if self.load is not None and self.load not in known:
+            raise InputError(
+                f"the power of load {self.load!r} is not known: it presses on a surface. Loads with a power: {', '.join(known) or 'none'}."
+            )
+        driven = [name for name, joint in scene.joints.items() if joint.time_curve is not None]
+        if self.joint is not None and self.joint not in driven:
+            raise InputError(
+                f"joint {self.joint!r} has no driver, so it does no work; joints with a driver: {', '.join(driven) or 'none'}."
+            )
+
+    def grips(self, scene: Scene) -> tuple[tuple[str, str], ...]:
+        """Centres of mass, which gravity acts on; what a load grips is there anyway."""
+        gravity = self.load is not None and isinstance(scene.loads[self.load], UniformGravity)
+        return tuple((name, CENTRE) for name in scene.bodies) if gravity else ()
+
+    def at(self, solution: Solution, step: int) -> Partials:
+        """The power at a step."""
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """Of a driver, of gravity, or of a load between two markers."""
+        if self.joint is not None:
+            return _of_driver(solution, self.joint)
+        assert self.load is not None
+        gravity = isinstance(solution.system.scene.loads[self.load], UniformGravity)
+        return (power_of_gravity if gravity else power_of_load)(solution, self.load)
+
+
+def _of_driver(solution: Solution, joint: str) -> Callable[[int], Partials]:
+    system, joints = solution.system, solution.system.plan.joints
+    j = list(system.scene.joints).index(joint)
+    row, curve = joints.row[j] + joints.n_rows[j] - 1 - system.n_q, joints.curve[j]
+    curves, curves_x = system.curves(solution.times)
+
+    def look(step: int) -> Partials:
+        lam, rate = solution.multipliers[step], curves[step, curve, 1]
+        slope: np.ndarray = np.zeros(len(lam), system.dtype)
+        slope[row] = -rate
+        design = np.zeros(system.n_x)
+        active = system.plan.curve_index == curve
+        np.add.at(design, system.plan.curve_variable[active], -np.real(lam[row]) * curves_x[step, active, 1])
+        return Partials(-lam[row] * rate, multipliers=slope, design=design)
+
+    return look

@@ -1,0 +1,77 @@
+"""How far a point of a flexible body has moved in the body's own frame."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+
+from toolkit.bodies.model_body import ModelBody
+from toolkit.compilation.dependence import affected_items
+from toolkit.compilation.quantities import STEP
+from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.marker_formula import one_of, place_of, refuse_component
+from toolkit.responses.response import Partials
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
+from toolkit.system.solution import Solution
+
+
+class Deflection(Instant):
+    """Displacement of a point of a flexible body by its deformation alone, in the axes of the body's own frame: u = Z q_f.
+
+    What it is measured from is the body's reference condition, which `ffrf inspect` names: a clamp, mean axes or a chord.
+
+    Attributes
+    ----------
+    body
+        Name of a flexible body.
+    point
+        Name of an interface point on it.
+    component
+        One component in the axes of the body's reduced model, or the magnitude.
+    """
+
+    kind = "deflection"
+    quantity = "length"
+
+    body: str
+    point: str
+    component: Literal["x", "y", "z", "magnitude"] = "magnitude"
+
+    def check(self, scene: Any) -> None:
+        """The body is flexible, the point is one of it, and the plane has no z."""
+        super().check(scene)
+        refuse_component(self.component, scene, self.kind)
+        flexible_body(scene, self.body).point(scene, self.point, self.body)
+
+    def at(self, solution: Solution, step: int) -> Partials:
+        """Z q_f."""
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """Z and its design derivatives are found once for all steps."""
+        system, where = solution.system, elastic_coordinates(solution, self.body)
+        shape, shape_x = self._shape(system.scene), list[tuple[int, np.ndarray]]()
+        for x, variable in enumerate(system.design):
+            affected = affected_items(system.scene, variable.path, system.numbering.users)
+            if affected is not None and not affected.isdisjoint({("bodies", self.body), ("points", self.point)}):
+                moved = self._shape(system.scene.with_number(variable.path, variable.value + 1j * STEP))
+                shape_x.append((x, np.imag(moved) / STEP))
+
+        def look(step: int) -> Partials:
+            q_f = solution.q[step, where]
+            slope: np.ndarray = np.zeros((len(shape), system.n_q), system.dtype)
+            slope[:, where] = shape
+            design = np.zeros((len(shape), system.n_x))
+            for x, change in shape_x:
+                design[:, x] = change @ np.real(q_f)
+            return one_of(Partials(shape @ q_f, q=slope, design=design), place_of(self.component), solution, step)
+
+        return look
+
+    def _shape(self, scene: Scene) -> np.ndarray:
+        body = scene.bodies[self.body]
+        assert isinstance(body, ModelBody)
+        return body.point(scene, self.point, self.body)[0][:, 1:]

@@ -1,0 +1,40 @@
+"""Distance of two points of two bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from toolkit.responses.kinematics.marker_formula import MarkerVector
+from toolkit.responses.kinematics.marker_motion import Motion
+from toolkit.responses.kinematics.point_motion import dimension_of
+
+
+class PointDistance(MarkerVector):
+    """Distance of two points of two bodies: its length, or a component of the way from the first to the second in global axes.
+
+    Attributes
+    ----------
+    bodies
+        Both bodies; one may be the ground.
+    points
+        The point on the first and that on the second.
+    """
+
+    kind = "distance"
+    quantity = "length"
+
+    bodies: tuple[str, str]
+    points: tuple[str, str]
+
+    def markers(self) -> tuple[tuple[str, str], ...]:
+        """Each point on its body."""
+        return tuple(zip(self.bodies, self.points, strict=True))
+
+    def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
+        """r_b - r_a."""
+        a, b = (motion.y for motion in motions)
+        d = dimension_of(a)
+        side = np.eye(d, len(a))
+        return b[:d] - a[:d], [Motion(y=-side), Motion(y=side)]

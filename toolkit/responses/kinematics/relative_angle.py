@@ -1,0 +1,120 @@
+"""Angle of a body against another, which counts turns."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any
+
+import numpy as np
+
+from toolkit.description.description import Triple
+from toolkit.description.quantity import Quantity
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.kernel import plain
+from toolkit.joints.kernels.laws import angle_of
+from toolkit.kinematics.spatial import axes_along
+from toolkit.markers.component import Place, on_both
+from toolkit.responses.instant import Instant
+from toolkit.responses.kinematics.marker_formula import one_of
+from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
+from toolkit.responses.response import Partials
+from toolkit.system.solution import Solution
+
+
+class RelativeAngle(Instant):
+    """Angle of the first body against the second since the undeformed configuration, with all turns; in space about an axis.
+
+    In space the axis turns with the second body; with its rotation matrix A_b, that of the first body A_a and n_1, n_2 normal to the axis,
+    u_i = A_b n_i and w_i = A_a n_i,
+
+        angle = atan2(u_2 . w_1 - u_1 . w_2, u_1 . w_1 + u_2 . w_2) + 2 pi turns
+
+    Turns are counted from the start of the run: from step to step the angle changes by what its rate at both ends says, to the nearest
+    turn. An equilibrium has no turns.
+
+    Attributes
+    ----------
+    bodies
+        The body that turns, and the one that it turns against; one may be the ground.
+    point
+        Point that both share, or the point on each; where a body deforms, its points turn differently.
+    axis
+        Axis, of a spatial scene alone, of any length.
+    """
+
+    kind = "relative-angle"
+    quantity = "angle"
+
+    bodies: tuple[str, str]
+    point: Place
+    axis: Annotated[Triple | None, Quantity("none")] = None
+
+    def markers(self) -> tuple[tuple[str, str], ...]:
+        """The point on each body."""
+        return tuple(zip(self.bodies, on_both(self.point), strict=True))
+
+    def check(self, scene: Any) -> None:
+        """An axis belongs to space.
+
+        Raises
+        ------
+        InputError
+            It is missing there, or given in the plane.
+        """
+        super().check(scene)
+        if scene.space.rotations_add != (self.axis is None) or (self.axis is not None and not any(self.axis)):
+            raise InputError(
+                "a relative angle in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
+            )
+
+    def at(self, solution: Solution, step: int) -> Partials:
+        """The angle with its turns."""
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """Turns are counted once for all steps."""
+        motion, turns = MarkerMotion.of(solution.system, self.markers()), list[float]()
+
+        def look(step: int) -> Partials:
+            if self.axis is not None and not turns:
+                turns.extend(self._turns(solution, motion))
+            values, slopes = self._formula(*motion.at(solution, step))
+            found = one_of(motion.partials(values, slopes), 0, solution, step)
+            return found if self.axis is None else found._replace(value=found.value + turns[step])
+
+        return look
+
+    def _formula(self, a: Motion, b: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
+        """The angle without turns."""
+        if self.axis is None:
+            side = np.eye(3)[2:]
+            return a.y[2:] - b.y[2:], [Motion(y=side), Motion(y=-side)]
+        (c, s), slopes = self._cosine_and_sine(a, b)
+        by = [(c * slope.y[1] - s * slope.y[0]) / (c * c + s * s) for slope in slopes]
+        return np.array([plain(angle_of)(s, c)]), [Motion(y=each[None]) for each in by]
+
+    def _cosine_and_sine(self, a: Motion, b: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
+        """u_1 . w_1 + u_2 . w_2 and u_2 . w_1 - u_1 . w_2."""
+        axes = axes_along(self.axis)
+        n_1, n_2 = (np.kron(np.append(0, axes[:, k]), np.eye(3)) for k in range(2))  # on a pose: A n
+        w_1, w_2, u_1, u_2 = n_1 @ a.y, n_2 @ a.y, n_1 @ b.y, n_2 @ b.y
+        by_a = np.array([u_1 @ n_1 + u_2 @ n_2, u_2 @ n_1 - u_1 @ n_2])
+        by_b = np.array([w_1 @ n_1 + w_2 @ n_2, w_1 @ n_2 - w_2 @ n_1])
+        return by_a @ a.y, [Motion(y=by_a), Motion(y=by_b)]
+
+    def _turns(self, solution: Solution, motion: MarkerMotion) -> np.ndarray:
+        """2 pi times the whole turns that are done at every step, (n_t,)."""
+        if solution.whole_run[0] != solution.times[0]:
+            raise InputError(
+                "turns are counted from the start of a run, whose first states are not kept. Raise solver.memory, so that all are."
+            )
+        angles, rates = np.zeros((2, len(solution.times)))
+        for step in range(len(angles)):
+            motions = motion.at(solution, step)
+            value, slopes = self._formula(*motions)
+            angles[step] = np.real(value[0])
+            rates[step] = np.real(sum(slope.y[0] @ each.rate for slope, each in zip(slopes, motions, strict=True)))
+        expected = np.diff(solution.times) * (rates[1:] + rates[:-1]) / 2
+        jumps = np.round((expected - np.diff(angles)) / (2 * np.pi))
+        found: np.ndarray = 2 * np.pi * np.append(0, np.cumsum(jumps))
+        return found

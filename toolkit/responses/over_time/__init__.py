@@ -1,0 +1,1 @@
+"""Responses over time: integrals, means, extremes of what another response is at each time."""

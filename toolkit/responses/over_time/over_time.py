@@ -1,0 +1,137 @@
+"""Base of responses over time: one number of what another response is at each time."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+from pydantic import field_validator
+
+from toolkit.foundation.dimensions import Dimension
+from toolkit.foundation.errors import InputError
+from toolkit.responses.instant import Instant, weighted
+from toolkit.responses.response import Partials, Response
+from toolkit.system.solution import Solution
+
+
+class OverTime(Response):
+    """Base of responses over time of another one, their `source`."""
+
+    @property
+    @abstractmethod
+    def source(self) -> Instant:
+        """What they look at."""
+
+    @property
+    def needs_motion(self) -> bool:
+        """Always."""
+        return True
+
+    def check(self, scene: Any) -> None:
+        """The quantity's own."""
+        self.source.check(scene)
+
+    def grips(self, scene: Any) -> tuple[tuple[str, str], ...]:
+        """Those of the quantity."""
+        return self.source.grips(scene)
+
+    @property
+    def physical_dimension(self) -> Dimension:
+        """That of the quantity."""
+        return self.source.physical_dimension
+
+    @property
+    def unit_quantity(self) -> str:
+        """That of the quantity, where it is of the quantity's dimension."""
+        return self.source.unit_quantity if self.physical_dimension == self.source.physical_dimension else "none"
+
+    def unit(self, system_of_units: str) -> str:
+        """That of the quantity."""
+        return self.source.unit(system_of_units)
+
+    @abstractmethod
+    def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
+        """The number from the values (n_t,) at some steps, and its derivatives by them (n_t,).
+
+        `shares` (n_t,) are the parts of the whole run's duration that the steps stand for, by the trapezoidal rule; over all steps their
+        sum is one.
+        """
+
+    def combined(self, values: np.ndarray) -> tuple[Any, np.ndarray]:
+        """The number of the whole run from those of its windows (m,), and its derivatives by them (m,)."""
+        return values.sum(), np.ones(len(values))
+
+    def of_size(self, size: float, _duration: float) -> float:
+        """Magnitude of the number where that of the quantity is `size`."""
+        return size
+
+    def of_slopes(self, _size: float, slopes: np.ndarray, _duration: float) -> np.ndarray:
+        """Magnitudes (n_x,) of the number's derivatives where those of the quantity are `slopes`."""
+        return slopes
+
+    def partials(self, solution: Solution) -> Partials:
+        """Those of the quantity, weighted.
+
+        Raises
+        ------
+        InputError
+            The solution is static.
+        """
+        look, shares = self.source.instants(solution), time_shares(solution)
+        parts = [look(step) for step in range(len(solution.times))]
+        value, weights = self.reduced(np.array([part.value for part in parts]), shares)
+        return weighted(parts.__getitem__, solution, np.real(weights))._replace(value=value)
+
+
+class OfTable(OverTime):
+    """Base of responses over time that a table says what they look at.
+
+    Attributes
+    ----------
+    of
+        Table of a response at one time, with its `type` and keys.
+    """
+
+    of: Any
+
+    @property
+    def source(self) -> Instant:
+        """That of the table."""
+        found: Instant = self.of
+        return found
+
+    @field_validator("of")
+    @classmethod
+    def _instant(cls, value: Any) -> Instant:
+        if isinstance(value, Instant):
+            return _over_all_times(value)
+        kind = value.get("type") if isinstance(value, dict) else None
+        if not isinstance(kind, str) or kind not in Instant.kinds:
+            raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
+        found = Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"})
+        assert isinstance(found, Instant)
+        return _over_all_times(found)
+
+
+def _over_all_times(quantity: Instant) -> Instant:
+    if quantity.time is not None:
+        raise ValueError("a response over time looks at all times; leave `time` out of `of`")
+    return quantity
+
+
+def time_shares(solution: Solution) -> np.ndarray:
+    """Parts of the run's duration that the solution's steps stand for, by the trapezoidal rule, (n_t,).
+
+    Raises
+    ------
+    InputError
+        The solution is static.
+    """
+    whole = solution.whole_run
+    if len(whole) < 2:
+        raise InputError("a response over time needs a transient solution. Use `simulate`, or another response.")
+    h, first = np.diff(whole), int(np.searchsorted(whole, solution.times[0]))
+    weights = (np.append(h, 0) + np.append(0, h)) / 2
+    found: np.ndarray = weights[first : first + len(solution.times)] / (whole[-1] - whole[0])
+    return found

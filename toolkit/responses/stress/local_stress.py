@@ -1,0 +1,164 @@
+"""Stress at one point of a flexible body, and along a line on it."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from collections.abc import Callable
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from toolkit.description.description import Pair, Positive, Triple
+from toolkit.description.quantity import Quantity
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.near_ties import SAME, first_largest
+from toolkit.responses.instant import Instant
+from toolkit.responses.response import Partials
+from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
+from toolkit.responses.stress.stress import design_rates, stress_operator
+from toolkit.responses.stress.stress_places import stress_places
+from toolkit.responses.stress.von_mises import point_slope, point_stress
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import elastic_coordinates
+from toolkit.system.solution import Solution
+
+FIBRES = {"outer": 1, "inner": -1, None: 0}
+SAMPLES = 400
+"""Places along a line whose nearest stress points are those of the line."""
+
+
+class LocalStress(Instant):
+    """Base of stresses at chosen stress points of a flexible body; the stress of solids is von Mises'.
+
+    Attributes
+    ----------
+    body
+        Name of a flexible body.
+    fibre
+        Of a skin or a beam: the outer or the inner fibre; by default the first of those that are nearest.
+    """
+
+    quantity = "stress"
+
+    body: str
+    fibre: Literal["outer", "inner"] | None = None
+
+    @abstractmethod
+    def rows(self, scene: Scene) -> list[int]:
+        """Numbers of the stress points."""
+
+    @abstractmethod
+    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+        """The number from the stresses (r,) at these points, and its derivatives by them (r,)."""
+
+    def check(self, scene: Scene) -> None:
+        """The body is flexible, and has stress points there."""
+        super().check(scene)
+        self.rows(scene)
+
+    def at(self, solution: Solution, step: int) -> Partials:
+        """From the rows of the stress operator."""
+        return self.instants(solution)(step)
+
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """The rows and their design derivatives are found once for all steps."""
+        scene, system = solution.system.scene, solution.system
+        where, rows = elastic_coordinates(solution, self.body), self.rows(scene)
+        whole = stress_operator(scene, self.body)
+        operator, rates = whole[rows], design_rates(solution, self.body, "stress_operator")
+        row, component, coordinate = np.unravel_index(rates.entry, whole.shape)
+        ours = np.isin(row, rows)
+        place = np.searchsorted(rows, row[ours]), component[ours]
+
+        def look(step: int) -> Partials:
+            q_f = solution.q[step, where]
+            components = operator @ q_f
+            value, weights = self.reduced(point_stress(components))
+            by_component = np.real(weights)[:, None] * np.real(point_slope(components))
+            slope = np.zeros(system.n_q)
+            slope[where] = np.einsum("rc,rcf->f", by_component, np.real(operator))
+            change = by_component[place] * np.real(q_f)[coordinate[ours]] * rates.value[ours]
+            return Partials(value, q=slope, design=np.bincount(rates.parameter[ours], change, system.n_x))
+
+        return look
+
+
+class StressAtPoint(LocalStress):
+    """Stress at the stress point of a flexible body that is nearest to a place.
+
+    Attributes
+    ----------
+    place
+        The place on the undeformed body, in the axes of its reduced model.
+    """
+
+    kind = "stress-at-point"
+
+    place: Annotated[Pair | Triple, Quantity("length")]
+
+    def rows(self, scene: Scene) -> list[int]:
+        """The nearest."""
+        refuse_other_space(self.place, scene)
+        return [stress_places(scene, self.body).near(np.array(self.place), FIBRES[self.fibre])]
+
+    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+        """The only one."""
+        return stress[0], np.ones(1)
+
+
+class StressAlongLine(LocalStress):
+    """Stress along a straight line on a flexible body: the largest, the mean or the smooth largest at the stress points nearest to it.
+
+    Attributes
+    ----------
+    places
+        Begin and end of the line on the undeformed body, in the axes of its reduced model.
+    take
+        The largest (its derivative is that of the point where it occurs), the mean of the stress points, or the smooth largest (KS).
+    aggregation
+        Parameter rho of the smooth largest, in 1/unit of stress.
+    """
+
+    kind = "stress-along-line"
+
+    places: Annotated[tuple[Pair, Pair] | tuple[Triple, Triple], Quantity("length")]
+    take: Literal["largest", "mean", "ks"] = "largest"
+    aggregation: Annotated[Positive | None, Quantity("1/stress")] = None
+
+    @model_validator(mode="after")
+    def _sharp(self) -> StressAlongLine:
+        if (self.take == "ks") != (self.aggregation is not None):
+            raise ValueError('`aggregation` belongs to take = "ks" and to no other')
+        return self
+
+    def rows(self, scene: Scene) -> list[int]:
+        """The nearest to places along the line, each once."""
+        for place in self.places:
+            refuse_other_space(place, scene)
+        known, (begin, end) = stress_places(scene, self.body), map(np.array, self.places)
+        for end_of_line in (begin, end):
+            known.near(end_of_line, FIBRES[self.fibre])
+        along = [begin + share * (end - begin) for share in np.linspace(0, 1, SAMPLES)]
+        return sorted({known.nearest(place, FIBRES[self.fibre]) for place in along})
+
+    def reduced(self, stress: np.ndarray) -> tuple[Any, np.ndarray]:
+        """As `take` says."""
+        if self.aggregation is not None:
+            return kreisselmeier_steinhauser(stress, self.aggregation)
+        if self.take == "mean":
+            return stress.mean(), np.full(len(stress), 1 / len(stress))
+        place = first_largest(np.real(stress), SAME)
+        return stress[place], (np.arange(len(stress)) == place).astype(float)
+
+
+def refuse_other_space(place: tuple[float, ...], scene: Scene) -> None:
+    """Refuse a place with more or fewer numbers than the scene's space has.
+
+    Raises
+    ------
+    InputError
+        Says how many there are to be.
+    """
+    if len(place) != scene.dimension:
+        raise InputError(f"a place in a scene of dimension {scene.dimension} has {scene.dimension} numbers, not {len(place)}.")

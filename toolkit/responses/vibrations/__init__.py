@@ -1,0 +1,1 @@
+"""Vibrations about an equilibrium as responses."""

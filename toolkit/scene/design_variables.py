@@ -1,0 +1,74 @@
+"""The design variables of a scene, checked: every path leads to a number with a derivative, and no number is in two of them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from toolkit.description.design import Design, DesignVariable
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import listed
+from toolkit.scene.measures import number_measure
+
+NOT_DESIGN = {
+    "solver": "step, stabilisation (Baumgarte) and the other options of the solver change how exactly the motion is found, not the "
+    "motion. Choose numbers of points, bodies, joints or loads.",
+    "responses": "numbers of a response change what is asked about the motion, not the motion. Choose numbers of points, bodies, "
+    "joints or loads.",
+}
+"""Tables of a scene whose numbers have no derivative, and why."""
+
+
+def variables_of(scene: Any, names: Iterable[str]) -> Design:
+    """Design variables of a scene by short name or path; errors as `Scene.design_variables`."""
+    variables: list[DesignVariable] = []
+    available, users = dict.fromkeys(scene.available_paths()), dict[str, str]()
+    for name in names:
+        paths = scene.paths_of(name)
+        for path in paths:
+            _check(scene, path, name, available)
+            if path in users:
+                raise InputError(_twins(users[path], name, path, len(paths) + len(scene.paths_of(users[path])) > 2))
+        users |= dict.fromkeys(paths, name)
+        _check_units(scene, name, paths)
+        variables.append(DesignVariable(name, scene.value_of(name), paths, scene.factors_of(name)))
+    return Design(tuple(variables))
+
+
+def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
+    """Refuse a path that leads nowhere, or to a number without derivative."""
+    if path.split(".")[0] in NOT_DESIGN:
+        raise InputError(f"{path!r} cannot be a design variable: {NOT_DESIGN[path.split('.')[0]]}")
+    if path in available:
+        return
+    if path.endswith(".arc_length") and path.split(".")[1] in scene.points:
+        raise InputError(
+            f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
+            "State it by an arc length off the nodes in the skin file, and run preprocessing again."
+        )
+    which = (
+        f"the path {path!r} of design variable {name!r} leads nowhere" if path != name else f"unknown design variable {name!r}"
+    )
+    raise InputError(f"{which}; short names of the scene: {', '.join(scene.design) or 'none'}; paths: {listed(list(available))}.")
+
+
+def _twins(one: str, other: str, path: str, several: bool) -> str:
+    if one == other or not several:
+        return f"design variables {one!r} and {other!r} are the same number, {path}. Name it once."
+    return f"design variables {one!r} and {other!r} both drive {path}. Leave it to one of them."
+
+
+def _check_units(scene: Any, name: str, paths: tuple[str, ...]) -> None:
+    """Refuse a variable that drives a number twice, or numbers that measure different things: its factors are pure numbers."""
+    if len(paths) == 1:
+        return
+    if len(set(paths)) < len(paths):
+        twice = next(path for path in paths if paths.count(path) > 1)
+        raise InputError(f"design variable {name!r} names {twice} twice. Name it once, with the factor that it shall have.")
+    first = number_measure(scene, paths[0])
+    for path in paths:
+        if number_measure(scene, path) != first:
+            raise InputError(
+                f"design variable {name!r} drives {paths[0]} and {path}, which measure different things: factors are pure numbers. Let one "
+                "variable drive numbers of one unit."
+            )
