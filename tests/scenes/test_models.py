@@ -214,8 +214,8 @@ def test_flexible_slider_crank_bends_as_a_rod_on_two_pins():
 
 
 def test_flexible_slider_crank_is_what_its_file_gives_and_its_joints_ask_for():
-    model = load(MODELS / "flexible_slider_crank" / "rod.h5")
-    assert model.input_hash == build(MODELS / "flexible_slider_crank" / "rod.toml").input_hash
+    model = load(MODELS / "flexible_slider_crank" / "frame.h5")
+    assert model.input_hash == build(MODELS / "flexible_slider_crank" / "frame.toml").input_hash
     (choice,) = frame_choices(read_scene(MODELS / "flexible_slider_crank" / "scene.toml")).values()
     assert not choice.advice
 
