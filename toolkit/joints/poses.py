@@ -130,7 +130,7 @@ class SpacePoses(Poses):
 
 
 def plane_poses(axes: Any = None) -> PlanePoses:
-    """Poses in the plane: vectors 0 to 5 are r, e_1, e_2 of a and of b, numbers 0 to 5 are x, y, angle of a and of b.
+    """Poses in the plane: vectors 0 to 5 are r, e_1, e_2 of a and of b, 6 is r_a - r_b, numbers 0 to 5 are x, y, angle of a and of b.
 
     `axes` (2, 2) has the axes of both markers in the undeformed configuration as columns.
     """
@@ -138,7 +138,7 @@ def plane_poses(axes: Any = None) -> PlanePoses:
     def pose(first: int) -> Pose:
         own = [Vector(((first + i, -1, 1.0),), 2) for i in (1, 2)]
         turned = own if axes is None else [own[0] * axes[0, i] + own[1] * axes[1, i] for i in range(2)]
-        return Pose(Vector(((first, first, 1.0),), 2), tuple(turned), Form(linear=((first + 2, 1.0),)))
+        return Pose(Vector(((first, first, 1.0),), 2, position=True), tuple(turned), Form(linear=((first + 2, 1.0),)))
 
     return PlanePoses(pose(0), pose(3))
 

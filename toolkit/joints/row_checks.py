@@ -5,10 +5,10 @@ from __future__ import annotations
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.laws import FORMS
-from toolkit.joints.rows import Row
+from toolkit.joints.rows import BETWEEN, Row
 from toolkit.markers.component import Skeleton
 
-NUMBERS, VECTORS = {2: 6, 3: 24}, {2: 6, 3: 8}
+NUMBERS, VECTORS = {2: 6, 3: 24}, {2: BETWEEN + 1, 3: 8}
 """Dimension -> those of the poses of both markers."""
 
 

@@ -8,6 +8,8 @@ from typing import Any, Literal, get_args
 
 from toolkit.joints.kernels.laws import angle_law
 
+BETWEEN = 6
+"""Number of the vector r_a - r_b in the plane, behind r, e_1, e_2 of a and of b."""
 RowQuantity = Literal["length", "angle"]
 """What a row of a constraint measures."""
 ROW_QUANTITIES = get_args(RowQuantity)
@@ -63,10 +65,15 @@ class Form:
 
 @dataclass(frozen=True, eq=False)
 class Vector:
-    """A sum of vectors of the poses: number of each, place of its first component (-1 if its components are no forms), and factor."""
+    """A sum of vectors of the poses: number of each, place of its first component (-1 if its components are no forms), and factor.
+
+    In the plane the difference of both positions is a vector of its own, `BETWEEN`: products with each of them would cancel far from
+    the origin. `position` marks what it is made of.
+    """
 
     parts: tuple[tuple[int, int, Any], ...]
     size: int
+    position: bool = False
 
     __array_ufunc__ = None
 
@@ -75,6 +82,8 @@ class Vector:
         return Vector(tuple((vector, place, factor) for (vector, place), factor in found), self.size)
 
     def __sub__(self, other: Vector) -> Vector:
+        if self.position and other.position and self is not other:
+            return Vector(((BETWEEN, BETWEEN, 1.0 if self.parts[0][0] == 0 else -1.0),), self.size)
         return self + other * -1.0
 
     def __mul__(self, factor: Any) -> Vector:
@@ -86,13 +95,21 @@ class Vector:
         """Component along a coordinate axis."""
         if any(place < 0 for _, place, _ in self.parts):
             raise TypeError("components of axes in the plane are no forms: take the scalar product with another vector")
-        return Form(linear=tuple((place + c, factor) for _, place, factor in self.parts))
+        return Form(linear=tuple((place + c, factor) for _, place, factor in self._ends))
+
+    @property
+    def _ends(self) -> tuple[tuple[int, int, Any], ...]:
+        """The parts, with both positions in the place of their difference."""
+        found = [[part] if part[0] != BETWEEN or self.size > 2 else [(0, 0, part[2]), (3, 3, -part[2])] for part in self.parts]
+        return tuple(part for each in found for part in each)
 
     def __matmul__(self, other: Any) -> Form:
         """Scalar product, with a vector of the poses or with numbers."""
         if not isinstance(other, Vector):
             return sum((self[c] * other[c] for c in range(self.size)), Form())
-        pairs = [(min(i, j), max(i, j), x * y) for i, _, x in self.parts for j, _, y in other.parts]
+        mixed = self.position or other.position
+        own, others = (self._ends, other._ends) if mixed else (self.parts, other.parts)
+        pairs = [(min(i, j), max(i, j), x * y) for i, _, x in own for j, _, y in others]
         return Form(pairs=tuple((i, j, value) for (i, j), value in _united(pairs)))
 
 

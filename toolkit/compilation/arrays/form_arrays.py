@@ -9,7 +9,7 @@ import numpy as np
 
 from toolkit.compilation.conversions import ints, starts
 from toolkit.joints.kernels.records import CONSTANT, LINEAR, PAIR
-from toolkit.joints.rows import Form, Row, forms_of
+from toolkit.joints.rows import BETWEEN, Form, Row, forms_of
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ def _planar_pair(i: int, k: int) -> tuple[tuple[int, int], int, float]:
     (side, first), (other, second) = divmod(i, 3), divmod(k, 3)
     if first == 0 and second == 0:
         return (i, k), 0, 1.0
+    if k == BETWEEN:
+        return ((k, k), 0, 1.0) if i == BETWEEN else ((k, 3 * side + 2), first - 1, 1.0)
     if first == 0 or second == 0:
         at, of, axis = (i, other, second) if first == 0 else (k, side, first)
         return (at, 3 * of + 2), axis - 1, 1.0

@@ -2,7 +2,9 @@
 
     h(z) = constant + sum value * z_k + pairs,       A_k = A(angle_k), X_k the position (z_k, z_k+1)
 
-    pair (i, k)      i = 0 or 3, k = 0 or 3:    p X_i . X_k
+    pair (i, k)      i = 6, k = 6:              p d . d,  d = X_0 - X_3
+                     i = 6, k = 2 or 5:         d . A_k (p, q)
+                     i = 0 or 3, k = 0 or 3:    p X_i . X_k
                      i = 0 or 3, k = 2 or 5:    X_i . A_k (p, q)
                      i = 2 or 5, k = 2 or 5:    p cos(z_i - z_k) + q sin(z_i - z_k)
 
@@ -15,11 +17,52 @@ from toolkit.foundation.kernel import inlined
 @inlined
 def add_pair(i, k, p, q, pose, h_z, h_zz, h_zww):
     """One product of vectors: its derivatives are added, its value is returned."""
+    if i == 6:
+        return add_square(p, pose[0], h_z, h_zz) if k == 6 else add_slide(k, p, q, pose, h_z, h_zz, h_zww)
     if k % 3 == 0:
         return add_positions(i, k, p, pose[0], h_z, h_zz)
     if i % 3 == 0:
         return add_offset(i, k, p, q, pose, h_z, h_zz, h_zww)
     return add_turn(i, k, p, q, pose, h_z, h_zz, h_zww)
+
+
+@inlined
+def add_square(p, z, h_z, h_zz):
+    """p d . d."""
+    total = 0 * z[0]
+    for c in range(2):
+        d = z[c] - z[3 + c]
+        h_z[c] += 2 * p * d
+        h_z[3 + c] -= 2 * p * d
+        h_zz[c, c] += 2 * p
+        h_zz[3 + c, 3 + c] += 2 * p
+        h_zz[c, 3 + c] -= 2 * p
+        h_zz[3 + c, c] -= 2 * p
+        total += p * d * d
+    return total
+
+
+@inlined
+def add_slide(k, p, q, pose, h_z, h_zz, h_zww):
+    """d . e, see `add_offset`."""
+    of, x, y = 2 * (k // 3), pose[0, 0] - pose[0, 3], pose[0, 1] - pose[0, 4]
+    c, s = pose[4, of], pose[4, of + 1]
+    e_x, e_y, w = c * p - s * q, s * p + c * q, pose[1, k]
+    along, across = x * e_x + y * e_y, y * e_x - x * e_y
+    for i in (0, 3):
+        sign = 1 - 2 * (i // 3)
+        h_z[i] += sign * e_x
+        h_z[i + 1] += sign * e_y
+        h_zz[i, k] -= sign * e_y
+        h_zz[k, i] -= sign * e_y
+        h_zz[i + 1, k] += sign * e_x
+        h_zz[k, i + 1] += sign * e_x
+        h_zww[i] -= sign * e_x * w * w
+        h_zww[i + 1] -= sign * e_y * w * w
+    h_z[k] += across
+    h_zz[k, k] -= along
+    h_zww[k] -= (2 * ((pose[1, 0] - pose[1, 3]) * e_x + (pose[1, 1] - pose[1, 4]) * e_y) + across * w) * w
+    return along
 
 
 @inlined
