@@ -145,6 +145,55 @@ def without_twin(file: Path) -> Path:
     return file
 
 
+RODS = """
+units = "m-kg-s"
+[points]
+L = [0.0, 0.0]
+P = [1.0, 0.0]
+Q = [2.0, 0.0]
+[bodies]
+a = { type = "rod", between = ["L", "P"], area = 1e-3, density = 1000.0 }
+b = { type = "rod", between = ["P", "Q"], area = 2e-3, density = 1000.0 }
+[joints]
+v = { type = "revolute", bodies = ["a", "ground"], point = "L" }
+w = { type = "revolute", bodies = ["a", "b"], point = "P" }
+[loads]
+g = { type = "gravity", acceleration = [0.5, -9.81] }
+[design]
+A = { of = ["bodies.a.area", "bodies.b.area"], factors = [2.0, 1.0] }
+X = { of = ["points.P.x", "points.Q.x"], factors = [1.0, 3.0] }
+G = { of = ["loads.g.acceleration.x", "loads.g.acceleration.y"], factors = [1.0, 2.0] }
+[responses]
+m = { type = "mass" }
+c = { type = "centre-of-mass", component = "y" }
+mean = { type = "time-mean", of = { type = "centre-of-mass", component = "y" } }
+power = { type = "power", load = "g" }
+work = { type = "work", load = "g" }
+kinetic = { type = "kinetic-energy" }
+[solver]
+end_time = 0.1
+step = 0.001
+"""
+
+
+@pytest.mark.parametrize("method", ["direct", "adjoint"])
+def test_masses_centres_powers_and_works_follow_all_numbers(tmp_path, method):
+    """The mass a rho l_a + b rho l_b grows by 2000 + 1000 kg/m^2 with A, and with X by 1 + 2 (3 - 1) kg/m."""
+    (tmp_path / "scene.toml").write_text(RODS)
+    model = ffrf.compile(read_scene(tmp_path / "scene.toml"), ["A", "X", "G"])
+    exact, judge = model.simulate(gradients=method).gradients, model.simulate(gradients="complex-step").gradients
+    assert (exact["m"]["A"], exact["m"]["X"]) == pytest.approx((3000.0, 5.0), rel=1e-12)
+    for response, slopes in judge.items():
+        for name, slope in slopes.items():  # Newton's tolerance of 1e-10
+            assert exact[response][name] == pytest.approx(slope, rel=1e-9, abs=1e-9), (response, name)
+
+
+def test_a_variable_and_one_of_its_numbers_are_not_both_given(tmp_path):
+    (tmp_path / "scene.toml").write_text(RODS)
+    with pytest.raises(InputError, match=r"'A' drives bodies\.b\.area, which is given a value of its own too\. Give one of them"):
+        read_scene(tmp_path / "scene.toml", {"A": 2e-3, "bodies.b.area": 3e-3})
+
+
 def test_a_value_in_a_command_is_that_of_the_first_number_over_its_factor(wing):
     file = without_twin(wing(LINE))
     scene, other = read_scene(file), read_scene(file, {"beside": "73.5"})

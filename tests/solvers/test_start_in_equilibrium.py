@@ -17,6 +17,7 @@ from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError
+from toolkit.receipt.receipt import receipt
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
@@ -119,14 +120,30 @@ def test_gradients_know_how_the_equilibrium_depends_on_every_number(folder, name
     assert any(abs(elsewhere[f][x] - by["direct"][f][x]) > 1e-3 * abs(by["direct"][f][x]) for f in elsewhere for x in paths)
 
 
-def test_another_start_is_refused_in_words():
-    model = ffrf.compile(oscillator(2, Constant(), memory=8.0))
-    with pytest.raises(InputError, match=r'solver\.start = "equilibrium" leaves no other start'):
-        model.simulate(start=model.simulate())
-
-
 def test_what_is_free_to_move_has_no_equilibrium_to_start_in():
     scene = oscillator(2, Constant())
     free = scene.model_copy(update={"loads": {"push": scene.loads["push"]}})
     with pytest.raises(ConvergenceError, match="the equilibrium is unstable or out of reach"):
         ffrf.compile(free).simulate()
+
+
+def test_a_scene_that_rests_is_trusted_and_can_be_gone_on_with(tmp_path):
+    """A pendulum in a leaning field: it hangs along the field, and what is left of its energy is round-off."""
+    (tmp_path / "scene.toml").write_text("""
+units = "m-kg-s"
+points = { O = [0.0, 0.0], C = [0.1, 0.0] }
+bodies = { b = { type = "rigid", mass = 1.0, center = "C", inertia = 0.1 } }
+joints = { r = { type = "revolute", bodies = ["b", "ground"], point = "O" } }
+loads = { g = { type = "gravity", acceleration = [3.0, -9.81] } }
+responses = { a = { type = "rotation", body = "b", point = "O" }, c = { type = "centre-of-mass", component = "x" } }
+solver = { start = "equilibrium" }
+""")
+    scene = ffrf.read_scene(tmp_path / "scene.toml")
+    model = ffrf.compile(scene)
+    run = model.simulate()
+    assert run.verdict.trusted, run.verdict
+    assert run.values["a"] == pytest.approx(np.arctan2(-9.81, 3.0), abs=1e-9)
+    further = ffrf.compile(scene, ["loads.g.acceleration.x"]).simulate(start=run, gradients=True)
+    assert further.values["a"] == pytest.approx(run.values["a"], abs=1e-9)
+    assert further.verdict.trusted, further.verdict
+    assert "markers" in receipt(scene, [], False, measured=False)  # a centre of mass is no point of the scene

@@ -7,7 +7,7 @@ variables short.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any, NamedTuple
 
 from toolkit.description.description import Description
@@ -77,6 +77,11 @@ def affected_items(scene: Scene, path: str, users: dict[str, list[Item]]) -> set
             if isinstance(point, BodyPoint):
                 waiting.append(("bodies", point.body))  # whose shapes may follow the place of the point
     return found
+
+
+def items_of(scene: Scene, paths: Iterable[str], users: dict[str, list[Item]]) -> set[Item]:
+    """Items that any of the numbers at paths may change, without what the direction of gravity does to all."""
+    return {item for path in paths for item in affected_items(scene, path, users) or ()}
 
 
 def _words(value: Any) -> Iterator[str]:

@@ -75,6 +75,7 @@ def _from_start(compiled: Compiled, kind: Kind, gradients: bool | str, start: Ru
         raise InputError("start is a run of a scene with other bodies or joints. Give one of the same scene, at any numbers.")
     if kind == "static":
         return Run.of(evaluated(solve_statics(system, progress=progress, start=known), bool(gradients)))
-    q, v, moved = continued_start(system, known.q[-1], known.v[-1], compiled.scene.solver)
-    solution = replace(simulate(system, q=q, v=v, progress=progress), start_moved=moved)
+    options = compiled.scene.solver.model_copy(update={"start": "given"})
+    q, v, moved = continued_start(system, known.q[-1], known.v[-1], options)
+    solution = replace(simulate(system, options, q=q, v=v, progress=progress), start_moved=moved)
     return Run.of(evaluated(solution, bool(gradients), partial(again, system, q=q, v=v)))

@@ -6,6 +6,7 @@ from types import UnionType
 
 import numpy as np
 
+from toolkit.bodies.body import CENTRE
 from toolkit.bodies.model_body import ModelBody
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import rigid_bodies
@@ -53,7 +54,7 @@ def markers(system: System) -> list[Line]:
     for name, body in system.scene.all_bodies().items():
         used = {point for owner, point, *_ in system.numbering.markers if owner == name}
         known = (system.scene.model(body.model).interfaces or {}) if isinstance(body, ModelBody) else {}
-        idle = set(known) - {getattr(system.scene.interface(point), "interface", "") for point in used}
+        idle = set(known) - {getattr(system.scene.interface(point), "interface", "") for point in used if point != CENTRE}
         if name not in rigid:
             found.append(Line(name, len(used), len(idle), f"nothing looks at {', '.join(sorted(idle))}" if idle else ""))
     count = len([1 for owner, *_ in system.numbering.markers if owner in rigid])

@@ -45,14 +45,20 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
     """
     path = Path(path)
     table = read_toml(path, "a scene in TOML")
-    short, common = table.get("design", {}), dict[str, Any]()
+    short, common, single = table.get("design", {}), dict[str, Any](), set[str]()
     for key, text in (changes or {}).items():
         long = short.get(key) if isinstance(short, dict) else None
         if isinstance(long, dict):
             common[key] = _value(text)
         else:
+            single.add(long if isinstance(long, str) else key)
             _change(table, long if isinstance(long, str) else key, text, path)
     scene = scene_from_table(table, path)
+    for name in common:
+        if (
+            twice := next((each for each in scene.paths_of(name) if each in {scene.path_of(key) for key in single}), None)
+        ) is not None:
+            raise InputError(f"{path.name}: {name!r} drives {twice}, which is given a value of its own too. Give one of them.")
     return with_numbers(scene, common)[0] if common else scene
 
 

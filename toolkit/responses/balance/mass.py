@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import field_validator
 
 from toolkit.bodies.body import CENTRE
-from toolkit.compilation.dependence import affected_items
+from toolkit.compilation.dependence import items_of
 from toolkit.compilation.quantities import STEP
 from toolkit.compilation.remembered import Remembered
 from toolkit.responses.instant import Instant
@@ -108,10 +108,10 @@ def masses(system: System, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarr
     """Masses of some bodies (b,), and their design derivatives (b, n_x) by complex steps of the formulas that make them."""
     by_x = np.zeros((len(names), system.n_x))
     for x, variable in enumerate(system.design):
-        affected = affected_items(system.scene, variable.path, system.numbering.users)
-        moved = [b for b, name in enumerate(names) if affected is not None and ("bodies", name) in affected]
+        affected = items_of(system.scene, variable.paths, system.numbering.users)
+        moved = [b for b, name in enumerate(names) if ("bodies", name) in affected]
         if moved:
-            stepped = system.scene.with_number(variable.path, variable.value + 1j * STEP)
+            stepped = system.scene.moved(variable, 1j * STEP)
             by_x[moved, x] = np.imag(_masses(stepped, [names[b] for b in moved])) / STEP
     return _masses(system.scene, list(names)), by_x
 

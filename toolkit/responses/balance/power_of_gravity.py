@@ -22,7 +22,12 @@ def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]
     assert isinstance(load, UniformGravity)
     values, by_x = masses(system, names)
     motion, g = MarkerMotion.of(system, [(body, CENTRE) for body in names]), np.array(load.acceleration)
-    by_g = {x: _place(variable.path) for x, variable in enumerate(system.design) if variable.path.startswith(f"loads.{name}.")}
+    by_g = [
+        (x, _place(path), factor)
+        for x, variable in enumerate(system.design)
+        for path, factor in zip(variable.paths, variable.factors, strict=True)
+        if path.startswith(f"loads.{name}.")
+    ]
 
     def look(step: int) -> Partials:
         motions = motion.at(solution, step)
@@ -30,8 +35,8 @@ def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]
         along: np.ndarray = np.zeros((1, len(motions[0].y)), system.dtype)
         along[0, :d] = g
         design = (np.real(rates @ g) @ by_x)[None]
-        for x, k in by_g.items():
-            design[0, x] += np.real(values @ rates)[k]
+        for x, k, factor in by_g:
+            design[0, x] += factor * np.real(values @ rates)[k]
         slopes = [Motion(rate=mass * along) for mass in values]
         return one_of(motion.partials(np.array([values @ rates @ g]), slopes, design), 0, solution, step)
 

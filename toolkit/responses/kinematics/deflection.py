@@ -8,7 +8,7 @@ from typing import Any, Literal
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.compilation.dependence import affected_items
+from toolkit.compilation.dependence import items_of
 from toolkit.compilation.quantities import STEP
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of, place_of, refuse_component
@@ -55,9 +55,9 @@ class Deflection(Instant):
         system, where = solution.system, elastic_coordinates(solution, self.body)
         shape, shape_x = self._shape(system.scene), list[tuple[int, np.ndarray]]()
         for x, variable in enumerate(system.design):
-            affected = affected_items(system.scene, variable.path, system.numbering.users)
-            if affected is not None and not affected.isdisjoint({("bodies", self.body), ("points", self.point)}):
-                moved = self._shape(system.scene.with_number(variable.path, variable.value + 1j * STEP))
+            affected = items_of(system.scene, variable.paths, system.numbering.users)
+            if not affected.isdisjoint({("bodies", self.body), ("points", self.point)}):
+                moved = self._shape(system.scene.moved(variable, 1j * STEP))
                 shape_x.append((x, np.imag(moved) / STEP))
 
         def look(step: int) -> Partials:

@@ -40,7 +40,8 @@ def continued_start(system: System, q: np.ndarray, v: np.ndarray, options: RunOp
     moved = float(np.max(weights * np.abs(closed[:n_q] - q), initial=0.0))
     largest = float(np.max(weights * np.abs(v), initial=0.0))
     changed = float(np.max(weights * np.abs(found[:n_q] - v), initial=0.0))
-    if moved > MOVED * options.drift_tolerance or changed > CHANGED * largest:
+    slow = options.drift_tolerance / options.end_time  # of a scene that rests, whose velocities are round-off
+    if moved > MOVED * options.drift_tolerance or changed > CHANGED * max(largest, slow):
         raise InputError(
             f"the start is off the joints of this scene at t = 0: by {moved:.1e} of the scene's size in position, by {changed:.1e} of "
             f"it per unit of time in velocity, of at most {largest:.1e}. {AGAIN}"

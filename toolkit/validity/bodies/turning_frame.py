@@ -89,7 +89,10 @@ def _along(solution: Solution, body: str, chord: Chord, step: int) -> float:
             if gripped == body and interface in chord:
                 end = chord.index(interface)
                 forces[end] += sign * np.real(JointForce(joint=name, component="x").force(solution, step)[0][:d])
-                places[end] = np.real(states.y[system.numbering.marker((body, point))][:d])
+                grip = next(
+                    n for n, marker in enumerate(system.numbering.markers) if marker[:2] == (body, point)
+                )  # with axes in space
+                places[end] = np.real(states.y[grip][:d])
     side = places[1] - places[0]
     pulls = np.array([-forces[0] @ side, forces[1] @ side]) / np.linalg.norm(side)
     return float(pulls[first_largest(np.abs(pulls))])
