@@ -16,7 +16,7 @@ from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError, InputError
+from toolkit.foundation.errors import ConvergenceError
 from toolkit.receipt.receipt import receipt
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
