@@ -31,6 +31,13 @@ def contradictions(options: RunOptions) -> Iterator[str]:
             'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
             "formulation and quasi_static (a quasi-static run closes them by positions)"
         )
+    if options.equilibrium == "spinning" and options.continuation == "arc-length":
+        yield 'the steady state of a spin is not followed by arc length; leave out one of equilibrium = "spinning" and continuation'
+    if options.equilibrium == "spinning" and options.start == "equilibrium":
+        yield (
+            "a motion starts in an equilibrium at rest or in the given positions, not in the steady state of a spin; leave out one of "
+            'equilibrium = "spinning" and start = "equilibrium"'
+        )
     if options.redundant == "least-squares" and options.formulation == "ggl":
         yield (
             'formulation = "ggl" closes every joint twice and cannot leave redundant ones out; take index-1 or index-3, or '

@@ -90,6 +90,10 @@ class RunOptions(Description):
         "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
     path_steps
         Most steps along the path of equilibria in statics.
+    equilibrium
+        What statics finds: "rest", the equilibrium of a scene that does not move; or "spinning", the steady state of a scene that an
+        angle-driver between a body and the ground spins as a whole, with its rate at the end time. Bodies deform under their own
+        inertia then, stay as they are in a frame that spins with them, and modes and frequencies are those about this state.
     """
 
     end_time: Annotated[Positive, Quantity("time")] = 1.0
@@ -112,6 +116,7 @@ class RunOptions(Description):
     memory: Annotated[Positive, Quantity("none")] = 8.0
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000
+    equilibrium: Literal["rest", "spinning"] = "rest"
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:

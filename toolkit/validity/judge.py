@@ -56,6 +56,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from overshooting_tables(solution)
     else:
         yield from limits_passed(solution)
+        if solution.spins:
+            yield from excessive_speeds(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)

@@ -30,7 +30,8 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
     options = solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2:
         yield from _closed_by_statics(solution, options)
-        yield from _at_rest(solution)
+        if not solution.spins:
+            yield from _at_rest(solution)
         return
     if solution.own_start:
         yield from _moved_start(solution)
