@@ -14,9 +14,10 @@ class Modes(NamedTuple):
 
     A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
     The verdict holds what speaks against them: that the scene spins, for example, while these are modes about a state at rest.
-    About a steady spin frequencies are those that the frame sees which spins with the scene, and shapes are complex: real and imaginary part
-    follow each other a quarter of a period apart. `damping`, in parts of the critical one, is None about a state at rest, whose modes
-    are those without dampers; a negative one stands for a vibration that grows.
+
+    About a steady spin frequencies are those that the frame sees which spins with the scene, and shapes are complex: real and imaginary
+    part follow each other a quarter of a period apart. `damping`, in parts of the critical one, is None about a state at rest, whose
+    modes are those without dampers; a negative one stands for a vibration that grows.
     """
 
     frequencies: np.ndarray  # (n_modes,)

@@ -36,7 +36,9 @@ def solve_statics(
 ) -> Solution:
     """Equilibrium under the loads at the end time, reached from the undeformed state; with its design derivatives.
 
-    For `options.equilibrium` "spinning" it is the steady state of a scene that spins, see `solve_spinning`. Loads and gravity grow in proportion, drivers move from their first to their last value. Steps are shortened until nothing can hide
+    For `options.equilibrium` "spinning" it is the steady state of a scene that spins, see `solve_spinning`.
+
+    Loads and gravity grow in proportion, drivers move from their first to their last value. Steps are shortened until nothing can hide
     between them (see `path_steps`). Joints that are open in the given positions are closed first.
     With `options.continuation` "arc-length" the path is followed past limit points; `Solution.path` tells which.
 

@@ -81,7 +81,7 @@ class Solution:
     @property
     def spins(self) -> bool:
         """Whether it is the steady state of a scene that spins."""
-        return not self.steps and self.options is not None and self.options.equilibrium == "spinning"
+        return not self.steps and (self.options or self.system.scene.solver).equilibrium == "spinning"
 
     @property
     def whole_run(self) -> np.ndarray:

@@ -1,7 +1,7 @@
 """Stiffness, damping and mass of small motions about a steady spin, and their derivatives along a vibration.
 
-A vibration u exp(s t) in the frame that spins changes the coordinates by u, velocities by (S + s) u, accelerations by (S + s)^2 u, with S of
-`solvers.spin.generator`. Its equations are the residual's derivative along that direction, and mixed derivatives commute.
+A vibration u exp(s t) in the frame that spins changes the coordinates by u, velocities by (S + s) u, accelerations by (S + s)^2 u, with
+S of `solvers.spin.generator`. Its equations are the residual's derivative along that direction, and mixed derivatives commute.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def spinning_pencil(solution: Solution) -> Pencil:
 
 def spinning_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray) -> Change:
     """For P = s^2 M + s C + K."""
-    system, n_q = solution.system, solution.system.n_q
+    n_q = solution.system.n_q
     q, v = np.real(solution.q[-1]), np.real(solution.v[-1])
     S = _motion(solution, q, v)
     turned = S @ u[:n_q] + s * u[:n_q]

@@ -38,11 +38,11 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
     motion = Generator(motion.matrix, motion.offset + _translation(solution, v - motion.velocity(q)))
     left = np.maximum(np.abs(v - motion.velocity(q)) / frequency, np.abs(a - motion.acceleration(q)) / frequency**2) * weights
     if left.max(initial=0) > ALLOWED:
+        name = system.numbering.names[first_largest(left)]
         raise InputError(
-            f"the motion does not end in an equilibrium, nor in a steady spin: {system.numbering.names[first_largest(left)]} is still on its "
-            f"way by about {left.max():.1e} of the scene's size (or rad). Vibrations about such a state have no frequency. Let the motion "
-            'come to rest (damping, a longer end_time), or ask for the equilibrium itself: ffrf statics, with solver.equilibrium = "spinning" '
-            "for a scene that spins."
+            f"the motion does not end in an equilibrium, nor in a steady spin: {name} is still on its way by about {left.max():.1e} of the "
+            "scene's size (or rad). Vibrations about such a state have no frequency. Let the motion come to rest (damping, a longer "
+            'end_time), or ask for the equilibrium itself: ffrf statics, of a scene that spins with solver.equilibrium = "spinning".'
         )
     speed = float(np.sqrt(omega @ omega))
     if speed > ALLOWED * frequency:

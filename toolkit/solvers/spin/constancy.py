@@ -69,7 +69,7 @@ def _scales(own: list[np.ndarray]) -> list[float]:
 def _refuse(system: System, change: np.ndarray, angle: float, what: str) -> None:
     name = system.numbering.names[first_largest(np.abs(change) / system.weights[: system.n_q])]
     raise InputError(
-        f"the scene is not the same at every angle of its spin: {angle:g} rad further {what} {name} are other ones, as under a weight across "
-        "the axis, on springs to the ground off the axis, or where a part that spins without being round is held by one that does not. "
-        "Such a scene has no steady state and no modes: simulate it."
+        f"the scene is not the same at every angle of its spin: {angle:g} rad further {what} {name} are other ones, as under a weight "
+        "across the axis, on springs to the ground off the axis, or where a part that spins without being round is held by one that does "
+        "not. Such a scene has no steady state and no modes: simulate it."
     )

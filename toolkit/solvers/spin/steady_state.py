@@ -187,20 +187,54 @@ def _refuse_joints_that_open(system: System, inputs: Inputs, spin: Spin, q: np.n
         )
 
 
+class Explicit(NamedTuple):
+    """What the design changes where coordinates and multipliers are held: v (n_q, n_x), a (n_q, n_x), the residual (n, n_x)."""
+
+    v: np.ndarray
+    a: np.ndarray
+    residual: np.ndarray
+
+
+def _explicit(
+    system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
+) -> tuple[Explicit, np.ndarray]:
+    """The same, and the matrix (n, n) of the equations of [q; lam]."""
+    v, acc = moved(motion, q, multipliers)
+    there = linearised(system, inputs, q, v, acc)
+    by_v, by_a = np.zeros((system.n_q, system.n_x)), np.zeros((system.n_q, system.n_x))
+    for x, change in enumerate(spin.generator_changes(system)):
+        by_v[:, x] = change.velocity(q)
+        by_a[:, x] = change.matrix @ v + motion.matrix @ by_v[:, x]
+    residual = there.by_x + there.by_v @ by_v + there.by_acc[:, : system.n_q] @ by_a
+    return Explicit(by_v, by_a, residual), there.spinning(motion.matrix)[0]
+
+
 def _derivatives(
     system: System, inputs: Inputs, spin: Spin, motion: Generator, q: np.ndarray, multipliers: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Of q, v and [a; lam] by the design."""
-    n_q, n_x = system.n_q, system.n_x
-    dq, dv, dacc = np.zeros((n_q, n_x)), np.zeros((n_q, n_x)), np.zeros((system.n, n_x))
-    if n_x:
-        v, acc = moved(motion, q, multipliers)
-        there = linearised(system, inputs, q, v, acc)
-        for x, change in enumerate(spin.generator_changes(system)):
-            dv[:, x] = change.velocity(q)
-            dacc[:n_q, x] = change.matrix @ v + motion.matrix @ dv[:, x]
-        explicit = there.by_x + there.by_v @ dv + there.by_acc[:, :n_q] @ dacc[:n_q]
-        moves = _solve(system, there.spinning(motion.matrix)[0], -explicit)
-        dq, dv = moves[:n_q], dv + motion.matrix @ moves[:n_q]
-        dacc = dacc + np.vstack([motion.matrix @ motion.matrix @ moves[:n_q], moves[n_q:]])
-    return dq, dv, dacc
+    n_q, S = system.n_q, motion.matrix
+    if not system.n_x:
+        return np.zeros((n_q, 0)), np.zeros((n_q, 0)), np.zeros((system.n, 0))
+    explicit, matrix = _explicit(system, inputs, spin, motion, q, multipliers)
+    moves = _solve(system, matrix, -explicit.residual)
+    dq = moves[:n_q]
+    return dq, explicit.v + S @ dq, np.vstack([explicit.a + S @ S @ dq, moves[n_q:]])
+
+
+def steady_adjoint(system: System, options: RunOptions, q: np.ndarray, multipliers: np.ndarray, by: np.ndarray) -> np.ndarray:
+    """Design derivatives (n_x, n_r) of numbers with derivatives `by` q, v, a and multipliers, one below the other, (3 n_q + n_lam, n_r).
+
+        A^T mu = [f_q + S^T f_v + S^2^T f_a; f_lam],   df/dx = f_v . v_x + f_a . a_x - mu . R_x
+
+    at the coordinates (n_q,) and multipliers of a steady state with the driver's speed.
+    """
+    n_q, inputs = system.n_q, system.inputs(options.end_time, LEVELS)
+    spin = spin_of(system, options, inputs)
+    motion = spin.generator(system)
+    explicit, matrix = _explicit(system, inputs, spin, motion, q, multipliers)
+    f_q, f_v, f_a, f_lam = np.split(by, [n_q, 2 * n_q, 3 * n_q])
+    S = motion.matrix
+    mu = _solve(system, matrix.T, np.vstack([f_q + S.T @ f_v + (S @ S).T @ f_a, f_lam]))
+    found: np.ndarray = explicit.v.T @ f_v + explicit.a.T @ f_a - explicit.residual.T @ mu
+    return found
