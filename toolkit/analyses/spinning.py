@@ -25,8 +25,8 @@ from toolkit.validity.judge import judge
 
 VIBRATES = 1e-6
 """Imaginary part of a root, in parts of its size, above which it vibrates."""
-GROWS = 1e-7
-"""Real part of a root, in parts of its size, above which its motion grows."""
+DAMPED = 1e-6
+"""Real part of a root, in parts of its size, below which it is round-off: of two roots that are nearly one it is the root of it."""
 
 
 def solve_spinning(
@@ -63,7 +63,7 @@ def solve_spinning(
     spin = spin_of(system, options, inputs)
     motion = spin.generator(system).times(found.speed / spin.speed)
     if system.compiled:
-        refuse_what_changes(system, inputs, motion, found.speed, found.q, found.acc[n_q:])
+        refuse_what_changes(system, inputs, motion, found.speed, found.q)
     return Solution(
         system, np.array([options.end_time]), found.q[None], found.v[None], found.acc[None, :n_q], found.acc[None, n_q:],
         found.dq[None], found.dv[None], found.dacc[None, :n_q], found.dacc[None, n_q:], options=options, judge=judge,
@@ -103,11 +103,12 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
     order = np.argsort([_frequency(s) for s in roots], kind="stable")
     frequencies = np.array([_frequency(roots[k]) for k in order])
     ratios = np.array([-roots[k].real / abs(roots[k]) for k in order])
+    ratios[np.abs(ratios) < DAMPED] = 0.0
     place = int(np.searchsorted(frequencies, 0.0))
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
     columns[place:place] = [np.zeros(n_q)] * zeros
-    cautions = list(_cautions(np.array(roots), ratios))
+    cautions = list(_cautions(np.array(roots)))
     return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
 
 
@@ -131,8 +132,8 @@ def _scaled(shape: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return shape / shape[place]
 
 
-def _cautions(roots: np.ndarray, ratios: np.ndarray) -> list[Caution]:
-    growing = roots[roots.real > GROWS * np.abs(roots)]
+def _cautions(roots: np.ndarray) -> list[Caution]:
+    growing = roots[roots.real > DAMPED * np.abs(roots)]
     if not len(growing):
         return []
     worst = growing[np.argmax(growing.real)]

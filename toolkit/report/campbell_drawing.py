@@ -21,11 +21,13 @@ def campbell_drawing(found: Campbell, name: str) -> Drawing:
         for order in ORDERS:
             end = min(far, 2 * np.pi * top / order)
             panel.plot([0, end], [0, order * end / (2 * np.pi)], color="0.6", linewidth=0.8, linestyle="--")
-            panel.annotate(f"{order}x", (end, order * end / (2 * np.pi)), color="0.4", fontsize=8, ha="right", va="bottom")
+            panel.annotate(
+                f"{order}x", (0.9 * end, 0.9 * order * end / (2 * np.pi)), color="0.4", fontsize=8, ha="right", va="bottom"
+            )
         for number, (values, damping) in enumerate(zip(found.frequencies.T, found.damping.T, strict=True)):
             color = COLORS[number % len(COLORS)]
             for grows in (False, True):
-                chosen = ((values < 0) | (damping < -1e-6)) == grows
+                chosen = ((values < 0) | (damping < 0)) == grows
                 panel.plot(
                     found.speeds[chosen],
                     np.abs(values[chosen]),

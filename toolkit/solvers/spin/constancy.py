@@ -15,13 +15,11 @@ from toolkit.system.system import System
 ANGLES = (1.0, 2.3)
 """In rad: no multiples of a turn's half, third or quarter."""
 CHANGES = 1e-7
-"""Part of the largest force, or of the largest stiffness, damping and mass, by which they may change with the angle: round-off of stiff
-bodies is smaller, a rotor that is worth the word is less round."""
+"""By how much forces may change with the angle, in parts of the largest one or of the centrifugal one at the scene's size, and stiffness,
+damping and mass in parts of their largest: round-off of stiff bodies is smaller, a rotor that is worth the word is less round."""
 
 
-def refuse_what_changes(
-    system: System, inputs: Inputs, motion: Generator, speed: float, q: np.ndarray, multipliers: np.ndarray
-) -> None:
+def refuse_what_changes(system: System, inputs: Inputs, motion: Generator, speed: float, q: np.ndarray) -> None:
     """Turn the whole state, and compare forces and linearised equations in the frame that turns with it.
 
     Raises
@@ -31,29 +29,31 @@ def refuse_what_changes(
     """
     if speed == 0:
         return
-    n_q = system.n_q
-    q, multipliers = np.real(q), np.real(multipliers)
-    here = _at(system, inputs, motion, q, multipliers)
-    free = free_motions(np.real(here.by_acc[:n_q, n_q:].T), system.weights[:n_q])
-    own = _reduced(here, motion, free, free)
+    n_q, weights = system.n_q, system.weights[: system.n_q]
+    q, real = np.real(q), Generator(np.real(motion.matrix), np.real(motion.offset))
+    here, largest = _balanced(system, inputs, real, q)
+    free = free_motions(here.by_acc[:n_q, n_q:].T, weights)
+    own = _reduced(here, real, free, free)
+    inertia = speed**2 * float((np.abs(here.by_acc[:n_q, :n_q]) / np.outer(weights, weights)).max())  # at the scene's size
     for angle in ANGLES:
-        there, turn = motion.turned(q, angle / speed)
-        loose = _at(system, inputs, motion, there, 0 * multipliers)
-        found = balancing(system, loose.by_acc[:n_q, n_q:], loose.residual[:n_q])
-        state = _at(system, inputs, motion, there, found)
-        left = np.abs(state.residual[:n_q]) / system.weights[:n_q]
-        terms = np.abs(state.by_acc[:n_q]) @ np.abs(np.append(motion.acceleration(there), found)) / system.weights[:n_q]
-        if left.max(initial=0) > CHANGES * max(terms.max(initial=0), np.abs(loose.residual[:n_q] / system.weights[:n_q]).max()):
-            _refuse(system, turn.T @ state.residual[:n_q], angle, "the forces on")
-        for one, other, scale in zip(own, _reduced(state, motion, turn @ free, turn @ free), _scales(own), strict=True):
-            change = np.abs(other - one)
-            if change.max(initial=0) > CHANGES * scale:
-                _refuse(system, free[:, int(np.argmax(change.max(axis=0)))], angle, "the linearised equations of")
+        there, turn = real.turned(q, angle / speed)
+        state, _ = _balanced(system, inputs, real, there)
+        change = turn.T @ state.residual[:n_q] - here.residual[:n_q]
+        if (np.abs(change) / weights).max(initial=0) > CHANGES * max(inertia, largest):
+            _refuse(system, change, angle, "the forces on")
+        for one, other, scale in zip(own, _reduced(state, real, turn @ free, turn @ free), _scales(own), strict=True):
+            apart = np.abs(other - one)
+            if apart.max(initial=0) > CHANGES * scale:
+                _refuse(system, weights**2 * free[:, int(np.argmax(apart.max(axis=0)))], angle, "the linearised equations of")
 
 
-def _at(system: System, inputs: Inputs, motion: Generator, q: np.ndarray, multipliers: np.ndarray) -> Linearised:
-    found = linearised(system, inputs, q, motion.velocity(q), np.append(motion.acceleration(q), multipliers))
-    return Linearised(*(np.real(each) for each in found))
+def _balanced(system: System, inputs: Inputs, motion: Generator, q: np.ndarray) -> tuple[Linearised, float]:
+    """A state that turns, with the joint forces that balance it best, and the largest force that they have to balance."""
+    n_q, pad = system.n_q, np.zeros(system.n - system.n_q)
+    loose = linearised(system, inputs, q, motion.velocity(q), np.append(motion.acceleration(q), pad))
+    found = balancing(system, loose.by_acc[:n_q, n_q:], loose.residual[:n_q])
+    state = linearised(system, inputs, q, motion.velocity(q), np.append(motion.acceleration(q), found))
+    return state, float((np.abs(loose.residual[:n_q]) / system.weights[:n_q]).max())
 
 
 def _reduced(state: Linearised, motion: Generator, left: np.ndarray, right: np.ndarray) -> list[np.ndarray]:

@@ -23,6 +23,8 @@ from toolkit.system.system import System
 
 SMALLEST = 2.0**-10
 """Part of the load, and of the square of the speed, below which a step is given up."""
+CLOSE = 0.05
+"""Part of the scene's size (or rad) that a state may be off a known one from which Newton goes straight to it."""
 SINGULAR = 1e-14
 """Smallest singular value of the matrix, in comparable units, in parts of the largest, which is round-off."""
 RATES = np.array([0.0, 1.0, 0.0])
@@ -67,18 +69,25 @@ def steady_state(
     spin = spin_of(system, options, inputs)
     factor = 1.0 if speed is None else speed / spin.speed
     motion, begin = spin.generator(system).times(factor), _turned_start(system, inputs, spin)
-    gaps = np.real(linearised(system, inputs, begin, 0 * begin, np.zeros(system.n)).residual[system.n_q :])
-    if (system.weights[system.n_q :] * np.abs(gaps)).max(initial=0) < OPENS:
-        _refuse_joints_that_open(system, inputs, spin, begin)  # before Newton looks for what there is not
-    if known is None:
-        q, multipliers, steps, iterations = _from_rest(system, options, inputs, motion, begin)
-    else:
-        q, multipliers, iterations = _newton(system, options, inputs, motion, 1.0, *known)
-        steps = 0
+    _refuse_before(system, inputs, spin)
+    near = None if known is None else _near(system, options, inputs, motion, *known)
+    q, multipliers, steps, iterations = near or _from_rest(system, options, inputs, motion, begin)
     _refuse_joints_that_open(system, inputs, spin, q)
     derivatives = _derivatives(system, inputs, spin, motion, q, multipliers)
     v, acc = moved(motion, q, multipliers)
     return SteadyState(q, v, acc, *derivatives, np.abs(factor) * spin.speed, steps, iterations)
+
+
+def _near(
+    system: System, options: RunOptions, inputs: Inputs, motion: Generator, q: np.ndarray, multipliers: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, int, int] | None:
+    """As `_from_rest`, without a way there; None if Newton does not go straight to a state close by."""
+    try:
+        found, forces, count = _newton(system, options, inputs, motion, 1.0, q, multipliers)
+    except (ConvergenceError, SingularSystemError):
+        return None
+    way = system.weights[: system.n_q] * np.abs(np.real(found - q))
+    return (found, forces, 0, count) if way.max(initial=0) < CLOSE else None
 
 
 def _from_rest(
@@ -88,7 +97,7 @@ def _from_rest(
     reached, step, steps, iterations = 0.0, 1.0 / options.load_steps, 0, 0
     multipliers = None
     while reached < 1:
-        part = min(1.0, reached + step)
+        part = 1.0 if reached + step > 1 - SMALLEST else reached + step
         begin = _balancing(system, inputs, motion, part, q) if multipliers is None else multipliers * (part / reached)
         try:
             q, multipliers, count = _newton(system, options, inputs, motion, part, q, begin)
@@ -172,6 +181,14 @@ def _turned_start(system: System, inputs: Inputs, spin: Spin) -> np.ndarray:
     )
     found: np.ndarray = real.turned(np.real(system.start()[0][: system.n_q]), float(angle / np.real(rate)))[0]
     return found.astype(system.dtype)
+
+
+def _refuse_before(system: System, inputs: Inputs, spin: Spin) -> None:
+    """The same in the given positions, if joints are closed there: before Newton looks for what there is not."""
+    given = system.start()[0][: system.n_q]
+    gaps = linearised(system, system.inputs(0.0, LEVELS), given, 0 * given, np.zeros(system.n)).residual[system.n_q :]
+    if (system.weights[system.n_q :] * np.abs(np.real(gaps))).max(initial=0) < OPENS:
+        _refuse_joints_that_open(system, inputs, spin, given)
 
 
 def _refuse_joints_that_open(system: System, inputs: Inputs, spin: Spin, q: np.ndarray) -> None:

@@ -1,12 +1,13 @@
 """How far frequencies of a spin are off because linear FFRF lacks the stiffening of a body in its own frame.
 
-Tension stiffens a beam; in a chain of bodies it does so at the joints between them, inside of a body it does not. Of a clamped uniform beam
-that spins with Omega the square of the lowest frequency across the plane of the spin grows by 1.17 Omega^2, so that this frequency grows by
-0.58 (Omega / Omega_c)^2 parts of itself, with its critical speed Omega_c. A part of such a beam, clamped to the next one, that carries the force N lacks
+Tension stiffens a beam; in a chain of bodies it does so at the joints between them, inside of a body it does not. Of a clamped uniform
+beam that spins with Omega the square of the lowest frequency across the plane of the spin grows by 1.17 Omega^2, so that this frequency
+grows by 0.58 (Omega / Omega_c)^2 parts of itself, with its critical speed Omega_c. A part of such a beam, clamped to the next one, that
+carries the force N lacks
 
     0.21 mu,    mu = N L^2 / (3 E I) = N c^T K^-1 c / L,    c: deflection of one end of the part across the line to the other
 
-of the lowest frequency of the whole, measured on chains of 2 to 16 bodies, to a fifth of itself where it is small.
+of the lowest frequency of the whole, measured on chains of 2 to 16 bodies, where it is small.
 """
 
 from __future__ import annotations
@@ -42,9 +43,9 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
     yield Caution(
         "missing-stiffening",
-        f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the spin "
-        f"{lowers}, and those in this plane by more. Linear FFRF stiffens a chain of bodies at the joints between them: make more bodies in "
-        "a row of it; with twice as many a quarter of this is left.",
+        f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
+        f"spin {lowers}, and those in this plane by more. Linear FFRF stiffens a chain of bodies at the joints between them: make more "
+        "bodies in a row of it; with twice as many a quarter of this is left.",
         doubt=part > DOUBTFUL,
     )
 
