@@ -32,7 +32,7 @@ _FILES = (
     "bracket/body",
     "spatial_bracket/body",
     "flexible_slider_crank/frame",
-    "spinning_beam/beam",
+    "spinning_beam/frame",
 )
 BUILT = {name: MODELS / name for name in _FILES}
 """Committed models by the files that describe them."""
