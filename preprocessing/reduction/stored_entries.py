@@ -59,7 +59,7 @@ def derivatives(
     scales = entry_scales(inv)
     found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
     for parameter, items in rates.items():
-        fastest = max(_fastest(rate, scales[item]) for item, rate in items.items() if item in scales)
+        fastest = max(_fastest(items[item], scales[item]) for item in scales if item != "stress_operator")  # of small scales
         for item, rate in items.items():
             if item in scales:
                 stored = np.full(rate.shape, computed and bool(np.any(rate))) | (not computed) & _of_invariant(rate, scales[item])
