@@ -8,12 +8,14 @@ import pytest
 from tests.spatial.scenes import save_frame
 from tests.spatial.test_frames import AREA, BEAM, ENDS, RHO, SECOND, E
 from tests.spinning.scenes import SPINNING, Z, governor, motor, planar_blade, table, table_in_space, top
-from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.modes import Modes, solve_modes, undeformed
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.description.point import Point
+from toolkit.foundation.errors import InputError
 from toolkit.joints.both.driver import AngleDriver, SpatialAngleDriver
 from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.system.solution import Solution
@@ -136,3 +138,61 @@ def test_a_bar_that_spins_is_stretched_and_pulls_as_the_closed_form_says(tmp_pat
     stretch = np.sin(k / 2) / (k * np.cos(k)) - 0.5
     assert abs(errors[1]) < 0.02 * stretch
     assert np.log2(errors[0] / errors[1]) == pytest.approx(2.0, abs=0.1)  # linear elements
+
+
+def rotor(speed: float, across: float, damping: float = 0.0) -> Scene:
+    """A rotor of 2 kg on four springs to the ground, two of 50 N/m along x and two along y."""
+    ends = {"E": (1.0, 0.0), "N": (0.0, 1.0), "W": (-1.0, 0.0), "S": (0.0, -1.0)}
+    springs = {
+        name: SpringDamper(
+            bodies=("rotor", "ground"), points=("O", name), stiffness=50.0 if name in "EW" else across, damping=damping
+        )
+        for name in ends
+    }
+    return Scene(
+        units="m-kg-s",
+        points={name: Point(x=x + 0.3, y=y - 0.2) for name, (x, y) in {"O": (0.0, 0.0), **ends}.items()},
+        bodies={"rotor": Rigid(mass=2.0, inertia=1.0, center="O")},
+        joints={"motor": AngleDriver(bodies=("rotor", "ground"), point="O", curve=motor(speed))},
+        loads=springs,
+        solver=SPINNING,
+    )
+
+
+@pytest.mark.parametrize("speed", [3.0, 15.0])
+def test_a_rotor_on_springs_whirls_with_both_of_its_frequencies(speed):
+    """Jeffcott: sqrt(k / m) at rest, |sqrt(k / m) - Omega| and sqrt(k / m) + Omega in the frame that spins; outer damping damps."""
+    _, modes = spin(rotor(speed, 50.0))
+    still = np.sqrt(100.0 / 2.0)
+    assert modes.frequencies == pytest.approx(np.array([abs(still - speed), still + speed]) / (2 * np.pi), rel=ROUND_OFF)
+    assert modes.verdict.trusted
+    _, damped = spin(rotor(speed, 50.0, damping=1.0))
+    outer = np.roots([1.0, 1.0, 50.0])  # 2 c / m
+    roots = outer - 1j * speed
+    assert damped.frequencies == pytest.approx(np.sort(np.abs(roots.imag)) / (2 * np.pi), rel=ROUND_OFF)
+    assert (damped.damping > 0).all()
+
+
+def test_a_rotor_on_springs_that_differ_is_no_matter_of_modes_in_a_frame_that_spins():
+    """It rests in all of them at every angle; what small motions meet changes twice in a turn."""
+    with pytest.raises(InputError, match=r"1 rad further the linearised equations of [xy] of body 'rotor' are other ones"):
+        spin(rotor(3.0, 60.0))
+
+
+def test_joints_that_repeat_each_other_change_nothing():
+    """A table on two hinges; the joint forces of the rows left out are zero."""
+    scene = table_in_space(3.0, 50.0, 2.0, 1.0)
+    again = scene.joints["hinge"].model_copy()
+    options = SPINNING.model_copy(update={"redundant": "least-squares"})
+    doubled = scene.model_copy(update={"joints": {**scene.joints, "again": again}, "solver": options})
+    one, two = spin(scene)[1], spin(doubled)[1]
+    assert two.frequencies == pytest.approx(one.frequencies, rel=ROUND_OFF)
+    assert two.damping == pytest.approx(one.damping, rel=1e-9)
+
+
+def test_modes_about_the_given_positions_are_at_rest_whatever_statics_finds():
+    scene = table(3.0, 50.0, 2.0, damping=0.0)
+    modes = solve_modes(undeformed(prepare(scene)))
+    assert modes.damping is None
+    assert modes.frequencies == pytest.approx([5.0 / (2 * np.pi)], rel=ROUND_OFF)
+    assert "spins" in modes.verdict.codes

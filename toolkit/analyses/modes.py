@@ -88,4 +88,6 @@ def undeformed(system: System) -> Solution:
     q, dq = closed_positions(system, None, 0.0)
     rest, drest = np.zeros_like(q), np.zeros_like(dq)
     acc, dacc = initial_accelerations(system, q, rest, dq, drest, np.array([1.0, 0.0, 0.0]), 0.0)
-    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)), judge=judge)
+    options = system.scene.solver.model_copy(update={"equilibrium": "rest"})  # whatever statics would find
+    states = tuple(item[None] for item in (q, rest, acc, dq, drest, dacc))
+    return Solution.from_padded(system, np.zeros(1), states, options=options, judge=judge)
