@@ -99,8 +99,8 @@ def test_what_is_free_in_the_frame_that_spins():
 def test_options_that_contradict_it():
     with pytest.raises(ValueError, match="is not followed by arc length"):
         RunOptions(equilibrium="spinning", continuation="arc-length")
-    with pytest.raises(ValueError, match="not in the steady state of a spin"):
-        RunOptions(equilibrium="spinning", start="equilibrium")
+    with pytest.raises(ValueError, match="held by inertia, which a quasi-static run leaves out"):
+        RunOptions(equilibrium="spinning", quasi_static=True)
 
 
 def test_a_load_margin_of_a_spin():
@@ -139,3 +139,12 @@ def test_a_driven_part_of_a_scene_that_rests():
         scene.model_copy(update={"bodies": bodies, "joints": joints, "points": {**scene.points, "W": Point(x=3.0, y=3.0)}}),
         r"the scene cannot spin as a whole about the axis of its driver: x of joint 'bearing' does not let it",
     )
+
+
+def test_a_written_velocity_beside_a_start_in_a_steady_spin():
+    scene = table(solver=RunOptions(end_time=0.1, step=0.02, equilibrium="spinning", start="equilibrium"))
+    block = scene.bodies["block"].model_copy(update={"angular_velocity": 3.0})
+    with pytest.raises(
+        InputError, match=r"bodies\.block\.angular_velocity is written, but a motion that starts in a steady spin has"
+    ):
+        solve(prepare(with_parts(scene, bodies={"block": block})), "transient")

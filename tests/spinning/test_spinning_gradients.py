@@ -91,3 +91,20 @@ def test_a_vibration_of_two_equal_frequencies_has_no_derivative():
     assert np.isnan(found.gradients["first"]["loads.about_x.stiffness"])
     assert found.values["first"] == pytest.approx(np.sqrt(40.0 / 0.3) / (2 * np.pi), rel=1e-7)
     assert solve(prepare(scene), "static").spins
+
+
+@pytest.mark.parametrize("method", ["direct", "adjoint"])
+@pytest.mark.parametrize("make", [table, table_in_space], ids=["plane", "space"])
+def test_a_motion_that_starts_in_its_steady_spin_stays_there(make, method):
+    """No vibration begins: length and frequency are those of statics, and so are their gradients, through start and steps."""
+    state = make(3.0, 50.0, 2.0, 0.0)
+    end = {"f": Frequency(when="end"), "reach": PointDistance(bodies=("ground", "block"), points=("O", "Q"))}
+    options = RunOptions(end_time=0.2, step=0.005, tolerance=1e-13, equilibrium="spinning", start="equilibrium")
+    scene = state.model_copy(update={"responses": end, "solver": options})
+    names = ["loads.spring.stiffness", "bodies.block.mass", "joints.motor.curve.coefficients.y"]
+    same(scene, "transient", names, method)
+    moved, still = (gradients_by(method, scene, names, kind) for kind in ("transient", "static"))
+    for name in end:
+        assert moved.values[name] == pytest.approx(still.values[name], rel=1e-4)  # (h Omega)^2 / 2 of the steps
+        for x in names:
+            assert moved.gradients[name][x] == pytest.approx(still.gradients[name][x], rel=5e-3, abs=1e-6), (name, x)

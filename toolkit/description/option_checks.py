@@ -33,10 +33,10 @@ def contradictions(options: RunOptions) -> Iterator[str]:
         )
     if options.equilibrium == "spinning" and options.continuation == "arc-length":
         yield 'the steady state of a spin is not followed by arc length; leave out one of equilibrium = "spinning" and continuation'
-    if options.equilibrium == "spinning" and options.start == "equilibrium":
+    if options.equilibrium == "spinning" and options.quasi_static:
         yield (
-            "a motion starts in an equilibrium at rest or in the given positions, not in the steady state of a spin; leave out one of "
-            'equilibrium = "spinning" and start = "equilibrium"'
+            "the steady state of a spin is held by inertia, which a quasi-static run leaves out; leave out one of "
+            'equilibrium = "spinning" and quasi_static'
         )
     if options.redundant == "least-squares" and options.formulation == "ggl":
         yield (

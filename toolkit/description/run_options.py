@@ -64,7 +64,8 @@ class RunOptions(Description):
         the states do not show it, and unstable equilibria are refused.
     start
         Where a motion begins: "given", in the written positions, undeformed; or "equilibrium", in the equilibrium under the loads that
-        act at time 0, with the velocities that the scene writes. Its gradients know how that equilibrium depends on the design.
+        act at time 0, with the velocities that the scene writes, or with `equilibrium` = "spinning" in the steady spin that its driver
+        asks for then. Its gradients know how that equilibrium depends on the design.
     local_error
         Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
