@@ -7,6 +7,7 @@ import pytest
 
 from tests.spinning.scenes import governor, planar_blade, table, table_in_space, top
 from toolkit.description.run_options import RunOptions
+from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.kinematics.point_distance import PointDistance
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
@@ -37,6 +38,7 @@ def test_by_every_number_of_a_table_that_spins(make, method):
         **scene.responses,
         "reach": PointDistance(bodies=("ground", "block"), points=("O", "Q")),
         "pull": JointForce(joint="hinge", component="magnitude"),
+        "kinetic": KineticEnergy(),
     }
     names = [name for name in scene.available_paths() if ".inertia." not in name or "block" in name]
     same(scene.model_copy(update={"responses": asked}), "static", names, method)
