@@ -86,6 +86,19 @@ def test_at_the_end_of_a_motion(method):
             assert motion.gradients[name][x] == pytest.approx(found.gradients[name][x], rel=1e-2, abs=1e-3)
 
 
+def test_at_the_end_of_a_motion_whose_states_exceed_the_memory():
+    """The adjoint between checkpoints looks at the last window alone."""
+    scene = settling(12.0)
+    names = ["loads.spring.stiffness", "joints.motor.curve.coefficients.y"]
+    whole = gradients_by("adjoint", scene, names, "transient")
+    little = scene.model_copy(update={"solver": scene.solver.model_copy(update={"memory": 2e-5})})
+    parts = gradients_by("adjoint", little, names, "transient")
+    assert len(parts.solution.times) < len(whole.solution.times)  # those of the checkpoints
+    for name in ("f", "zeta"):
+        assert parts.values[name] == pytest.approx(whole.values[name], rel=1e-12)
+        assert parts.gradients[name] == pytest.approx(whole.gradients[name], rel=1e-9)
+
+
 def test_a_vibration_of_two_equal_frequencies_has_no_derivative():
     """A disc with springs that does not spin fast enough to be told: at rest both whirls are one."""
     scene = top(1e-9)
