@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -38,8 +38,14 @@ class EndState:
         Names of the coordinates.
     columns
         For each of these variables the paths of the numbers that it drives, with its factors.
-    units, table
-        Unit system and nested tables of the scene that was run, with every number as it was.
+    units
+        Unit system of the scene that was run.
+    items
+        Group and name of its points, bodies, joints and loads.
+    numbers
+        Path -> value of all numbers that it has written of them.
+    bodies
+        The tables of its bodies.
     models
         Path of each reduced model, as the scene writes it -> SHA-256 of its file.
     """
@@ -52,23 +58,15 @@ class EndState:
     coordinates: tuple[str, ...]
     columns: tuple[Mapping[str, float], ...]
     units: str
-    table: Mapping[str, Any]
+    items: frozenset[tuple[str, str]]
+    numbers: Mapping[str, float]
+    bodies: Mapping[str, Mapping[str, Any]]
     models: Mapping[str, str]
 
     def has(self, path: str) -> bool:
         """Whether the scene that was run had what a number at a path belongs to."""
         group, name = path.split(".")[:2]
-        return name in self.table.get(group, {})
-
-    @cached_property
-    def numbers(self) -> dict[str, float]:
-        """Path -> value of all numbers that the scene of the run has written, of its points, bodies, joints and loads."""
-        found: dict[str, float] = {}
-        for group in GROUPS:
-            for name, item in self.table.get(group, {}).items():
-                coordinates = group == "points" and isinstance(item, list)
-                found |= numbers_below(f"{group}.{name}", dict(zip("xyz", item, strict=False)) if coordinates else item)
-        return found
+        return (group, name) in self.items
 
 
 def end_state(path: Path) -> EndState:
@@ -125,6 +123,7 @@ def about_of(content: Content) -> About:
 
 def _read(content: Content, path: Path) -> EndState:
     about, sizes = about_of(content), dict[str, int]()
+    groups = _groups(about.scene.table)
     last = {name: layout.array(content, name, STATES[name], sizes)[-1:] for name in ("times", "q", "v", "dq", "dv")}
     if not sizes["t"]:
         raise ValueError("it holds no times")
@@ -140,6 +139,25 @@ def _read(content: Content, path: Path) -> EndState:
         coordinates=tuple(layout.names(content, "names/coordinates", sizes["q"])),
         columns=tuple(about.variables[name].shares for name in design),
         units=about.units,
-        table=about.scene.table,
+        items=frozenset((group, name) for group, items in groups.items() for name in items),
+        numbers=_numbers(groups),
+        bodies=groups["bodies"],
         models=about.scene.models,
     )
+
+
+def _groups(table: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """The tables of a scene that can hold design variables, as far as they can be believed."""
+    found = {group: table.get(group, {}) for group in GROUPS}
+    if not all(isinstance(items, dict) for items in [*found.values(), *found["bodies"].values()]):
+        raise ValueError("its scene is none")
+    return found
+
+
+def _numbers(groups: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for group, items in groups.items():
+        for name, item in items.items():
+            coordinates = group == "points" and isinstance(item, list)
+            found |= numbers_below(f"{group}.{name}", dict(zip("xyz", item, strict=False)) if coordinates else item)
+    return found

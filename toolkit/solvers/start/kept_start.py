@@ -25,8 +25,8 @@ from toolkit.system.system import System
 
 READ_ANEW = ("model", "extrapolation")
 """Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""
-SAME_SHARE = 1e-12
-"""Relative difference of two factors of a variable that is round-off."""
+SAME = 1e-12
+"""Relative difference of two numbers that is round-off."""
 
 
 def kept_state(scene: Scene) -> EndState | None:
@@ -63,7 +63,7 @@ def other_numbers(scene: Scene, end: EndState) -> list[str]:
     nominal = scene.model_parameters()
     for path in scene.available_paths():
         here, there = float(np.real(scene.number(path))), numbers.get(path, nominal.get(path))
-        if end.has(path) and "curve" not in path.split(".") and there is not None and here != there:
+        if end.has(path) and "curve" not in path.split(".") and there is not None and not _equal(here, there):
             found.append(f"{path} = {there:.6g} there and {here:.6g} here")
     return found
 
@@ -118,16 +118,18 @@ def _weights(end: EndState, acted: Mapping[str, float]) -> np.ndarray | None:
     return found if whole else None
 
 
+def _equal(one: float, other: float) -> bool:
+    return abs(one - other) <= SAME * max(abs(one), abs(other))
+
+
 def _same(column: Mapping[str, float], shares: Mapping[str, float]) -> bool:
-    return column.keys() == shares.keys() and all(
-        abs(column[path] - share) <= SAME_SHARE * abs(share) for path, share in shares.items()
-    )
+    return column.keys() == shares.keys() and all(_equal(column[path], share) for path, share in shares.items())
 
 
 def _refuse_other_value(scene: Scene, end: EndState, path: str) -> None:
     here = float(np.real(scene.number(path)))
     there = end.numbers.get(path, scene.model_parameters().get(path, here))
-    if here != there:
+    if not _equal(here, there):
         raise InputError(
             f"there is no gradient by {path!r}: it is {here:.9g}, and was {there:.9g} in the run whose last state {end.path.name!r} keeps. "
             "Make that run anew at this value, with derivatives."
@@ -147,7 +149,7 @@ def _refuse_other_scene(system: System, end: EndState) -> None:
         which = f"it has no {missing}" if missing else f"it has the {foreign}" if foreign else "its bodies are in another order"
         raise InputError(f"solver.start: {name!r} keeps a run of another scene: {which}. {again}")
     for body_name, body in scene.bodies.items():
-        there = end.table.get("bodies", {}).get(body_name, {})
+        there = end.bodies.get(body_name, {})
         here = {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
         for key, word in here.items():
             if there.get(key) != word:
@@ -155,7 +157,7 @@ def _refuse_other_scene(system: System, end: EndState) -> None:
                     f"solver.start: {name!r} keeps a run of another scene: bodies.{body_name}.{key} was {there.get(key)!r} there and is "
                     f"{word!r} here, so that the coordinates of the body mean something else. {again}"
                 )
-        if isinstance(body, ModelBody) and end.models.get(there.get("model", "")) != _digest(scene.directory / body.model):
+        if isinstance(body, ModelBody) and end.models.get(str(there.get("model"))) != _digest(scene.directory / body.model):
             raise InputError(
                 f"solver.start: {name!r} keeps a run with another reduced model of body {body_name!r}: {body.model!r} has another "
                 f"content now, and its elastic coordinates mean something else. {again}"
