@@ -377,5 +377,5 @@ def test_a_file_whose_scene_is_none_is_refused(folder, key, wrong):
     kept(scene, folder)
     found = load_results(folder / "kept.h5")
     save_results(replace(found, scene=replace(found.scene, table={**found.scene.table, key: wrong})), folder / "wrong.h5")
-    with pytest.raises(ResultsFileError, match="wrong.h5' is damaged or incomplete"):
+    with pytest.raises(ResultsFileError, match=r"wrong\.h5' is damaged or incomplete"):
         ffrf.compile(further(scene, "wrong.h5")).simulate()
