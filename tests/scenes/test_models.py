@@ -315,7 +315,9 @@ def governor(m: Any, M: Any, J: Any, k: Any, c: Any, torque: Any, omega: Any) ->
 
     y, lift = np.array([np.arcsin(0.6), 0.0, (2 * m * 0.2**2 + J + SPINNING) * omega], complex), {}
     for begin, end in pairwise((0.0, 0.5, 1.0, 1.5, 2.0, 6.0)):  # where the torque has corners
-        y = solve_ivp(rates, (begin, end), y, method="DOP853", rtol=1e-10, atol=1e-13, max_step=0.01).y[:, -1]  # of a derivative too
+        y = solve_ivp(rates, (begin, end), y, method="DOP853", rtol=1e-10, atol=1e-13, max_step=0.01).y[
+            :, -1
+        ]  # of a derivative too
         lift[end] = RELAXED - 2 * ARM * np.cos(y[0])
     speed = y[2] / (2 * m * (PIVOT + ARM * np.sin(y[0])) ** 2 + J + SPINNING)
     return {"rest": lift[0.5], "rise": lift[1.5], "lift": lift[6.0], "speed": speed}
