@@ -23,10 +23,12 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.kinematics.deflection import Deflection
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
+from toolkit.studies.stability.physics_maps import speed_map
 from toolkit.system.system import compile_scene
 from toolkit.validity.start.start_cautions import cautions_of_start
 from toolkit.validity.start.start_state import start_lines, start_record
 
+MODELS = Path(__file__).parents[2] / "models"
 BENT = {2: (0.02, -0.03), 3: (0.02, -0.03, 0.01)}
 RATE = {2: (-0.4, 0.1), 3: (0.1, 0.3, -0.2)}
 END = 0.8
@@ -117,6 +119,29 @@ def test_a_plucked_cantilever_has_the_cubic_of_its_tip_force(folder):
     assert (record["deforming"]["used"], record["deforming"]["written"]) == (0.0, None)
 
 
+def test_a_rod_between_two_pins_that_is_plucked_in_its_middle_vibrates_in_closed_form():
+    """u(t) = u_0 96 / pi^4 sum_n cos(w_n t) / n^4 over odd n, w_n = (n pi / L)^2 sqrt(E I / (rho A)), of a rod whose frame is its chord."""
+    kinds, u, time = ffrf.plane, 1e-3, 4e-3
+    scene = Scene(
+        units="m-kg-s",
+        directory=MODELS / "flexible_slider_crank",
+        points={name: BodyPoint(body="rod", interface=name) for name in "AMB"},
+        bodies={"rod": kinds.Flexible(model="frame.h5", deflection={"M": (0.0, u)})},
+        joints={name: kinds.Revolute(bodies=("rod", "ground"), point=name) for name in "AB"},
+        responses={"u": kinds.Displacement(body="rod", point="M", component="y")},
+        solver=RunOptions(end_time=time, step=4e-6, rho_inf=1.0),
+    )
+    number = np.arange(1, 20, 2)
+    own = (number * np.pi / 0.3) ** 2 * np.sqrt(2e11 * 0.006**2 / 12 / 7870)
+    expected = u * 96 / np.pi**4 * np.sum(np.cos(own * time) / number**4)
+    run = ffrf.compile(scene, ["bodies.rod.deflection.M.y"]).simulate(gradients="adjoint")
+    # four modes in each half have the frequencies of n = 1 and 3 to 1e-3, and others than the rod from n = 5 on: out of phase by then
+    rest = 2 * 96 / np.pi**4 * np.sum(number[2:] ** -4.0)
+    assert run.values["u"] == pytest.approx(expected, abs=rest * u)
+    assert run.gradients["u"]["bodies.rod.deflection.M.y"] == pytest.approx(expected / u, abs=rest)
+    assert rest < 0.006 * abs(expected / u)
+
+
 def cantilever(folder: Path, joints: dict[str, Any] | None = None, solver: dict[str, Any] | None = None, **body: Any) -> Scene:
     """A steel beam of 1 m, with joints to the ground."""
     places = {"R": "root", "M": "middle", "T": "tip"}
@@ -163,6 +188,15 @@ def test_a_written_rate_of_bending_holds_beside_what_the_joints_find(folder):
     assert not np.any(run.v[0, :3])
     assert (beam.point(scene, "T", "beam")[0][:, 1:] @ run.v[0, 3:])[1] == pytest.approx(0.2, rel=1e-12)
     assert not list(cautions_of_start(run))  # it begins to vibrate because it is told to
+
+
+def test_a_map_over_the_speed_takes_rates_of_bending_along(folder):
+    scene = alone(folder, 2, deflection={"U": BENT[2]}, elastic_velocity={"T": RATE[2]})
+    found = speed_map(scene)
+    for (k,), faster in found.scenes.items():
+        by = float(found.axes[0].values[k])
+        assert faster.number("bodies.arm.elastic_velocity.T.x") == pytest.approx(by * RATE[2][0])
+        assert faster.number("bodies.arm.deflection.U.x") == BENT[2][0]
 
 
 # --- refused, or told ---------------------------------------------------------------------------------------------------------------

@@ -31,6 +31,7 @@ from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.start.continued import continued_start
+from toolkit.studies.stability.physics_maps import speed_map
 
 HALF, STEP = 0.6, 0.01
 NUMBERS = {
@@ -231,6 +232,11 @@ def test_gradients_that_would_miss_the_kept_run_are_refused(folder):
         gradients_by("direct", moved, [path], "transient")
     told = {caution.code for caution in ffrf.compile(moved).simulate().solution.warnings}
     assert "start-of-other-numbers" in told
+
+
+def test_a_map_over_the_speed_is_refused_where_a_file_sets_it(folder):
+    with pytest.raises(InputError, match=r"the speed at the start is that of a results file \(solver\.start\)"):
+        speed_map(further(pendulum(folder, 2)))
 
 
 def renamed(scene: Scene, folder: Path) -> Scene:
