@@ -6,25 +6,19 @@ that run did not have it does not move, by all others it has to be told how.
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterable, Mapping
-from functools import lru_cache
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.quantities import STEP
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.end_state import EndState, end_state
 from toolkit.scene.scene import Scene
 from toolkit.solvers.start.continued import Motion, closed_start
+from toolkit.solvers.start.kept_scene import refuse_other_scene
 from toolkit.system.system import System
 
-READ_ANEW = ("model", "extrapolation")
-"""Words of a body that may differ from those of the kept run: its reduced model is compared by its content."""
 SAME = 1e-12
 """Relative difference of two numbers that is round-off."""
 
@@ -44,15 +38,15 @@ def kept_start(system: System, options: RunOptions) -> Motion:
     """
     end = kept_state(system.scene)
     assert end is not None
-    _refuse_other_scene(system, end)
+    refuse_other_scene(system, end)
     n_q, q, v = system.n_q, end.q, end.v
     dq, dv = np.zeros((2, system.n, system.n_x))
     for x, variable in enumerate(system.design):
         shares = dict(zip(variable.paths, variable.factors, strict=True))
-        dq[:n_q, x], dv[:n_q, x] = _slopes(system.scene, end, variable.name, shares)
+        dq[:n_q, x], dv[:n_q, x] = _slopes(system.scene, end, f"the design variable {variable.name!r}", shares)
     if not system.compiled:  # a complex step moves the start as the kept run says
         steps = {path: np.imag(number) / STEP for path, number in system.scene.numbers() if np.imag(number)}
-        slopes = _slopes(system.scene, end, "of the complex step", steps)
+        slopes = _slopes(system.scene, end, "the complex step", steps)
         q, v = q + 1j * STEP * slopes[0], v + 1j * STEP * slopes[1]
     return closed_start(system, q, v, dq, dv, options)
 
@@ -90,7 +84,7 @@ def refuse_differences(scene: Scene, paths: Iterable[str]) -> None:
         )
 
 
-def _slopes(scene: Scene, end: EndState, name: str, shares: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
+def _slopes(scene: Scene, end: EndState, what: str, shares: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives of coordinates and velocities (n_q,) of the kept run along numbers: path -> how fast it grows."""
     acted = {path: share for path, share in shares.items() if end.has(path)}
     for path in acted:
@@ -98,7 +92,7 @@ def _slopes(scene: Scene, end: EndState, name: str, shares: Mapping[str, float])
     weights = _weights(end, acted)
     if weights is None:
         raise InputError(
-            f"the design variable {name!r} ({', '.join(acted)}) has acted in the run that {end.path.name!r} keeps too, and the file does "
+            f"{what} ({', '.join(acted)}) has acted in the run that {end.path.name!r} keeps too, and the file does "
             "not tell how its last state depends on it, so that the gradient would miss that part. Keep that run with derivatives: "
             f"ffrf sensitivity SCENE.toml --method direct --variables {','.join(acted)} --output {end.path.name}."
         )
@@ -134,53 +128,3 @@ def _refuse_other_value(scene: Scene, end: EndState, path: str) -> None:
             f"there is no gradient by {path!r}: it is {here:.9g}, and was {there:.9g} in the run whose last state {end.path.name!r} keeps. "
             "Make that run anew at this value, with derivatives."
         )
-
-
-def _refuse_other_scene(system: System, end: EndState) -> None:
-    """Refuse a state of other bodies, coordinates or reduced models."""
-    scene, name = system.scene, end.path.name
-    again = "Give a file of the same bodies, or run this scene first to make one."
-    if end.units != scene.units:
-        raise InputError(f"solver.start: {name!r} is in {end.units}, the scene in {scene.units}. {again}")
-    ours = system.numbering.names[: system.n_q]
-    if end.coordinates != ours:
-        foreign = next((each for each in end.coordinates if each not in ours), None)
-        missing = next((each for each in ours if each not in end.coordinates), None)
-        which = f"it has no {missing}" if missing else f"it has the {foreign}" if foreign else "its bodies are in another order"
-        raise InputError(f"solver.start: {name!r} keeps a run of another scene: {which}. {again}")
-    for body_name, body in scene.bodies.items():
-        there = end.bodies.get(body_name, {})
-        here = {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
-        for key, word in here.items():
-            if there.get(key) != word:
-                raise InputError(
-                    f"solver.start: {name!r} keeps a run of another scene: bodies.{body_name}.{key} was {there.get(key)!r} there and is "
-                    f"{word!r} here, so that the coordinates of the body mean something else. {again}"
-                )
-        if isinstance(body, ModelBody) and end.models.get(str(there.get("model"))) != _digest(scene.directory / body.model):
-            raise InputError(
-                f"solver.start: {name!r} keeps a run with another reduced model of body {body_name!r}: {body.model!r} has another "
-                f"content now, and its elastic coordinates mean something else. {again}"
-            )
-
-
-def _is_word(key: str, value: Any) -> bool:
-    return (
-        isinstance(value, str)
-        or (isinstance(value, tuple) and all(isinstance(each, str) for each in value))
-        or (key == "axis" and value is not None)
-    )
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value
-
-
-def _digest(path: Path) -> str:
-    found = path.stat()
-    return _digest_of(path, found.st_mtime_ns, found.st_size)
-
-
-@lru_cache(maxsize=32)
-def _digest_of(path: Path, _changed: int, _size: int) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
