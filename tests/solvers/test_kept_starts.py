@@ -160,6 +160,12 @@ def test_a_driver_goes_on_where_its_curve_has_led(folder):
     run = ffrf.compile(crank(-0.5, start="kept.h5")).simulate()
     assert run.values["turn"] == pytest.approx(2.0, abs=1e-10)
     assert "start-of-other-numbers" not in {caution.code for caution in run.warnings}  # a curve has to be another
+    released = crank(0.0, start="kept.h5")
+    released = released.model_copy(update={"joints": {"hinge": released.joints["hinge"]}})
+    coasting = (
+        ffrf.compile(released).simulate().values["turn"]
+    )  # half the height, and half a second at twice the mean rate of 2 rad/s
+    assert coasting == pytest.approx(1.0 + 0.5 * 4.0, rel=1e-3)  # second order in the step
     with pytest.raises(
         InputError, match=r"the start is off the joints of this scene at t = 0.*give the drivers curves that begin"
     ):
