@@ -23,10 +23,16 @@ def direction(paths: Iterable[str], seed: int = 0) -> dict[str, float]:
     return dict(zip(names, factors.tolist(), strict=True))
 
 
-def derivative_along(scene: Scene, factors: Mapping[str, float], kind: Kind, known: Solution | None = None) -> dict[str, float]:
-    """Response -> derivative along the direction, by one complex step; `known` as of `derivative`."""
+def derivative_along(
+    scene: Scene, factors: Mapping[str, float], kind: Kind, known: Solution | None = None, difference: float | None = None
+) -> dict[str, float]:
+    """Response -> derivative along the direction, by one complex step, or by a central `difference` over that part of it.
+
+    `known` is that of `derivative`.
+    """
     moved = DesignVariable("direction", 1.0, tuple(factors), tuple(factors.values()))
-    return {name: float(value) for name, value in derivative(scene, moved, kind, "complex-step", {}, known=known).items()}
+    method = "complex-step" if difference is None else "central-difference"
+    return {name: float(value) for name, value in derivative(scene, moved, kind, method, {}, difference, known).items()}
 
 
 def along(slopes: Mapping[str, float], factors: Mapping[str, float]) -> float:
