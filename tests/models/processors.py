@@ -33,6 +33,7 @@ _FILES = (
     "spatial_bracket/body",
     "flexible_slider_crank/frame",
     "spinning_beam/frame",
+    "flexible_crank/frame",
 )
 BUILT = {name: MODELS / name for name in _FILES}
 """Committed models by the files that describe them."""

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from toolkit.description.description import Description, NotNegative, Positive
-from toolkit.description.option_checks import contradictions
+from toolkit.description.option_checks import START_SCHEMA, STARTS, contradictions, known_start
 from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
@@ -64,9 +64,13 @@ class RunOptions(Description):
         time 0, and refuses to jump where the path of equilibria ends. Without dampers the path is followed between two times where
         the states do not show it, and unstable equilibria are refused.
     start
-        Where a motion begins: "given", in the written positions, undeformed; or "equilibrium", in the equilibrium under the loads that
+        Where a motion begins: "given", in the written positions and shapes; "equilibrium", in the equilibrium under the loads that
         act at time 0, with the velocities that the scene writes, or with `equilibrium` = "spinning" in the steady spin that its driver
-        asks for then. Its gradients know how that equilibrium depends on the design.
+        asks for then; or "wing.h5", in the last state of the run that this results file keeps,
+        whose positions, shapes and velocities replace the written ones; it is sought from the scene's folder. Time begins at 0 again,
+        and so do curves (give those that go on a negative `start`) and counted turns. Gradients know how an equilibrium depends on
+        the design, and how a kept state does if the file holds its derivatives (`ffrf sensitivity --method direct --output`); without
+        them, gradients by numbers that the kept run had too are refused.
     local_error
         Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
@@ -108,7 +112,7 @@ class RunOptions(Description):
     newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
     quasi_static: bool = False
-    start: Literal["given", "equilibrium"] = "given"
+    start: Annotated[str, AfterValidator(known_start), WithJsonSchema(START_SCHEMA)] = "given"
     local_error: Annotated[Positive | None, Quantity("none")] = None
     times: Annotated[tuple[NotNegative, ...] | None, Quantity("time")] = Field(default=None, min_length=2)
     load_steps: Count = 10
@@ -119,6 +123,11 @@ class RunOptions(Description):
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000
     equilibrium: Literal["rest", "spinning"] = "rest"
+
+    @property
+    def start_file(self) -> str | None:
+        """The results file that a motion begins from, None if it begins elsewhere."""
+        return None if self.start in STARTS else self.start
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:
