@@ -14,6 +14,7 @@ from tests.models.directions import along, derivative_along, direction
 from tests.models.every_number import SCENES
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
+from toolkit.analyses.run_start import start_at_rest
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.description.run_options import RunOptions
@@ -22,6 +23,7 @@ from toolkit.receipt.receipt import receipt
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
+from toolkit.sensitivity.preparation import prepare
 
 MASS, STIFFNESS, FORCE, FREQUENCY, END = 1.3, 40.0, 6.0, 0.35, 1.1
 
@@ -109,7 +111,7 @@ def test_gradients_know_how_the_equilibrium_depends_on_every_number(folder, name
     ]
     by = {method: gradients_by(method, scene, paths, "transient").gradients for method in ("direct", "adjoint")}
     factors = direction(paths)
-    judge = derivative_along(scene, factors, "transient")
+    judge = derivative_along(scene, factors, "transient", start_at_rest(prepare(scene), scene.solver))
     for response, slopes in by["adjoint"].items():
         largest = max(map(abs, slopes.values()))
         assert along(slopes, factors) == pytest.approx(judge[response], rel=1e-9, abs=1e-11 * largest), response

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.analyses.statics import solve_statics
+from toolkit.analyses.statics import equilibrium_beside, solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import InputError
@@ -12,11 +12,24 @@ from toolkit.solvers.start.initial_conditions import State, consistent_start, mo
 from toolkit.solvers.start.kept_start import kept_start
 from toolkit.solvers.start.written_velocities import written_velocities
 from toolkit.solvers.transient.formulation import start_levels
+from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 
-def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, v: np.ndarray | None = None) -> State:
-    """State at time 0; `q` and `v` (n_q,) replace the scene's own start.
+def start_at_rest(system: System, options: RunOptions) -> Solution | None:
+    """The equilibrium at time 0 in which a run begins; None if it begins otherwise."""
+    at_rest = options.quasi_static or (options.start == "equilibrium" and options.equilibrium != "spinning")
+    return solve_statics(system, options.model_copy(update={"end_time": 0.0, "load_steps": 1})) if at_rest else None
+
+
+def run_start(
+    system: System,
+    options: RunOptions,
+    q: np.ndarray | None = None,
+    v: np.ndarray | None = None,
+    beside: Solution | None = None,
+) -> State:
+    """State at time 0; `q` and `v` (n_q,) replace the scene's own start, `beside` is that of `simulate`.
 
     Raises
     ------
@@ -39,13 +52,15 @@ def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, 
         return with_accelerations(system, levels, *kept_start(system, options))
     if options.equilibrium == "spinning":
         return _spinning(system, options)
-    rest = _at_rest(system, options)
+    found = start_at_rest(system, options) if beside is None else equilibrium_beside(system, beside)
+    assert found is not None
+    rest = _at_rest(system, found)
     return rest if options.quasi_static else moving_start(system, levels, rest.q, rest.dq)
 
 
-def _at_rest(system: System, options: RunOptions) -> State:
-    """Coordinates and multipliers in equilibrium under the loads at time 0, with their design derivatives."""
-    found, free = solve_statics(system, options.model_copy(update={"end_time": 0.0, "load_steps": 1})), system.n - system.n_q
+def _at_rest(system: System, found: Solution) -> State:
+    """Coordinates and multipliers of an equilibrium, with their design derivatives."""
+    free = system.n - system.n_q
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     still = np.zeros((system.n, system.n_x))
     q, acc = np.append(found.q[0], rest[:free]), np.append(rest[: system.n_q], found.multipliers[0])

@@ -36,6 +36,7 @@ def simulate(
     q: np.ndarray | None = None,
     v: np.ndarray | None = None,
     progress: Callable[[int, int], None] | None = None,
+    beside: Solution | None = None,
 ) -> Solution:
     """Integrate a scene over time and carry the sensitivities of the system's design variables along.
 
@@ -48,6 +49,8 @@ def simulate(
         Start that replaces the scene's, not depending on the design.
     progress : callable
         Called with the steps done and the steps in all.
+    beside : Solution
+        Of `start_at_rest`, for the scene whose numbers differ by nothing but a complex step: the equilibrium is found from there.
 
     Raises
     ------
@@ -59,7 +62,7 @@ def simulate(
     begun = clock.perf_counter()
     with watched_compilation() as compiled:
         run = prepare_run(system, options)
-        start = run_start(system, run.options, q, v)
+        start = run_start(system, run.options, q, v, beside)
         try:
             run, history = _integrated(run, start, progress)
         except ConvergenceError as error:

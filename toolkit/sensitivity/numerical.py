@@ -15,7 +15,9 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.statics import equilibrium_beside
+from toolkit.analyses.transient import simulate
 from toolkit.compilation.quantities import STEP
 from toolkit.description.design import DesignVariable
 from toolkit.description.run_options import RunOptions
@@ -73,10 +75,11 @@ def by_repetition(
         refuse_differences(compiled.scene, (path for variable in variables for path in variable.paths))
     primal, solution = clock(partial(solve, compiled.primal, kind), None)
     base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)
+    known = _equilibrium(compiled, kind, solution) if method == "complex-step" else None
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}
     begun = time.perf_counter()
     for k, variable in enumerate(variables):
-        for name, value in derivative(scene, variable, kind, method, base, relative_step, solution).items():
+        for name, value in derivative(scene, variable, kind, method, base, relative_step, known).items():
             gradients[name][variable.name] = float(value)
         if progress:
             progress(k + 1, len(variables))
@@ -90,6 +93,10 @@ def _again_directly(scene: Scene, design: list[str], options: RunOptions) -> tup
     return again(prepare(scene, design), options)
 
 
+def _equilibrium(compiled: Compiled, kind: Kind, solution: Solution) -> Solution | None:
+    return solution if kind == "static" else start_at_rest(compiled.primal, compiled.scene.solver)
+
+
 def derivative(
     scene: Scene,
     variable: DesignVariable,
@@ -99,13 +106,17 @@ def derivative(
     relative_step: float | None = None,
     known: Solution | None = None,
 ) -> dict[str, Any]:
-    """Derivative of all responses by one variable; beside a `known` equilibrium a complex step need not follow the path there again."""
+    """Derivative of all responses by one variable.
+
+    Beside a `known` equilibrium, of a motion that in which it starts, a complex step need not follow the path there again.
+    """
 
     def shifted(step: complex) -> dict[str, Any]:
         moved = scene.moved(variable, step)
-        if isinstance(step, complex) and kind == "static" and known is not None:
-            return evaluate_responses(equilibrium_beside(prepare(moved), known))
-        return values_of(moved, kind)
+        if not isinstance(step, complex) or known is None:
+            return values_of(moved, kind)
+        system = prepare(moved)
+        return evaluate_responses(equilibrium_beside(system, known) if kind == "static" else simulate(system, beside=known))
 
     if method == "complex-step":
         return {name: np.imag(value) / STEP for name, value in shifted(1j * STEP).items()}
