@@ -20,6 +20,8 @@ from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.gear import Gear
+from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
@@ -45,6 +47,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("distance of given length", Distance, {"length": 1.3}),
     ("angle driver", AngleDriver, {"curve": SUM}),
     ("position driver", PositionDriver, {"axis": (0.8, -0.5), "curve": SINE}),
+    ("gear", Gear, {"ratio": 1.7}),
+    ("gear in a ring", Gear, {"teeth": (20, -47)}),
+    ("rack", Rack, {"axis": (0.8, -0.5)}),
+    ("rack of given radius", Rack, {"axis": (0.8, -0.5), "radius": 0.3}),
+    ("rolling disc", RollingDisc, {"axis": (-0.3, 0.9)}),
     ("torque", Torque, {"torque": 1.7, "curve": TABLE}),
     ("point force", PointForce, {"force": (0.8, -1.1), "curve": SUM}),
     ("following force", PointForce, {"force": (0.8, -1.1), "frame": "body", "curve": LINEAR}),

@@ -14,12 +14,15 @@ from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.gear import SpatialGear
+from toolkit.joints.both.rack import SpatialRack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity
@@ -45,6 +48,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("distance of given length", SpatialDistance, {"length": 1.3}),
     ("angle driver", SpatialAngleDriver, {"axis": AXIS, "curve": SUM}),
     ("position driver", SpatialPositionDriver, {"axis": AXIS, "curve": SINE}),
+    ("screw", Screw, {"axis": AXIS, "pitch": -1.9}),
+    ("gear", SpatialGear, {"axis": AXIS, "teeth": (14, 35)}),
+    ("gear in a ring", SpatialGear, {"axis": AXIS, "teeth": (3, -8)}),
+    ("rack", SpatialRack, {"axis": AXIS, "along": (0.5, 0.8, 0.0)}),
+    ("rack of given radius", SpatialRack, {"axis": AXIS, "along": (0.5, 0.8, 0.0), "radius": 0.3}),
     ("torque", SpatialTorque, {"torque": (1.7, -0.6, 0.9), "curve": TABLE}),
     ("following torque", SpatialTorque, {"torque": (1.7, -0.6, 0.9), "frame": "body", "curve": SUM}),
     ("point force", SpatialPointForce, {"force": (0.8, -1.1, 0.5), "curve": SUM}),

@@ -10,6 +10,8 @@ from toolkit.door.curves import *  # noqa: F403
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.gear import Gear
+from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
@@ -25,14 +27,17 @@ __all__ = [
     "BodyPoint",
     "Distance",
     "Flexible",
+    "Gear",
     "Gravity",
     "Point",
     "PointForce",
     "PositionDriver",
+    "Rack",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
+    "RollingDisc",
     "RotationalSpringDamper",
     "Slider",
     "SpringDamper",

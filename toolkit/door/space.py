@@ -12,11 +12,14 @@ from toolkit.door.responses import *  # noqa: F403  (one list for the plane and 
 from toolkit.joints.both.distance import SpatialDistance as Distance
 from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
 from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
+from toolkit.joints.both.gear import SpatialGear as Gear
+from toolkit.joints.both.rack import SpatialRack as Rack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint as RigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
@@ -34,6 +37,7 @@ __all__ = [
     "Cylindrical",
     "Distance",
     "Flexible",
+    "Gear",
     "Gravity",
     "Point",
     "PointForce",
@@ -41,11 +45,13 @@ __all__ = [
     "PositionDriver",
     "Pressure",
     "Prismatic",
+    "Rack",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
     "RotationalSpringDamper",
+    "Screw",
     "Spherical",
     "SpringDamper",
     "Torque",
