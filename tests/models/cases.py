@@ -26,6 +26,7 @@ from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -58,6 +59,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("spring-damper relaxed at the start", SpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
     ("rotational spring-damper", RotationalSpringDamper, {"stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3}),
+    (
+        "bushing",
+        Bushing,
+        {"stiffness": (2.1, 0.7), "damping": (0.6, 0.2), "rotational_stiffness": 1.3, "rotational_damping": 0.4},
+    ),
 ]
 """Name, kind, numbers; bodies and points come from every grip."""
 

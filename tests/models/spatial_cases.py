@@ -25,6 +25,7 @@ from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.bushing import SpatialBushing
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -64,6 +65,16 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ),
     ("spring-damper relaxed at the start", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
+    (
+        "bushing",
+        SpatialBushing,
+        {
+            "stiffness": (2.1, 0.7, 1.2),
+            "damping": (0.6, 0.2, 0.9),
+            "rotational_stiffness": (1.3, 0.3, 1.9),
+            "rotational_damping": (0.4, 0.8, 0.5),
+        },
+    ),
 ]
 """Name, kind, numbers; bodies and points come from a grip."""
 

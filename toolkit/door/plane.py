@@ -15,6 +15,7 @@ from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -25,6 +26,7 @@ __all__ = [
     *responses.__all__,
     "AngleDriver",
     "BodyPoint",
+    "Bushing",
     "Distance",
     "Flexible",
     "Gear",

@@ -22,6 +22,7 @@ from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
 from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.bushing import SpatialBushing as Bushing
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
 from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -34,6 +35,7 @@ __all__ = [
     *responses.__all__,
     "AngleDriver",
     "BodyPoint",
+    "Bushing",
     "Cylindrical",
     "Distance",
     "Flexible",
