@@ -94,7 +94,10 @@ def spatial_wheels(teeth: tuple[int, int]) -> ffrf.Scene:
             "gear": space.Gear(bodies=("small", "large"), points=("A", "B"), axis=AXIS, teeth=teeth),
         },
         loads={"motor": space.Torque(body="small", point="A", torque=tuple(0.5 * x for x in AXIS))},
-        responses={"turned": space.RelativeAngle(bodies=("large", "ground"), point="B", axis=AXIS), "speed": space.KineticEnergy()},
+        responses={
+            "turned": space.RelativeAngle(bodies=("large", "ground"), point="B", axis=AXIS),
+            "speed": space.KineticEnergy(),
+        },
     )
 
 

@@ -73,7 +73,9 @@ class Gear(Wheels, PlanarJoint):
         if len(given) != 1:
             raise ValueError(f"a gear has one of `ratio`, `radii` and `teeth`, not {' and '.join(given) or 'none of them'}")
         if self.ratio == 0 or (self.radii and (0 in self.radii or max(self.radii) < 0)):
-            raise ValueError("no ratio and no radius of a gear is zero, and of two wheels one at most is a ring, with a negative one")
+            raise ValueError(
+                "no ratio and no radius of a gear is zero, and of two wheels one at most is a ring, with a negative one"
+            )
         return self
 
     def constraint(self, scene: Skeleton | None) -> tuple[Row, ...]:
@@ -95,7 +97,9 @@ class Gear(Wheels, PlanarJoint):
         d = -self.apart(scene)
         square = d @ d
         if not np.real(square) > 0:
-            raise InputError(f"a gear between points {self.points[0]!r} and {self.points[1]!r} has both centres at one place. Move one.")
+            raise InputError(
+                f"a gear between points {self.points[0]!r} and {self.points[1]!r} has both centres at one place. Move one."
+            )
         if self.radii is not None:
             reach, distance = abs(np.real(sum(self.radii))), np.sqrt(np.real(square))
             if abs(reach - distance) > FITS * distance:

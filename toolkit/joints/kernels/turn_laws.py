@@ -22,7 +22,12 @@ def add_angle(h, w, at, factor, g_h, g_hh, g_hww):
     t_c, t_s, t_cc, t_cs = -s / square, c / square, 2 * s * c / square**2, (s * s - c * c) / square**2
     t_ccc, t_ccs = 2 * s * (s * s - 3 * c * c) / square**3, 2 * c * (c * c - 3 * s * s) / square**3
     g_h[at], g_h[at + 1] = factor * t_c, factor * t_s
-    g_hh[at, at], g_hh[at, at + 1], g_hh[at + 1, at], g_hh[at + 1, at + 1] = factor * t_cc, factor * t_cs, factor * t_cs, -factor * t_cc
+    g_hh[at, at], g_hh[at, at + 1], g_hh[at + 1, at], g_hh[at + 1, at + 1] = (
+        factor * t_cc,
+        factor * t_cs,
+        factor * t_cs,
+        -factor * t_cc,
+    )
     g_hww[at] = factor * (t_ccc * u * u + 2 * t_ccs * u * v - t_ccc * v * v)
     g_hww[at + 1] = factor * (t_ccs * u * u - 2 * t_ccc * u * v - t_ccs * v * v)
     return angle_of(s, c), t_c, t_s, t_cc * u + t_cs * v, t_cs * u - t_cc * v

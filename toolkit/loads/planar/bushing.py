@@ -29,7 +29,7 @@ def bushing(z, w, force, force_z, force_w):
         force_z[2, 6 + m] = -y * (z[0] - z[3]) + x * (z[1] - z[4])
         force_z[0, 9 + m], force_z[1, 9 + m], force_z[3, 9 + m], force_z[4, 9 + m] = -y * w[2], x * w[2], y * w[2], -x * w[2]
         force_z[2, 9 + m] = -y * (w[0] - w[3]) + x * (w[1] - w[4]) - u * w[2]
-        tension = add_measured_spring(z, w, u, 6 + m, 9 + m, force, force_z, force_w)
+        tension = add_measured_spring(z, w, u, z[6 + m], 6 + m, 9 + m, force, force_z, force_w)
         for i in range(2):
             turned = -y if i == 0 else x
             for side in range(2):
@@ -38,7 +38,7 @@ def bushing(z, w, force, force_z, force_w):
                 force_z[2, 3 * side + i] -= sign * tension * turned
         force_z[2, 2] += tension * u
     force_z[2, 8], force_z[5, 8] = 1, -1
-    add_measured_spring(z, w, z[2] - z[5], 8, 11, force, force_z, force_w)
+    add_measured_spring(z, w, z[2] - z[5], z[8], 8, 11, force, force_z, force_w)
 
 
 class Bushing(BetweenBodies, PlanarLoad):

@@ -26,9 +26,12 @@ def product(m, n):
 
 @kernel
 def spatial_bushing(z, w, force, force_z, force_w):
-    """f = -sum (k u + c u') u_z of six measures, each a sum of two products of vectors; see `measured_spring`.
+    """f = -sum (k u + c u') u_z of offsets u_i = e_ia . (r_a - r_b), i = 0 to 2, and of the rotations between both axes
 
-    u_i = e_ia . (r_a - r_b),  u_3+i = (e_ja . e_kb - e_ka . e_jb) / 2 with (i, j, k) in cyclic order; k = z[24:30], c = z[30:36].
+        - sum k_i (2 p_i)^2_z / 2 - sum c_i s_i' s_i,z,     s_i = (e_ja . e_kb - e_ka . e_jb) / 2,    (i, j, k) in cyclic order,
+
+    p being the quaternion of the rotation, (2 p_i)^2 = 1 + R_ii - R_jj - R_kk, R_ii = e_ia . e_ib; k = z[24:30], c = z[30:36]. See
+    `measured_spring`.
     """
     for m in range(6):
         u = 0 * z[0]
@@ -40,24 +43,44 @@ def spatial_bushing(z, w, force, force_z, force_w):
                 force_z[3 * q + c, 24 + m] += value * z[3 * p + c]
                 force_z[3 * p + c, 30 + m] += value * w[3 * q + c]
                 force_z[3 * q + c, 30 + m] += value * w[3 * p + c]
-        tension = add_measured_spring(z, w, u, 24 + m, 30 + m, force, force_z, force_w)
+        k = z[24 + m] if m < 3 else 0 * z[24]
+        tension = add_measured_spring(z, w, u if m < 3 else 0 * u, k, 24 + m, 30 + m, force, force_z, force_w)
         for n in range(2):
             p, q, value = product(m, n)
             for c in range(3):
                 force_z[3 * p + c, 3 * q + c] -= value * tension
                 force_z[3 * q + c, 3 * p + c] -= value * tension
+    for i in range(3):
+        add_alignment(z, i, force, force_z)
+
+
+@inner
+def add_alignment(z, i, force, force_z):
+    """What keeps e_ia at e_ib: f = K (R_ii)_z, K = (k_j + k_k - k_i) / 2."""
+    pull = (z[27] + z[28] + z[29]) / 2 - z[27 + i]
+    for c in range(3):
+        a, b = 3 + 3 * i + c, 15 + 3 * i + c
+        force[a] += pull * z[b]
+        force[b] += pull * z[a]
+        force_z[a, b] += pull
+        force_z[b, a] += pull
+        for n in range(3):
+            share = -0.5 if n == i else 0.5
+            force_z[a, 27 + n] += share * z[b]
+            force_z[b, 27 + n] += share * z[a]
 
 
 class SpatialBushing(BetweenBodies, SpatialLoad):
     """Springs and dampers in three directions and three small rotations; relaxed where the points coincide and nothing is turned.
 
     Forces -k_i u_i - c_i u_i', with the offsets u_i = e_ia . (r_a - r_b) along the axes of body a, which are those of the coordinates in
-    the undeformed configuration, and torques of the rotations
+    the undeformed configuration. The rotation of body a against body b by an angle about an axis n is measured by t = 2 sin(angle / 2) n,
+    so that forces and torques are the gradient of sum k_i u_i^2 / 2 + sum k_i t_i^2 / 2, less what damps: about one axis
 
-        s_i = (e_ja . e_kb - e_ka . e_jb) / 2,     s = n sin(angle) for a turn of body a against body b about any axis n
+        torque = - k sin(angle) - c cos(angle)^2 angle'
 
-    Together they are the gradient of sum k_i u_i^2 / 2 + sum k_i s_i^2 / 2. That is a small rotation's: at 30 degrees s is 4.5 % less than
-    the angle, where a run is doubted, and beyond a quarter turn the torque would fall.
+    That is a small rotation's: at 30 degrees it is less than k angle by 4.5 % and than c angle' by 25 %. A run that goes further is
+    doubted; beyond a quarter turn the torque would fall.
 
     Attributes
     ----------
