@@ -416,5 +416,5 @@ def test_a_pinion_on_the_line_of_its_rack_is_refused():
 
 
 def test_a_disc_that_does_not_touch_its_line_is_refused():
-    with pytest.raises(InputError, match="contact of joint 'disc' is violated by -0.05"):
+    with pytest.raises(InputError, match=r"contact of joint 'disc' is violated by -0\.05"):
         simulate(compile_scene(disc(plane.RollingDisc, 0.3, radius=0.35)))

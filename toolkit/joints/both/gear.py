@@ -52,7 +52,8 @@ class Gear(Wheels, PlanarJoint):
     planets. n is radius b over radius a; the second wheel turns the other way for a positive n and the same way for a negative one.
     It is given by `ratio`, by `radii` or by `teeth`. Each wheel needs a revolute on its carrier beside the gear.
 
-    phi is counted in the turn that fits the wheels best: a step turns each by less than (1 + n) / 2 turns of the line.
+    The line does not say how often it has turned: it is taken in the turn that fits the wheels best. A start or a step that is off by more
+    than (1 + n) / 2 turns would be in mesh with another one.
 
     Attributes
     ----------
@@ -89,7 +90,9 @@ class Gear(Wheels, PlanarJoint):
 
     @property
     def _ratio(self) -> Any:
-        first, second = self.radii or self.teeth or (1.0, self.ratio)
+        if self.ratio is not None:
+            return self.ratio
+        first, second = self.radii or self.teeth or (1.0, 1.0)
         return second / first
 
     def _line(self, scene: Skeleton) -> np.ndarray:

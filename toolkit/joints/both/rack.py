@@ -49,7 +49,9 @@ class OnRack(AtPoints, Joint):
 
 
 class Rack(OnRack, Directed):
-    """s + R (angle_a - angle_b) = 0: pinion a rolls without slip along a line of rack b, by s from where it was; R is negative below the line.
+    """s + R (angle_a - angle_b) = 0: pinion a rolls without slip along a line of rack b, by s from where it was.
+
+    R is negative for a pinion on the right of the axis, seen along it.
 
     What keeps the pinion on the rack stands beside it: both on guides, or a slider with its rotation free.
 

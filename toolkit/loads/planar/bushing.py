@@ -42,11 +42,11 @@ def bushing(z, w, force, force_z, force_w):
 
 
 class Bushing(BetweenBodies, PlanarLoad):
-    """Springs and dampers in both directions and between the rotations of two bodies; relaxed where the points coincide and nothing is turned.
+    """Springs and dampers in both directions and between the rotations of two bodies.
 
-    Forces -k_i u_i - c_i u_i', with the offsets u_1, u_2 of the point of body a from that of body b along the axes of body a, which are those
-    of the coordinates in the undeformed configuration, and a torque -k angle - c angle', angle = angle_a - angle_b of any number of turns.
-    They are the gradient of sum k_i u_i^2 / 2.
+    It is relaxed where the points coincide and nothing is turned. Forces -k_i u_i - c_i u_i', with the offsets u_1, u_2 of the point of
+    body a from that of body b along the axes of body a, which are those of the coordinates in the undeformed configuration, and a torque
+    -k angle - c angle', angle = angle_a - angle_b of any number of turns: the gradient of sum k_i u_i^2 / 2, less what damps.
 
     Attributes
     ----------

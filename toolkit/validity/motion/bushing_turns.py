@@ -34,7 +34,7 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
         if largest > SMALL:
             yield Caution(
                 "bushing-turned-far",
-                f"loads.{name} is turned by up to {np.degrees(largest):.0f} degrees. The torques of a bushing in space are those of a small "
-                "rotation, -k sin(angle) - c cos(angle)^2 angle': at 30 degrees 4.5 and 25 % less than -k angle - c angle'. Take a "
+                f"loads.{name} is turned by up to {np.degrees(largest):.0f} degrees. The torques of a bushing in space are those of a "
+                "small rotation, -k sin(angle) - c cos(angle)^2 angle': at 30 degrees 4.5 and 25 % less than -k angle - c angle'. Take a "
                 "universal or revolute joint with rotational springs for what turns that far.",
             )
