@@ -13,11 +13,13 @@ from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.curves.kinds.sum import Sum
 from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.cam import Cam, SwingCam
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.gear import Gear
@@ -38,6 +40,9 @@ SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)
 TABLE = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9))
 SUM = Sum(terms=(SmoothStep(height=1.3, start=-0.2, duration=1.1), Constant(value=0.3), SINE, TABLE))
 LINEAR = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9), interpolation="linear")
+PROFILE = Sum(terms=(Harmonic(amplitude=0.4, offset=0.1, frequency=3 / (2 * np.pi), phase=0.3), Constant(value=0.2)))
+"""Over one turn."""
+LIFT = Table(times=(0.5, 1.7, 2.6, 4.0, 5.5), values=(0.3, 0.8, 0.6, -0.1, 0.3))
 
 KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("revolute", Revolute, {}),
@@ -52,6 +57,9 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("gear in a ring", Gear, {"teeth": (20, -47)}),
     ("rack", Rack, {"axis": (0.8, -0.5)}),
     ("rack of given radius", Rack, {"axis": (0.8, -0.5), "radius": 0.3}),
+    ("cam", Cam, {"axis": (0.8, -0.5), "curve": PROFILE}),
+    ("cam of a table", Cam, {"curve": LIFT}),
+    ("swing cam", SwingCam, {"curve": PROFILE}),
     ("rolling disc", RollingDisc, {"axis": (-0.3, 0.9)}),
     ("torque", Torque, {"torque": 1.7, "curve": TABLE}),
     ("point force", PointForce, {"force": (0.8, -1.1), "curve": SUM}),

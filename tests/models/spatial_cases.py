@@ -7,11 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing import build
-from tests.models.cases import LINEAR, SINE, SUM, TABLE
+from tests.models.cases import LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
 from toolkit.joints.both.gear import SpatialGear
@@ -49,6 +50,9 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("distance of given length", SpatialDistance, {"length": 1.3}),
     ("angle driver", SpatialAngleDriver, {"axis": AXIS, "curve": SUM}),
     ("position driver", SpatialPositionDriver, {"axis": AXIS, "curve": SINE}),
+    ("cam", SpatialCam, {"axis": AXIS, "along": (0.3, 0.4, -0.7), "curve": PROFILE}),
+    ("cam of a table", SpatialCam, {"axis": AXIS, "along": AXIS, "curve": LIFT}),
+    ("swing cam", SpatialSwingCam, {"axis": AXIS, "curve": PROFILE}),
     ("screw", Screw, {"axis": AXIS, "pitch": -1.9}),
     ("gear", SpatialGear, {"axis": AXIS, "teeth": (14, 35)}),
     ("gear in a ring", SpatialGear, {"axis": AXIS, "teeth": (3, -8)}),
