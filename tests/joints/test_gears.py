@@ -11,6 +11,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
+from toolkit.joints.rows import Row
 from toolkit.kinematics.spatial import axes_along
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.system.solution import Solution
@@ -418,3 +419,27 @@ def test_a_pinion_on_the_line_of_its_rack_is_refused():
 def test_a_disc_that_does_not_touch_its_line_is_refused():
     with pytest.raises(InputError, match=r"contact of joint 'disc' is violated by -0\.05"):
         simulate(compile_scene(disc(plane.RollingDisc, 0.3, radius=0.35)))
+
+
+class Coupled(plane.Gear):
+    """A joint of one's own with a point on each body."""
+
+    kind = "test-coupled"
+
+    def constraint(self, scene: object) -> tuple[Row, ...]:
+        """Both turn alike."""
+        a, b = self.poses
+        return (Row("rotation", "angle", a.angle - b.angle),)
+
+
+def test_points_of_a_joint_that_needs_no_direction_may_lie_at_one_place():
+    """Two wheels that one shaft couples."""
+    scene = geared_wheels(Coupled(bodies=("small", "large"), points=("A", "B"), ratio=1.0))
+    found = run(scene.model_copy(update={"points": at(A=(0.3, 0.1), B=(0.3, 0.1))}))
+    np.testing.assert_allclose(found.q[:, 5], 0.25 * found.times**2 / (0.02 + 1.5), atol=1e-8)
+
+
+def test_a_rod_of_no_length_is_still_refused():
+    scene = geared_wheels(plane.Distance(bodies=("small", "large"), points=("A", "B")))
+    with pytest.raises(InputError, match=r"joints\.gear leads from point 'A' to point 'B', which are at the same place"):
+        compile_scene(scene.model_copy(update={"points": at(A=(0.3, 0.1), B=(0.3, 0.1))}))

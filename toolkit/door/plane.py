@@ -8,6 +8,7 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
+from toolkit.joints.both.cam import Cam, SwingCam
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.gear import Gear
@@ -27,6 +28,7 @@ __all__ = [
     "AngleDriver",
     "BodyPoint",
     "Bushing",
+    "Cam",
     "Distance",
     "Flexible",
     "Gear",
@@ -43,5 +45,6 @@ __all__ = [
     "RotationalSpringDamper",
     "Slider",
     "SpringDamper",
+    "SwingCam",
     "Torque",
 ]

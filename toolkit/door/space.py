@@ -9,6 +9,8 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
+from toolkit.joints.both.cam import SpatialCam as Cam
+from toolkit.joints.both.cam import SpatialSwingCam as SwingCam
 from toolkit.joints.both.distance import SpatialDistance as Distance
 from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
 from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
@@ -36,6 +38,7 @@ __all__ = [
     "AngleDriver",
     "BodyPoint",
     "Bushing",
+    "Cam",
     "Cylindrical",
     "Distance",
     "Flexible",
@@ -56,6 +59,7 @@ __all__ = [
     "Screw",
     "Spherical",
     "SpringDamper",
+    "SwingCam",
     "Torque",
     "Universal",
 ]
