@@ -117,6 +117,26 @@ def test_geared_wheels_in_space_turn_with_their_reduced_inertia(teeth):
     np.testing.assert_allclose(np.divide(*errors), 4, rtol=0.1)
 
 
+@pytest.mark.parametrize("angle", [0.3, 2.5])
+@pytest.mark.parametrize("teeth", [(17, 51), (97, 101), (20, -47)])
+def test_geared_wheels_rest_where_a_spring_holds_them(teeth, angle):
+    """torque = k angle_a / n^2, in the plane and in space: no equilibrium is in mesh with the next tooth."""
+    ratio, k = teeth[1] / teeth[0], 2.0
+    torque = k * angle / ratio**2
+    flat = geared_wheels(plane.Gear(bodies=("small", "large"), points=("A", "B"), teeth=teeth))
+    flat_loads = {
+        "motor": plane.Torque(body="small", point="A", torque=torque),
+        "coil": plane.RotationalSpringDamper(bodies=("large", "ground"), point="B", stiffness=k),
+    }
+    loads = {
+        "motor": space.Torque(body="small", point="A", torque=tuple(torque * x for x in AXIS)),
+        "coil": space.RotationalSpringDamper(bodies=("large", "ground"), point="B", axis=AXIS, stiffness=k),
+    }
+    for scene, found in ((flat, flat_loads), (spatial_wheels(teeth), loads)):
+        values = ffrf.compile(scene.model_copy(update={"loads": found})).statics().values
+        assert values["turned"] == pytest.approx(-angle / ratio, abs=1e-9)  # Newton's tolerance
+
+
 # --- a carrier that turns ------------------------------------------------------------------------------------------------------------
 
 ARM, PLANET = (0.7, 0.05), (2.0, 0.01)

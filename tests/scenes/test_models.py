@@ -187,7 +187,7 @@ def bricard(u: complex, v: complex) -> list[tuple[np.ndarray, ...]]:
 
 
 def bricard_energies(u: complex, v: complex, gravity: float, middle: float) -> tuple[complex, complex]:
-    """Twice the kinetic energy for ds/dt = 1, and the potential energy, of rods of 1 m, 1 kg and 0.1 m by 0.1 m, that in the middle of m."""
+    """Twice the kinetic energy for ds/dt = 1, and the potential energy, of rods of 1 kg, 1 m by 0.1 m by 0.1 m; CD has its own mass."""
     masses, doubled, height = [1.0, 1.0, middle, 1.0, 1.0], 0.0, 0.0
     for (at, along, rate, spin), mass in zip(bricard(u, v), masses, strict=False):
         centre_rate, about = rate + np.cross(spin, along) / 2, spin @ along
@@ -211,7 +211,7 @@ def bricard_motion(times: list[float], gravity: float = 9.81, middle: float = 1.
 
 
 def test_bricards_linkage_meets_its_closed_chain_for_ten_seconds():
-    """One degree of freedom in closed form, against thirty-five coordinates and thirty-five constraints, one of which repeats the others."""
+    """One degree of freedom in closed form against 35 coordinates and 35 constraints, one of which repeats the others."""
     for u, v in ((np.arccos(0.3), np.arccos(0.7)), (np.arccos(0.6), -np.arccos(0.4))):
         np.testing.assert_allclose(bricard(u, v)[6][0], 0, atol=1e-14)  # the judge's loop is closed
     times, errors = [0.5, 1.0, 2.0, 4.0, 7.5, 9.0, 10.0], []

@@ -48,6 +48,10 @@ class AtPoints(Description):
         """Each body at its own point."""
         return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
 
+    def circles(self, _scene: Skeleton) -> list[tuple[int, float]]:
+        """What rolls, for pictures: at which of the points, and its radius."""
+        return []
+
     def apart(self, scene: Skeleton) -> np.ndarray:
         """From point b to point a in the undeformed configuration."""
         return scene.position(self.points[0]) - scene.position(self.points[1])

@@ -80,10 +80,10 @@ class Cam(Lift, Directed):
 
 
 class SpatialCam(AboutAxis, Lift, SpatialJoint):
-    """n . (r_a - r_b) - s_0 - (f(angle) - f(0)) = 0: the follower, body a, moves along n as the cam, body b, turns against it about the axis.
+    """n . (r_a - r_b) - s_0 - (f(angle) - f(0)) = 0: the follower, body a, moves along n as the cam, body b, turns against it.
 
-    s_0 is the offset in the undeformed configuration, and the angle counts from there. The follower does not turn against what carries
-    both, which may move: a prismatic joint and the revolute of the cam stand beside this joint.
+    The angle is that about the axis. s_0 is the offset in the undeformed configuration, and the angle counts from there. The follower does
+    not turn against what carries both, which may move: a prismatic joint and the revolute of the cam stand beside this joint.
 
     Attributes
     ----------
@@ -134,8 +134,8 @@ class Swing(OnCam):
         line = -self.apart(scene) @ axes[:, :2]
         if not np.real(line @ line) > 0:
             raise InputError(
-                f"a {self.kind} between points {self.points[0]!r} and {self.points[1]!r} has the pivot of its follower on the axis of the cam. "
-                "Move one of them."
+                f"a {self.kind} between points {self.points[0]!r} and {self.points[1]!r} has the pivot of its follower on the axis of the "
+                "cam. Move one of them."
             )
         return line / (line @ line)
 

@@ -45,6 +45,14 @@ class Wheels(AtPoints, Joint):
         return self
 
 
+def rolling(distance: float, ratio: float) -> list[tuple[int, float]]:
+    """Pitch circles of two wheels; of two that are equally large none that would touch."""
+    if abs(1 + ratio) < FITS:
+        return []
+    first = distance / abs(1 + ratio)
+    return [(0, first), (1, first * abs(ratio))]
+
+
 class Gear(Wheels, PlanarJoint):
     """(angle_a - phi) + n (angle_b - phi) = 0: the wheels roll on each other, seen from the line between their centres.
 
@@ -88,6 +96,10 @@ class Gear(Wheels, PlanarJoint):
         turned = (d @ line, d @ np.array([-line[1], line[0]]))
         return (Row("rotation", "angle", (a.angle + n * b.angle, *turned, 1 + n), turn_law),)
 
+    def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
+        """Both wheels."""
+        return rolling(float(np.linalg.norm(np.real(self.apart(scene)))), float(np.real(self._ratio)))
+
     @property
     def _ratio(self) -> Any:
         if self.ratio is not None:
@@ -114,7 +126,7 @@ class Gear(Wheels, PlanarJoint):
 
 
 class SpatialGear(AboutAxis, Wheels, SpatialJoint):
-    """z_a angle_a + z_b angle_b = 0: the wheels roll on each other, about parallel axes, seen from the line between their centres.
+    """angle_a + z_b / z_a angle_b = 0: the wheels roll on each other, about parallel axes, seen from the line between their centres.
 
     The centres may be fixed to the ground, or to a carrier that moves and turns. Each wheel needs a revolute on its carrier beside the
     gear, with the same axis. An axis in space does not say how often a wheel has turned, so that only whole numbers of teeth are a
@@ -137,8 +149,14 @@ class SpatialGear(AboutAxis, Wheels, SpatialJoint):
         (a, b), (x, y) = self.poses, (1.0, 0.0) if scene is None else self._line(scene)
         d = b.r - a.r
         seen = [form for e in (a, b) for form in (e.e(1) @ d * x + e.e(2) @ d * y, e.e(1) @ d * y - e.e(2) @ d * x)]
-        common = gcd(*self.teeth)
-        return (Row("rotation", "angle", (*seen, *(each / common for each in self.teeth)), teeth_law),)
+        first, second = self.teeth
+        numbers = (second / first, 2 * np.pi * gcd(first, second) / abs(first))
+        return (Row("rotation", "angle", (*seen, *numbers), teeth_law),)
+
+    def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
+        """Both wheels."""
+        across = np.real(self.apart(scene) @ self.axes[:, :2])
+        return rolling(float(np.linalg.norm(across)), self.teeth[1] / self.teeth[0])
 
     def _line(self, scene: Skeleton) -> np.ndarray:
         """Components along the first two axes of the line from centre a to centre b, over its length squared."""

@@ -68,6 +68,10 @@ class Rack(OnRack, Directed):
         (a, b), (start, radius) = self.poses, self._rolled(scene)
         return (Row("rolling", "length", self.poses.on_axis(1, "rolling", start).forms[0] + (a.angle - b.angle) * radius),)
 
+    def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
+        """The pinion."""
+        return [(0, float(abs(np.real(self._rolled(scene)[1]))))]
+
     def _rolled(self, scene: Skeleton | None) -> tuple[Any, Any]:
         x, y = np.array(self.axis) / np.sqrt(np.array(self.axis) @ np.array(self.axis))
         return self.rolled(scene, np.array([[x, -y], [y, x]]))
@@ -124,3 +128,7 @@ class SpatialRack(AboutAxis, OnRack, SpatialJoint):
         (a, b), (start, radius) = self.poses, self.rolled(scene, self.axes)
         offset = self.poses.on_axis(1, "rolling", start).forms[0]
         return (Row("rolling", "length", (offset, a.e(1) @ b.e(1), a.e(1) @ b.e(2), -radius), turn_law),)
+
+    def circles(self, scene: Skeleton) -> list[tuple[int, float]]:
+        """The pinion."""
+        return [(0, float(abs(np.real(self.rolled(scene, self.axes)[1]))))]

@@ -59,11 +59,11 @@ def turn_law(h, w, g, g_h, g_hh, g_hww):
 
 @kernel
 def teeth_law(h, w, g, g_h, g_hh, g_hww):
-    """g = z_a t_a + z_b t_b + 2 pi k of h = (c_a, s_a, c_b, s_b, z_a, z_b), with the whole number k with which it is next to zero."""
-    of_a = add_angle(h, w, 0, h[4], g_h, g_hh, g_hww)
-    of_b = add_angle(h, w, 2, h[5], g_h, g_hh, g_hww)
-    scale_angle(w, 0, 4, 1.0, of_a, g_h, g_hh, g_hww)
-    scale_angle(w, 2, 5, 1.0, of_b, g_h, g_hh, g_hww)
-    g[0] = h[4] * of_a[0] + h[5] * of_b[0]
-    g[0] -= 2 * np.pi * np.round(g[0].real / (2 * np.pi))
-    g_h[4], g_h[5] = of_a[0], of_b[0]
+    """g = t_a + n t_b + k d of h = (c_a, s_a, c_b, s_b, n, d), with the whole number k with which it is next to zero.
+
+    n and d are whole numbers of teeth over each other and a turn over one of them, which no design moves.
+    """
+    of_a = add_angle(h, w, 0, 1.0, g_h, g_hh, g_hww)
+    of_b = add_angle(h, w, 2, h[4], g_h, g_hh, g_hww)
+    g[0] = of_a[0] + h[4] * of_b[0]
+    g[0] -= h[5] * np.round((g[0] / h[5]).real)

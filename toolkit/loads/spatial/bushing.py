@@ -73,9 +73,10 @@ def add_alignment(z, i, force, force_z):
 class SpatialBushing(BetweenBodies, SpatialLoad):
     """Springs and dampers in three directions and three small rotations.
 
-    It is relaxed where the points coincide and nothing is turned. Forces -k_i u_i - c_i u_i', with the offsets u_i = e_ia . (r_a - r_b) along the axes of body a, which are those of the coordinates in
-    the undeformed configuration. The rotation of body a against body b by an angle about an axis n is measured by t = 2 sin(angle / 2) n,
-    so that forces and torques are the gradient of sum k_i u_i^2 / 2 + sum k_i t_i^2 / 2, less what damps: about one axis
+    It is relaxed where the points coincide and nothing is turned. Forces are -k_i u_i - c_i u_i', with the offsets u_i = e_ia . (r_a - r_b)
+    along the axes of body a, which are those of the coordinates in the undeformed configuration. The rotation of body a against body b by
+    an angle about an axis n is measured by t = 2 sin(angle / 2) n, so that forces and torques are the gradient of
+    sum k_i u_i^2 / 2 + sum k_i t_i^2 / 2, less what damps: about one axis
 
         torque = - k sin(angle) - c cos(angle)^2 angle'
 
