@@ -18,6 +18,7 @@ from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of
 from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
 from toolkit.responses.response import Partials
+from toolkit.responses.rotation_axis import refuse_axis
 from toolkit.system.solution import Solution
 
 
@@ -62,10 +63,7 @@ class RelativeAngle(Instant):
             It is missing there, or given in the plane.
         """
         super().check(scene)
-        if scene.space.rotations_add != (self.axis is None) or (self.axis is not None and not any(self.axis)):
-            raise InputError(
-                "a relative angle in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
-            )
+        refuse_axis(self.axis, scene, "relative angle")
 
     def at(self, solution: Solution, step: int) -> Partials:
         """The angle with its turns."""
