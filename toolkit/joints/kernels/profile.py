@@ -18,6 +18,8 @@ DEGREE = 9
 """Of the polynomials."""
 PIECE = DEGREE + 3
 """Numbers of a piece."""
+SEAM = 1e-6
+"""The angle 0, where motions start, is in the first piece whatever round-off makes of it: that begins so much earlier."""
 VALUES = FORMS + 5
 """Row of `JointWork.law` with F, F', F'', F'''."""
 
@@ -56,9 +58,9 @@ def piece_of(joints, form, angle):
 
 @inlined
 def whole_angle(h, n):
-    """t of one turn, from zero on."""
+    """t of one turn, from just below zero on."""
     angle = angle_of(h[n - 2], h[n - 3])
-    return angle + 2 * np.pi if angle.real < 0 else angle
+    return angle + 2 * np.pi if angle.real < -SEAM else angle
 
 
 @inner
