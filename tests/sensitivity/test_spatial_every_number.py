@@ -21,7 +21,13 @@ AGREEMENT = 1e-11
 ROUND_OFF = 1e-12
 """A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
 NO_EFFECT: dict[str, dict[str, str]] = {
-    "wheels": {"bodies.follower.inertia.*": NO_TURN, "bodies.rack.inertia.*": NO_TURN},
+    "wheels": {
+        "bodies.follower.inertia.*": NO_TURN,
+        "bodies.rack.inertia.*": NO_TURN,
+        "points.N.*": "gravity is uniform, and a nut falls alike everywhere",
+        "points.S.[xy]": "a rack is pushed alike wherever it is gripped along itself",
+        "points.F.x": "the torque of its guide about x does not feel it, nor does its motion",
+    },
     "linkage": {"bodies.car.inertia.*": NO_TURN, **GOES_ON},
     "frames": {
         "bodies.plate.inertia.*": NO_TURN,
