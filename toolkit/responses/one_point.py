@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Self
+
+from pydantic import model_validator
+
 from toolkit.responses.instant import Instant
 
 
@@ -18,6 +22,12 @@ class OnePoint(Instant):
 
     body: str
     point: str
+
+    @model_validator(mode="after")
+    def _of_a_body(self) -> Self:
+        if self.body == "ground":
+            raise ValueError(f"the ground does not move, so that it has no {self.kind}; name a body that moves")
+        return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
         """The point on the body."""

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import model_validator
 
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
@@ -49,6 +50,15 @@ class RelativeAngle(Instant):
     bodies: tuple[str, str]
     point: Place
     axis: Annotated[Triple | None, Quantity("none")] = None
+
+    @model_validator(mode="after")
+    def _two_places(self) -> Self:
+        first, second = on_both(self.point)
+        if self.bodies[0] == self.bodies[1] and first == second:
+            raise ValueError(
+                f"point {first!r} of {self.bodies[0]!r} has no angle against itself; name two bodies, or two points of one"
+            )
+        return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
         """The point on each body."""
