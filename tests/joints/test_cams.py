@@ -238,3 +238,33 @@ def test_other_numbers_of_a_profile_need_no_new_model():
         fresh = ffrf.compile(scene.with_number(*next(iter(change.items())))).simulate().values
         assert found == pytest.approx(fresh, rel=1e-9)
         assert found["lift"] != pytest.approx(model.simulate().values["lift"], rel=1e-3)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_variable_that_opens_a_profile_is_doubted_where_the_cam_passes_its_end(dimension):
+    """A frequency moves the end away from the beginning, an amplitude does not; nor does a frequency before the end is reached."""
+    scene = swinging(dimension, False)
+    amplitude, frequency = ("joints.swing.curve.terms.0.amplitude", "joints.swing.curve.terms.0.frequency")
+    whole, part = scene.solver, scene.solver.model_copy(update={"end_time": 0.3})
+    for path, solver, doubted in ((frequency, whole, True), (amplitude, whole, False), (frequency, part, False)):
+        found = ffrf.compile(scene.model_copy(update={"solver": solver}), variables=[path]).simulate(gradients=True)
+        said = [each.text for each in found.verdict.warnings if each.code == "cam-opened"]
+        assert len(said) == doubted
+        assert all(f"{path} would open the curve of joints.swing" in text for text in said)
+
+
+def test_a_cam_starts_in_its_first_piece_whatever_round_off_makes_of_the_angle_zero():
+    """An angle a little below zero, as round-off has it, is not one at the end of the turn, where f'' is another one."""
+    bumpy = plane.Table(times=(0.0, 2.0, 4.0, 5.0), values=(0.1, 0.2, 0.15, 0.1))
+    rates = []
+    for turn in (0.0, 1e-12, -1e-12):
+        scene = driven(bumpy)
+        drive = plane.AngleDriver(bodies=("cam", "ground"), point="O", curve=plane.Polynomial(coefficients=(turn, SPEED)))
+        joints = {**scene.joints, "drive": drive}
+        found = simulate(
+            compile_scene(scene.model_copy(update={"joints": joints})), RunOptions(end_time=0.01, step=1e-3, assemble=True)
+        )
+        rates.append(found.a[0, 3:5] @ [0.6, 0.8])
+    exact = bumpy.evaluate(np.array([1e-9]))[0, 2] * SPEED**2
+    assert abs(exact) > 0.5
+    assert rates == pytest.approx([exact] * 3, rel=1e-6)

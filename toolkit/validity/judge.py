@@ -16,6 +16,7 @@ from toolkit.validity.motion.idle_curves import idle_curves
 from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.motion.noisy_forces import noisy_forces
+from toolkit.validity.motion.open_profiles import opened_profiles
 from toolkit.validity.motion.snap_through import snap_through
 from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.start_cautions import cautions_of_start
@@ -60,6 +61,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     else:
         yield from limits_passed(solution)
     yield from bushings_turned_far(solution)
+    yield from opened_profiles(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)
