@@ -66,7 +66,8 @@ print(f"by the ratio {result.gradients['turned']['joints.gears.ratio']:.6f}, the
 check = result.gradients["turned"]["joints.gears.ratio"] / slope - 1
 
 # %% [markdown]
-# Not every law is made of sums and products. A cam is not: a follower's height is a function of how far the cam has turned. Such a
+# The program has a joint `gear` of its own, which also knows carriers that turn, and a `cam` that follows any curve; these show how one is
+# made. Not every law is made of sums and products. A cam is not: a follower's height is a function of how far the cam has turned. Such a
 # row takes an open formula, compiled, of whatever it needs of both poses, h: here the height, the angle and the eccentricity, a number.
 # It fills g and its derivatives by h: first ones, second ones, and those of w^T g_hh w, w = h' being the rates. What is not written is
 # zero. Open formulas are the same in space.
@@ -88,7 +89,7 @@ def cam_law(h, w, g, g_h, g_hh, g_hww):
 class Cam(Gears):
     """Body a rises as the cam, body b, turns."""
 
-    kind = "cam"
+    kind = "eccentric"
     ratio: Annotated[extend.Number, extend.Quantity("length")]
 
     def constraint(self, scene):

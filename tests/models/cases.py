@@ -13,17 +13,22 @@ from tests.models.beam_models import save_beam
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.harmonic import Harmonic
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.curves.kinds.sum import Sum
 from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.cam import Cam, SwingCam
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.gear import Gear
+from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -35,6 +40,9 @@ SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)
 TABLE = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9))
 SUM = Sum(terms=(SmoothStep(height=1.3, start=-0.2, duration=1.1), Constant(value=0.3), SINE, TABLE))
 LINEAR = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9), interpolation="linear")
+PROFILE = Sum(terms=(Harmonic(amplitude=0.4, offset=0.1, frequency=3 / (2 * np.pi), phase=0.3), Constant(value=0.2)))
+"""Over one turn."""
+LIFT = Table(times=(0.5, 1.7, 2.6, 4.0, 5.5), values=(0.3, 0.8, 0.6, -0.1, 0.3))
 
 KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("revolute", Revolute, {}),
@@ -45,12 +53,25 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("distance of given length", Distance, {"length": 1.3}),
     ("angle driver", AngleDriver, {"curve": SUM}),
     ("position driver", PositionDriver, {"axis": (0.8, -0.5), "curve": SINE}),
+    ("gear", Gear, {"ratio": 1.7}),
+    ("gear in a ring", Gear, {"teeth": (20, -47)}),
+    ("rack", Rack, {"axis": (0.8, -0.5)}),
+    ("rack of given radius", Rack, {"axis": (0.8, -0.5), "radius": 0.3}),
+    ("cam", Cam, {"axis": (0.8, -0.5), "curve": PROFILE}),
+    ("cam of a table", Cam, {"curve": LIFT}),
+    ("swing cam", SwingCam, {"curve": PROFILE}),
+    ("rolling disc", RollingDisc, {"axis": (-0.3, 0.9)}),
     ("torque", Torque, {"torque": 1.7, "curve": TABLE}),
     ("point force", PointForce, {"force": (0.8, -1.1), "curve": SUM}),
     ("following force", PointForce, {"force": (0.8, -1.1), "frame": "body", "curve": LINEAR}),
     ("spring-damper relaxed at the start", SpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
     ("rotational spring-damper", RotationalSpringDamper, {"stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3}),
+    (
+        "bushing",
+        Bushing,
+        {"stiffness": (2.1, 0.7), "damping": (0.6, 0.2), "rotational_stiffness": 1.3, "rotational_damping": 0.4},
+    ),
 ]
 """Name, kind, numbers; bodies and points come from every grip."""
 

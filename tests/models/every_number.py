@@ -22,11 +22,15 @@ from toolkit.curves.kinds.sum import Sum
 from toolkit.curves.kinds.table import Table
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
+from toolkit.joints.both.cam import Cam, SwingCam
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.gear import Gear
+from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -235,4 +239,69 @@ def flight(folder: Path) -> Scene:
     )
 
 
-SCENES = {"flight": flight, "rods": rods, "swing": swing, "beams": beams}
+WAVE = Sine(amplitude=0.2, frequency=1 / np.pi, phase=0.3)
+"""Two waves a turn."""
+PLACES = {
+    "A": (0.2, 0.1), "B": (0.9, 0.4), "C": (1.3, 0.1), "D": (2.0, 0.35), "A1": (0.25, 0.16), "B1": (0.85, 0.45), "C1": (1.35, 0.03),
+    "D1": (2.1, 0.37), "S": (1.2, -0.4), "P": (0.5, 1.5), "Q": (0.7, 1.1), "F": (-0.5, 0.9), "L": (-0.5, -0.4), "L1": (-0.7, -0.6),
+    "G": (2.5, 1.0), "H": (2.3, 0.8),
+}  # fmt: skip
+
+
+def wheels(_folder: Path) -> Scene:
+    """A train of four wheels with a rack, two cams and a bushing, and a disc that rolls."""
+    axles = {name: ("ABCD"[k], f"{'ABCD'[k]}1") for k, name in enumerate(("first", "second", "third", "fourth"))}
+    guides = {"rack": ("S", (1.0, 0.1)), "follower": ("F", (0.3, 1.0))}
+    return Scene(
+        units="m-kg-s",
+        points={name: Point(x=x, y=y) for name, (x, y) in PLACES.items()},
+        bodies={
+            **{name: Rigid(mass=0.5 + 0.1 * len(name), inertia=0.2, center=center) for name, (_, center) in axles.items()},
+            "rack": Rigid(mass=0.4, inertia=0.1, center="S"),
+            "follower": Rigid(mass=0.3, inertia=0.1, center="F"),
+            "lever": Rigid(mass=0.6, inertia=0.05, center="L1"),
+            "disc": Rigid(mass=0.7, inertia=0.04, center="P", angular_velocity=0.2),
+            "weight": Rigid(mass=0.2, inertia=0.03, center="G", velocity=(0.1, -0.2, 0.3)),
+        },
+        joints={
+            **{f"axle of {name}": Revolute(bodies=(name, "ground"), point=point) for name, (point, _) in axles.items()},
+            **{
+                f"guide of {name}": Slider(bodies=(name, "ground"), point=point, axis=axis, lock_rotation=True)
+                for name, (point, axis) in guides.items()
+            },
+            "pivot": Revolute(bodies=("lever", "ground"), point="L"),
+            "ratio": Gear(bodies=("first", "second"), points=("A", "B"), ratio=1.7),
+            "radii": Gear(bodies=("second", "third"), points=("B", "C"), radii=(0.2, 0.3)),
+            "teeth": Gear(bodies=("third", "fourth"), points=("C", "D"), teeth=(20, -57)),
+            "mesh": Rack(bodies=("third", "rack"), points=("C", "S"), axis=(0.9, 0.2), radius=0.21),
+            "lift": Cam(bodies=("follower", "first"), points=("F", "A"), axis=(0.4, 0.9), curve=WAVE),
+            "swing": SwingCam(bodies=("lever", "first"), points=("L", "A"), curve=WAVE),
+            "roll": RollingDisc(bodies=("disc", "ground"), points=("P", "Q"), axis=(1.0, 0.2), radius=0.45),
+        },
+        loads={
+            "weight": Gravity(acceleration=(0.4, -1.3)),
+            "bushing": Bushing(
+                bodies=("weight", "fourth"),
+                point="H",
+                stiffness=(2.1, 1.3),
+                damping=(0.4, 0.3),
+                rotational_stiffness=0.7,
+                rotational_damping=0.2,
+            ),
+        },
+        responses={
+            "turn": Rotation(body="fourth", point="D"),
+            "way": Displacement(body="weight", point="G", component="x"),
+            "disc": Displacement(body="disc", point="P", component="x"),
+            "lever": JointForce(joint="pivot", component="y"),
+            "follower": JointForce(joint="guide of follower", component="torque"),
+            "rack": JointForce(joint="guide of rack", component="torque"),
+            "roll": JointForce(joint="roll", component="magnitude"),
+            **{name: JointForce(joint=f"axle of {name}", component="x") for name in axles},
+            "energy": TimeIntegral(of=KineticEnergy()),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"wheels": wheels, "flight": flight, "rods": rods, "swing": swing, "beams": beams}

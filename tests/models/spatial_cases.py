@@ -7,21 +7,26 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing import build
-from tests.models.cases import LINEAR, SINE, SUM, TABLE
+from tests.models.cases import LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.gear import SpatialGear
+from toolkit.joints.both.rack import SpatialRack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.bushing import SpatialBushing
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -45,6 +50,14 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("distance of given length", SpatialDistance, {"length": 1.3}),
     ("angle driver", SpatialAngleDriver, {"axis": AXIS, "curve": SUM}),
     ("position driver", SpatialPositionDriver, {"axis": AXIS, "curve": SINE}),
+    ("cam", SpatialCam, {"axis": AXIS, "along": (0.3, 0.4, -0.7), "curve": PROFILE}),
+    ("cam of a table", SpatialCam, {"axis": AXIS, "along": AXIS, "curve": LIFT}),
+    ("swing cam", SpatialSwingCam, {"axis": AXIS, "curve": PROFILE}),
+    ("screw", Screw, {"axis": AXIS, "pitch": -1.9}),
+    ("gear", SpatialGear, {"axis": AXIS, "teeth": (14, 35)}),
+    ("gear in a ring", SpatialGear, {"axis": AXIS, "teeth": (3, -8)}),
+    ("rack", SpatialRack, {"axis": AXIS, "along": (0.5, 0.8, 0.0)}),
+    ("rack of given radius", SpatialRack, {"axis": AXIS, "along": (0.5, 0.8, 0.0), "radius": 0.3}),
     ("torque", SpatialTorque, {"torque": (1.7, -0.6, 0.9), "curve": TABLE}),
     ("following torque", SpatialTorque, {"torque": (1.7, -0.6, 0.9), "frame": "body", "curve": SUM}),
     ("point force", SpatialPointForce, {"force": (0.8, -1.1, 0.5), "curve": SUM}),
@@ -56,6 +69,16 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ),
     ("spring-damper relaxed at the start", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
+    (
+        "bushing",
+        SpatialBushing,
+        {
+            "stiffness": (2.1, 0.7, 1.2),
+            "damping": (0.6, 0.2, 0.9),
+            "rotational_stiffness": (1.3, 0.3, 1.9),
+            "rotational_damping": (0.4, 0.8, 0.5),
+        },
+    ),
 ]
 """Name, kind, numbers; bodies and points come from a grip."""
 

@@ -5,22 +5,27 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from tests.models.every_number import FOLLOW, LEAD, SOLVER
+from tests.models.every_number import FOLLOW, LEAD, SOLVER, WAVE
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
 from toolkit.curves.kinds.constant import Constant
 from toolkit.curves.kinds.sine import Sine
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
+from toolkit.joints.both.cam import SpatialCam, SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance
 from toolkit.joints.both.driver import SpatialAngleDriver, SpatialPositionDriver
+from toolkit.joints.both.gear import SpatialGear
+from toolkit.joints.both.rack import SpatialRack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.bushing import SpatialBushing
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -179,4 +184,64 @@ def frames(folder: Path) -> Scene:
     )
 
 
-SCENES = {"linkage": linkage, "frames": frames}
+PLACES = {
+    "A": (0.2, 0.1, 0.0), "B": (0.9, 0.4, 0.3), "A1": (0.25, 0.16, 0.1), "B1": (0.85, 0.45, 0.2), "S": (1.2, -0.4, 0.1),
+    "N": (-0.3, 1.2, 0.2), "F": (-0.5, 0.9, 0.4), "L": (-0.5, -0.4, 0.2), "L1": (-0.7, -0.6, 0.3), "G": (1.5, 1.0, 0.4),
+    "H": (1.3, 0.8, 0.5),
+}  # fmt: skip
+AXLE, ALONG = (0.2, -0.3, 1.0), (3.0, 2.0, 0.0)
+"""Perpendicular to each other."""
+
+
+def wheels(_folder: Path) -> Scene:
+    """Two wheels with a rack, two cams and a bushing, and a nut on a screw."""
+    energy = KineticEnergy()
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points={name: Point(x=x, y=y, z=z) for name, (x, y, z) in PLACES.items()},
+        bodies={
+            "first": SpatialRigid(mass=0.9, inertia=TENSOR, center="A1"),
+            "second": SpatialRigid(mass=1.2, inertia=TENSOR, center="B1"),
+            "rack": SpatialRigid(mass=0.4, inertia=TENSOR, center="S"),
+            "follower": SpatialRigid(mass=0.3, inertia=TENSOR, center="F"),
+            "lever": SpatialRigid(mass=0.6, inertia=TENSOR, center="L1"),
+            "nut": SpatialRigid(mass=0.7, inertia=TENSOR, center="N"),
+            "weight": SpatialRigid(mass=0.2, inertia=TENSOR, center="G", velocity=SPEED, angular_velocity=SPIN),
+        },
+        joints={
+            "A": SpatialRevolute(bodies=("first", "ground"), point="A", axis=AXLE),
+            "B": SpatialRevolute(bodies=("second", "ground"), point="B", axis=AXLE),
+            "L": SpatialRevolute(bodies=("lever", "ground"), point="L", axis=AXLE),
+            "S": Prismatic(bodies=("rack", "ground"), point="S", axis=ALONG),
+            "F": Prismatic(bodies=("follower", "ground"), point="F", axis=(0.2, 1.0, 0.1)),
+            "gear": SpatialGear(bodies=("first", "second"), points=("A", "B"), axis=AXLE, teeth=(20, 33)),
+            "mesh": SpatialRack(bodies=("second", "rack"), points=("B", "S"), axis=AXLE, along=ALONG, radius=0.31),
+            "lift": SpatialCam(bodies=("follower", "first"), points=("F", "A"), axis=AXLE, along=(0.1, 0.9, 0.3), curve=WAVE),
+            "swing": SpatialSwingCam(bodies=("lever", "first"), points=("L", "A"), axis=AXLE, curve=WAVE),
+            "screw": Screw(bodies=("nut", "ground"), point="N", axis=(0.4, 0.1, 0.9), pitch=1.7),
+        },
+        loads={
+            "weight": SpatialGravity(acceleration=(0.4, -1.3, 0.7)),
+            "bushing": SpatialBushing(
+                bodies=("weight", "second"),
+                point="H",
+                stiffness=(2.1, 1.3, 0.8),
+                damping=(0.4, 0.3, 0.5),
+                rotational_stiffness=(0.7, 0.9, 0.4),
+                rotational_damping=(0.2, 0.1, 0.3),
+            ),
+        },
+        responses={
+            "energy": energy,
+            "whole": TimeIntegral(of=energy),
+            "way": Displacement(body="weight", point="G", component="magnitude"),
+            "nut": Displacement(body="nut", point="N", component="z"),
+            **{name: JointForce(joint=name, component="torque-x") for name in ("A", "B", "L", "S", "F", "screw")},
+            "push": JointForce(joint="A", component="y"),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"wheels": wheels, "linkage": linkage, "frames": frames}

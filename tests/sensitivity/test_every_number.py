@@ -23,12 +23,14 @@ AGREEMENT = 1e-9
 ROUND_OFF = 1e-12
 """A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
 
+NO_TURN = "the body does not turn"
 AT_REST = "nothing moves in an equilibrium"
 GOES_ON = {
     "joints.*.terms.*.curves.1.coefficients.0": "a curve of a sequence goes on from the value that the one before has reached"
 }
 NO_EFFECT: dict[tuple[str, str], dict[str, str]] = {
     ("flight", "transient"): {},
+    ("wheels", "transient"): {"bodies.follower.inertia": NO_TURN, "bodies.rack.inertia": NO_TURN},
     ("rods", "transient"): GOES_ON,
     ("swing", "transient"): GOES_ON,
     ("beams", "transient"): {},

@@ -12,7 +12,7 @@ from tests.models.directions import along, derivative_along, direction
 from tests.models.spatial_cases import write_models
 from tests.models.spatial_every_number import SCENES
 from tests.scene_file.test_scene_units import differences
-from tests.sensitivity.test_every_number import GOES_ON, kinds_in, optional_numbers
+from tests.sensitivity.test_every_number import GOES_ON, NO_TURN, kinds_in, optional_numbers
 from toolkit.scene.kinds import kinds_of
 from toolkit.sensitivity.methods import gradients_by
 
@@ -20,8 +20,14 @@ AGREEMENT = 1e-11
 """Of the response's largest derivative: round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e2 of the equations."""
 ROUND_OFF = 1e-12
 """A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
-NO_TURN = "the body does not turn"
 NO_EFFECT: dict[str, dict[str, str]] = {
+    "wheels": {
+        "bodies.follower.inertia.*": NO_TURN,
+        "bodies.rack.inertia.*": NO_TURN,
+        "points.N.*": "gravity is uniform, and a nut falls alike everywhere",
+        "points.S.[xy]": "a rack is pushed alike wherever it is gripped along itself",
+        "points.F.x": "the torque of its guide about x does not feel it, nor does its motion",
+    },
     "linkage": {"bodies.car.inertia.*": NO_TURN, **GOES_ON},
     "frames": {
         "bodies.plate.inertia.*": NO_TURN,
@@ -40,7 +46,7 @@ def folder(tmp_path_factory):
     return directory
 
 
-@pytest.fixture(scope="module", params=["linkage transient", "frames transient", "frames static"])
+@pytest.fixture(scope="module", params=["wheels transient", "linkage transient", "frames transient", "frames static"])
 def compared(request, folder):
     """Scene and kind, and the gradients of all responses of a scene by all its numbers, direct and adjoint."""
     name, kind = request.param.split()

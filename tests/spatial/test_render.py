@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from preprocessing import build
+from tests.models.cases import PROFILE
 from tests.models.pictures import distinct_colors, image, rest, skip_where_nothing_draws
 from tests.models.solid_bodies import box, cantilever
 from toolkit.bodies.planar.rigid import Rod
@@ -15,15 +16,20 @@ from toolkit.command_line.commands.report_command import refuse_space
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
 from toolkit.foundation.errors import InputError
+from toolkit.joints.both.cam import SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance
+from toolkit.joints.both.gear import SpatialGear
+from toolkit.joints.both.rack import SpatialRack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
+from toolkit.loads.spatial.bushing import SpatialBushing
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -134,6 +140,10 @@ def test_every_kind_of_joint_and_load_is_drawn_in_all_pictures(opengl, folder, t
         "weld": SpatialRigidJoint(bodies=("body", "ground"), point="e"),
         "ball": Spherical(bodies=("body", "ground"), point="f"),
         "link": SpatialDistance(bodies=("body", "ground"), points=("f", "g")),
+        "screw": Screw(bodies=("body", "ground"), point="g", axis=(0.0, 0.0, 1.0), pitch=0.1),
+        "gear": SpatialGear(bodies=("body", "ground"), points=("a", "b"), axis=(0.0, 0.0, 1.0), teeth=(20, 40)),
+        "rack": SpatialRack(bodies=("body", "ground"), points=("c", "d"), axis=(0.0, 0.0, 1.0), along=(0.0, 1.0, 0.0)),
+        "cam": SpatialSwingCam(bodies=("body", "ground"), points=("e", "f"), axis=(0.0, 0.0, 1.0), curve=PROFILE),
     }
     scene = gallows(folder)
     scene = scene.model_copy(
@@ -141,6 +151,7 @@ def test_every_kind_of_joint_and_load_is_drawn_in_all_pictures(opengl, folder, t
             "points": {**scene.points, **points},
             "bodies": {**scene.bodies, "body": lump},
             "joints": {**scene.joints, **joints},
+            "loads": {**scene.loads, "bushing": SpatialBushing(bodies=("body", "ground"), point="a", stiffness=(1.0, 2.0, 3.0))},
         }
     )
     solution = bent(rest(scene, 2), "frame")

@@ -7,6 +7,8 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
+from toolkit.joints.places import BetweenPoints
+from toolkit.loads.springs import PointSpring
 from toolkit.scene.scene import Scene
 
 TINY = np.finfo(float).tiny
@@ -46,7 +48,8 @@ def check_numbers(scene: Scene) -> None:
 
 
 def pairs(scene: Scene) -> dict[str, tuple[str, str]]:
-    """Everything that runs between two points: rods, distance joints, springs."""
-    groups = (("bodies", "between", scene.bodies), ("joints", "points", scene.joints), ("loads", "points", scene.loads))
-    found = {f"{group}.{name}": getattr(item, key, None) for group, key, items in groups for name, item in items.items()}
-    return {user: pair for user, pair in found.items() if pair is not None}
+    """Everything that has a direction from one point to another: rods, distance joints, springs along a line."""
+    rods = {f"bodies.{name}": getattr(body, "between", None) for name, body in scene.bodies.items()}
+    links = {f"joints.{name}": joint.points for name, joint in scene.joints.items() if isinstance(joint, BetweenPoints)}
+    springs = {f"loads.{name}": load.points for name, load in scene.loads.items() if isinstance(load, PointSpring)}
+    return {user: pair for user, pair in {**rods, **links, **springs}.items() if pair is not None}

@@ -67,6 +67,10 @@ class PerTime(Quantity):
         return Measure(values.dimension.times(LABELLED["time"].power(-place)), values.angle)
 
 
+class OverAngle(Quantity):
+    """Values of a curve whose argument is an angle where others have their time."""
+
+
 OF_OWNER = Quantity()
 """Of a value of a time curve: what it measures is said where the curve stands."""
 OF_OWNER_PER_TIME = PerTime()

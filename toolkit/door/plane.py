@@ -8,11 +8,15 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
+from toolkit.joints.both.cam import Cam, SwingCam
 from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
+from toolkit.joints.both.gear import Gear
+from toolkit.joints.both.rack import Rack, RollingDisc
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -23,18 +27,24 @@ __all__ = [
     *responses.__all__,
     "AngleDriver",
     "BodyPoint",
+    "Bushing",
+    "Cam",
     "Distance",
     "Flexible",
+    "Gear",
     "Gravity",
     "Point",
     "PointForce",
     "PositionDriver",
+    "Rack",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
+    "RollingDisc",
     "RotationalSpringDamper",
     "Slider",
     "SpringDamper",
+    "SwingCam",
     "Torque",
 ]

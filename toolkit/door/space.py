@@ -9,16 +9,22 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.door import curves, responses
 from toolkit.door.curves import *  # noqa: F403
 from toolkit.door.responses import *  # noqa: F403  (one list for the plane and for space)
+from toolkit.joints.both.cam import SpatialCam as Cam
+from toolkit.joints.both.cam import SpatialSwingCam as SwingCam
 from toolkit.joints.both.distance import SpatialDistance as Distance
 from toolkit.joints.both.driver import SpatialAngleDriver as AngleDriver
 from toolkit.joints.both.driver import SpatialPositionDriver as PositionDriver
+from toolkit.joints.both.gear import SpatialGear as Gear
+from toolkit.joints.both.rack import SpatialRack as Rack
 from toolkit.joints.both.rigid_joint import SpatialRigidJoint as RigidJoint
 from toolkit.joints.spatial.cylindrical import Cylindrical
 from toolkit.joints.spatial.point_on_plane import PointOnPlane
 from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
+from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.bushing import SpatialBushing as Bushing
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
 from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -31,9 +37,12 @@ __all__ = [
     *responses.__all__,
     "AngleDriver",
     "BodyPoint",
+    "Bushing",
+    "Cam",
     "Cylindrical",
     "Distance",
     "Flexible",
+    "Gear",
     "Gravity",
     "Point",
     "PointForce",
@@ -41,13 +50,16 @@ __all__ = [
     "PositionDriver",
     "Pressure",
     "Prismatic",
+    "Rack",
     "Revolute",
     "Rigid",
     "RigidJoint",
     "Rod",
     "RotationalSpringDamper",
+    "Screw",
     "Spherical",
     "SpringDamper",
+    "SwingCam",
     "Torque",
     "Universal",
 ]

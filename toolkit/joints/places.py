@@ -31,19 +31,41 @@ class AtPoint(Description):
         return (self.bodies[0], first), (self.bodies[1], second)
 
 
-class BetweenPoints(Description):
-    """Base of joints that keep two points apart.
+class AtPoints(Description):
+    """Base of joints that grip each body at a point of its own.
 
     Attributes
     ----------
     points
         Names of the point on body a and that on body b.
-    length
-        L, in units of length; without it the distance in the undeformed configuration, which follows when a point moves.
     """
 
     bodies: tuple[str, str]
     points: tuple[str, str]
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at its own point."""
+        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
+
+    def circles(self, _scene: Skeleton) -> list[tuple[int, float]]:
+        """What rolls, for pictures: at which of the points, and its radius."""
+        return []
+
+    def apart(self, scene: Skeleton) -> np.ndarray:
+        """From point b to point a in the undeformed configuration."""
+        return scene.position(self.points[0]) - scene.position(self.points[1])
+
+
+class BetweenPoints(AtPoints):
+    """Base of joints that keep two points apart.
+
+    Attributes
+    ----------
+    length
+        L, in units of length; without it the distance in the undeformed configuration, which follows when a point moves.
+    """
+
     length: Annotated[Positive | None, Quantity("length")] = None
 
     @model_validator(mode="after")
@@ -54,12 +76,7 @@ class BetweenPoints(Description):
             )
         return self
 
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at its own point."""
-        return (self.bodies[0], self.points[0]), (self.bodies[1], self.points[1])
-
     def own_length(self, scene: Skeleton) -> Any:
         """The length that the joint keeps."""
-        d = scene.position(self.points[0]) - scene.position(self.points[1])
+        d = self.apart(scene)
         return np.sqrt(d @ d) if self.length is None else self.length

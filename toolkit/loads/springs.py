@@ -54,8 +54,8 @@ class PointSpring(Description):
         return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]
 
 
-class TurnSpring(Description):
-    """Base of springs between the rotations of two bodies.
+class BetweenBodies(Description):
+    """Base of springs between the poses of two bodies.
 
     Attributes
     ----------
@@ -63,6 +63,32 @@ class TurnSpring(Description):
         Names of bodies a and b.
     point
         Name of the point, or of the point on body a and that on body b.
+    """
+
+    called: ClassVar[str]
+    """What messages call it."""
+
+    bodies: tuple[str, str]
+    point: Place
+
+    @model_validator(mode="after")
+    def _two_bodies(self) -> Self:
+        if self.bodies[0] == self.bodies[1]:
+            raise ValueError(f"a {self.called} ties two different bodies, not {self.bodies[0]!r} to itself")
+        return self
+
+    @property
+    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
+        """Each body at the point."""
+        first, second = on_both(self.point)
+        return (self.bodies[0], first), (self.bodies[1], second)
+
+
+class TurnSpring(BetweenBodies):
+    """Base of springs between the rotations of two bodies.
+
+    Attributes
+    ----------
     stiffness
         k, in torque/rad.
     damping
@@ -71,26 +97,13 @@ class TurnSpring(Description):
         Relative rotation without torque, in rad.
     """
 
+    called = "rotational spring"
     folds: ClassVar[bool] = False
     """Whether its angle is known up to half a turn only, beyond which its torque would change sign."""
 
-    bodies: tuple[str, str]
-    point: Place
     stiffness: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
     damping: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
     rest_angle: Annotated[Number, Quantity("angle")] = 0.0
-
-    @model_validator(mode="after")
-    def _two_bodies(self) -> Self:
-        if self.bodies[0] == self.bodies[1]:
-            raise ValueError(f"a rotational spring ties two different bodies, not {self.bodies[0]!r} to itself")
-        return self
-
-    @property
-    def grips(self) -> tuple[tuple[str, str], tuple[str, str]]:
-        """Each body at the point."""
-        first, second = on_both(self.point)
-        return (self.bodies[0], first), (self.bodies[1], second)
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """Stiffness, damping, relaxed angle."""

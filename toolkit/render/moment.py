@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
-from toolkit.joints.places import AtPoint
+from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
+from toolkit.loads.springs import BetweenBodies
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
-AT_ONE_PLACE = (AtPoint, SpatialTorque)
+AT_ONE_PLACE = (AtPoint, BetweenBodies, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 
 
@@ -61,7 +62,24 @@ class Moment(ABC):
 
     def links(self) -> list[Component]:
         """Springs and distance joints: components between two different points."""
-        return [each for each in self.components() if not isinstance(each, AT_ONE_PLACE) and each.grips[0][1] != each.grips[1][1]]
+        every = [
+            each for each in self.components() if not isinstance(each, AT_ONE_PLACE) and each.grips[0][1] != each.grips[1][1]
+        ]
+        return [each for each in every if isinstance(each, BetweenPoints) or not isinstance(each, AtPoints)]
+
+    @abstractmethod
+    def across(self, joint: AtPoints, side: int) -> np.ndarray:
+        """Two directions, rows (2, d), in the plane of what rolls at one of a joint's points, which turn with it."""
+
+    def wheels(self) -> list[np.ndarray]:
+        """Pitch circles of gears, pinions and discs, each with a spoke that turns with it, (n, d)."""
+        angles, found = np.linspace(0, 2 * np.pi, 61), []
+        unit = np.column_stack([np.cos(angles), np.sin(angles)])
+        for joint in (each for each in self.components() if isinstance(each, AtPoints)):
+            for side, radius in joint.circles(self.scene):
+                centre = self.position(*joint.grips[side])
+                found.append(np.vstack([centre, centre + radius * unit @ self.across(joint, side)]))
+        return found
 
     def named_points(self) -> dict[str, np.ndarray]:
         """The points that bodies are built on or gripped at, each where a moving body carries it, else where the ground does."""

@@ -51,5 +51,5 @@ def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, An
             }
             for shape in found
         ],
-        "rods": [ends.round(digits).tolist() for ends in [*moment.rods(), *map(moment.ends, moment.links())]],
+        "rods": [ends.round(digits).tolist() for ends in [*moment.rods(), *map(moment.ends, moment.links()), *moment.wheels()]],
     }

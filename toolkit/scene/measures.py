@@ -7,8 +7,8 @@ from typing import Any
 from toolkit.bodies.model_body import ModelBody
 from toolkit.curves.curve import Curve
 from toolkit.description.description import Description
-from toolkit.description.quantity import Measure, Quantity
-from toolkit.foundation.dimensions import dimension_of_label
+from toolkit.description.quantity import Measure, OverAngle, Quantity
+from toolkit.foundation.dimensions import Dimension, dimension_of_label
 from toolkit.foundation.errors import InputError
 
 _AXES = "xyz"
@@ -33,7 +33,8 @@ def measure_in(item: Description, keys: list[str], scene: Any) -> Measure:
         return _parameter(item, field, scene)
     below, said = getattr(item, field, None), item.quantity_of(field)
     if isinstance(below, Curve):
-        return _in_curve(below, rest, said) or _refuse_curve(item, field)
+        found = _in_curve(below, rest, said) or _refuse_curve(item, field)
+        return _over_angle(found) if isinstance(said, OverAngle) else found
     if isinstance(below, Description):
         return measure_in(below, rest, scene)
     return _at(said, rest) or _refuse(item, field)
@@ -52,6 +53,12 @@ def _in_curve(curve: Curve, keys: list[str], values: Quantity | None) -> Measure
     if not said.of_owner:
         return _at(said, rest)
     return None if values is None or values.of_owner else said.measure_of(values.measure(), _place(rest))
+
+
+def _over_angle(found: Measure) -> Measure:
+    """What a number of a curve of time measures, of one of an angle."""
+    mass, length, time = found.dimension
+    return Measure(Dimension(mass, length, 0), found.angle + time)
 
 
 def _at(said: Quantity | None, keys: list[str]) -> Measure | None:

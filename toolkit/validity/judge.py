@@ -11,12 +11,14 @@ from toolkit.validity.bodies.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.motion.bushing_turns import bushings_turned_far
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
 from toolkit.validity.motion.idle_curves import idle_curves
 from toolkit.validity.motion.left_out import left_out
 from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.motion.noisy_forces import noisy_forces
+from toolkit.validity.motion.open_profiles import opened_profiles
 from toolkit.validity.motion.snap_through import snap_through
 from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.start_cautions import cautions_of_start
@@ -64,6 +66,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         if solution.spins:
             yield from excessive_speeds(solution)
             yield from missing_stiffening(solution)
+    yield from bushings_turned_far(solution)
+    yield from opened_profiles(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)

@@ -12,7 +12,8 @@ from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities
 from toolkit.joints.joint import Joint
-from toolkit.joints.kernels.laws import ANGLE, PLAIN, angle_law
+from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
+from toolkit.joints.kernels.profile import profile_law
 from toolkit.joints.kernels.records import NUMBERS, ROWS, SPATIAL_NUMBERS, SPATIAL_ROWS, Joints
 from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row, forms_of
@@ -21,8 +22,8 @@ from toolkit.scene.space import PLANE
 
 
 def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
-    """The different open formulas of the joints, in order of appearance; angles have a place of their own."""
-    return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law is not angle_law]
+    """The different open formulas of the joints, in order of appearance; angles and profiles have a place of their own."""
+    return [law for law in dict.fromkeys(law for joint in joints for law in joint.laws) if law not in (angle_law, profile_law)]
 
 
 def joint_arrays(
@@ -84,6 +85,6 @@ def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.nda
     found: np.ndarray = np.zeros((len(rows), most, 2), np.int64)
     for j, each in enumerate(rows):
         for i, row in enumerate(each):
-            law = PLAIN if row.law is None else ANGLE if row.law is angle_law else known.index(row.law)
-            found[j, i] = law, len(row.forms)
+            own = {None: PLAIN, angle_law: ANGLE, profile_law: PROFILE}
+            found[j, i] = own[row.law] if row.law in own else known.index(row.law), len(row.forms)
     return found.reshape(len(rows), 2 * most)

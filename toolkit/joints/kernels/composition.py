@@ -3,7 +3,8 @@
 import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner
-from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, angle_law
+from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, PROFILE, angle_law
+from toolkit.joints.kernels.profile import VALUES, profile_law
 from toolkit.joints.kernels.records import GRADIENT, LAW, PHI
 
 
@@ -19,6 +20,8 @@ def compose(functions, law, n, i, work):
             g_hh[f, k] = 0
     if law == ANGLE:
         angle_law(h, w, g, g_h, g_hh, g_hww)
+    elif law == PROFILE:
+        profile_law(h, w, n, work.law[VALUES], g, g_h, g_hh, g_hww)
     else:
         functions[law](h, w, g, g_h, g_hh, g_hww)
     work.row[PHI, i] = g[0]

@@ -11,8 +11,9 @@ from toolkit.foundation.kernel import inner, kernel
 
 FORMS = 6
 """Most forms of a law."""
-PLAIN, ANGLE = -2, -1
-"""What stands in the place of a law's number: a row that is a form, and an angle; both are no function of their own in the loop."""
+PROFILE, PLAIN, ANGLE = -3, -2, -1
+"""What stands in the place of a law's number: a curve of an angle (see `profile`), a row that is a form, and an angle; they are no
+functions of their own in the loop."""
 
 _f8 = numba.float64
 SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[::1])

@@ -1,4 +1,4 @@
-"""Base of joints in the plane along an axis."""
+"""Bases of joints in the plane along an axis."""
 
 from __future__ import annotations
 
@@ -9,13 +9,13 @@ from pydantic import field_validator
 
 from toolkit.description.description import Pair
 from toolkit.description.quantity import Quantity
-from toolkit.joints.planar.joint import PointJoint
+from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.poses import PlanePoses, plane_poses
 from toolkit.kinematics.planar import unit_vector
 
 
-class AlongAxis(PointJoint):
-    """Base of joints about an axis fixed in body b; the axis is given in the undeformed configuration.
+class Directed(PlanarJoint):
+    """Base of joints along an axis fixed in body b; the axis is given in the undeformed configuration.
 
     Attributes
     ----------
@@ -37,3 +37,7 @@ class AlongAxis(PointJoint):
         """The first axis along that of the joint, the second one its normal."""
         x, y = unit_vector(np.array(self.axis))
         return plane_poses(np.array([[x, -y], [y, x]]))
+
+
+class AlongAxis(Directed, PointJoint):
+    """Base of joints along an axis at one point."""

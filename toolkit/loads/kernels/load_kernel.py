@@ -13,10 +13,10 @@ import numpy as np
 from toolkit.foundation.kernel import inlined
 from toolkit.markers.poses import add_pose_force, add_pose_force_design, add_pose_stiffness
 
-ARGUMENTS, CURVE = 12, 11
-"""Most arguments z in the plane: two poses, five parameters, and the value of the time curve, which is the last one."""
-SPATIAL_ARGUMENTS, SPATIAL_CURVE = 32, 31
-"""The same in space: two poses of twelve numbers, seven parameters, and the value of the time curve."""
+ARGUMENTS, CURVE = 13, 12
+"""Most arguments z in the plane: two poses, six parameters, and the value of the time curve, which is the last one."""
+SPATIAL_ARGUMENTS, SPATIAL_CURVE = 37, 36
+"""The same in space: two poses of twelve numbers, twelve parameters, and the value of the time curve."""
 
 _f8 = numba.float64
 SIGNATURE = numba.void(_f8[::1], _f8[::1], _f8[::1], _f8[:, ::1], _f8[:, ::1])

@@ -10,7 +10,7 @@ import pyvista
 
 def mechanism(moment: Any) -> Any:
     """Rigid bodies and links of a configuration in the plane or in space as lines, or None."""
-    lines = [*moment.rods(), *map(moment.ends, moment.links())]
+    lines = [*moment.rods(), *map(moment.ends, moment.links()), *moment.wheels()]
     return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
 
 

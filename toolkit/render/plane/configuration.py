@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rod
+from toolkit.joints.places import AtPoints
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.model import Outline
 from toolkit.render.moment import Moment
@@ -42,6 +43,10 @@ class Configuration(Moment):
         q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
         angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
         return rotation(angle + q[2] if self.scene.body(body).has_frame else angle) @ direction
+
+    def across(self, joint: AtPoints, side: int) -> np.ndarray:
+        """The axes of the coordinates, turned with the body."""
+        return np.array([self.turned(*joint.grips[side], direction) for direction in np.eye(2)])
 
     def segments(self, body: str) -> list[np.ndarray]:
         """Lines that stand for a body, each (n, 2): along a rod, or from the centre of mass of a rigid body to every gripped point.

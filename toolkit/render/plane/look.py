@@ -71,7 +71,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
 
 
 def _drawn_points(moment: Configuration) -> list[np.ndarray]:
-    return [*moment.rods(), *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
+    return [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
 
 
 def _thickness(scene: Scene, body: str) -> float:

@@ -76,9 +76,9 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
 
 
 def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0) -> None:
-    """Rigid bodies as thick lines with edges, springs and distance joints as thin ones."""
+    """Rigid bodies as thick lines with edges, springs, distance joints and wheels as thin ones."""
     rods = [ends for ends in moment.rods() for _ in ("edge", "inside")]
-    links = [moment.ends(each) for each in moment.links()]
+    links = [*(moment.ends(each) for each in moment.links()), *moment.wheels()]
     axes.add_collection(LineCollection(links, colors=color, linewidths=1.5, zorder=_ROD))
     look: Any = {"colors": (edge, color), "linewidths": (width + 1.0, width)}
     axes.add_collection(LineCollection(rods, capstyle="round", zorder=_ROD, **look))

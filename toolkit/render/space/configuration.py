@@ -10,6 +10,8 @@ import numpy as np
 from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
+from toolkit.joints.places import AtPoints
+from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.kinematics.spatial import matrix_of, quaternion_of
 from toolkit.render.moment import Moment
 from toolkit.system.solution import Solution
@@ -70,6 +72,11 @@ class SpatialConfiguration(Moment):
             @ matrix_of(quaternion_of(np.real(c @ marker.shape[:, 3:])))
             @ np.real(marker.point[3:12]).reshape(3, 3).T
         )
+
+    def across(self, joint: AtPoints, side: int) -> np.ndarray:
+        """The first two axes of the joint, turned with the body."""
+        axes = joint.axes if isinstance(joint, SpatialJoint) and joint.axes is not None else np.eye(3)
+        return self.turned(*joint.grips[side], np.real(axes))[:, :2].T
 
     def centre(self, body: str) -> np.ndarray:
         """Centre of mass of a rigid body, (3,)."""

@@ -113,7 +113,9 @@ def _draw_rods(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialL
 
 
 def _draw_links(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
-    """Springs as coils, other components between two points as thin rods."""
+    """Springs as coils, other components between two points and what rolls as thin rods."""
+    for wheel in moment.wheels():
+        panel.draw(parts.rod(wheel, 0.4 * look.radius), color=JOINT, smooth_shading=True)
     for link in moment.links():
         ends = moment.ends(link)
         points = parts.coil(ends, 1.6 * look.radius) if isinstance(link, SpatialSpringDamper) else ends

@@ -108,7 +108,7 @@ def _drawn_points(moment: SpatialConfiguration) -> list[np.ndarray]:
     """Of rigid bodies, joints and links."""
     scene = moment.scene
     joints = [joint for joint in scene.joints.values() if isinstance(joint, SpatialJoint)]
-    return [*moment.rods(), *(moment.ends(each) for each in [*joints, *moment.links()])]
+    return [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*joints, *moment.links()])]
 
 
 def rod_radius(moment: SpatialConfiguration, body: str, least: float) -> float:

@@ -14,8 +14,9 @@ import numpy as np
 
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.joints.kernels.composition import change_row, compose, gap
-from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN
+from toolkit.joints.kernels.laws import ANGLE, FORMS, PLAIN, PROFILE
 from toolkit.joints.kernels.planar.form_kernel import add_pair, contract, evaluate_form
+from toolkit.joints.kernels.profile import VALUES, carrier, change_profile, of_profile, read_profile
 from toolkit.joints.kernels.records import CONSTANT, CURVE, CURVED, FIRST_ROW, FORM, GRADIENT, LAW, LINEAR, N_ROWS, PHI, TURNED
 from toolkit.markers.planar.marker_forces import add_force
 
@@ -103,10 +104,14 @@ def add_stiffness(factor, h_zz, stiffness):
 def composed_row(functions, joints, j, i, form, lam, work):
     """A row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
-    for f in range(n):
+    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
+    for f in range(n - carried):
         h = work.forms[f]
         h[1:, :] = 0
         work.law[0, f] = evaluate_form(joints, form + f, work.pose, h[:4], h[5:], h[4])
+    if carried:
+        work.forms[n - 1] = 0
+        read_profile(joints, form + n - 1, n, work.law[0], work.law[VALUES])
     compose(functions, joints.of[j, LAW + 2 * i], n, i, work)
     for f in range(n):
         add_stiffness(lam * work.composed[i, f, 0], work.forms[f, 5:], work.stiffness)
@@ -122,6 +127,9 @@ def change_number(joints, j, d, lam, levels, work):
     """Derivatives of a row and of its force by a number of its forms, see `change_row`."""
     kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d], work.forms[FORMS]
     h[:, :] = 0
+    if of_profile(joints, j, d):
+        change_profile(joints, j, d, carrier(joints, j, d), lam, levels, work)
+        return
     if kind == CONSTANT:
         work.law[0, FORMS] = value[0]
     elif kind == LINEAR:

@@ -11,7 +11,8 @@ g_zz and d(w^T g_zz w)/dz from here.
 
 from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.joints.kernels.composition import change_row, compose, gap
-from toolkit.joints.kernels.laws import FORMS, PLAIN
+from toolkit.joints.kernels.laws import FORMS, PLAIN, PROFILE
+from toolkit.joints.kernels.profile import VALUES, carrier, change_profile, of_profile, read_profile
 from toolkit.joints.kernels.records import CONSTANT, CURVE, FIRST_ROW, FORM, LAW, LINEAR, N_ROWS, PHI
 from toolkit.joints.kernels.records import SPATIAL_NUMBERS as NUMBERS
 from toolkit.markers.spatial.marker_forces import add_spatial_force
@@ -80,8 +81,12 @@ def evaluate_spatial_joint(functions, joints, j, state, acc, work):
 def composed_row(functions, joints, j, i, form, work):
     """A row that is a law of forms."""
     n = joints.of[j, LAW + 1 + 2 * i]
-    for f in range(n):
+    carried = 1 if joints.of[j, LAW + 2 * i] == PROFILE else 0
+    for f in range(n - carried):
         work.law[0, f] = evaluate_form(joints, form + f, work.pose, work.forms[f, :4])
+    if carried:
+        work.forms[n - 1, :4] = 0
+        read_profile(joints, form + n - 1, n, work.law[0], work.law[VALUES])
     compose(functions, joints.of[j, LAW + 2 * i], n, i, work)
 
 
@@ -90,6 +95,9 @@ def change_spatial_number(joints, j, d, lam, levels, work):
     """Derivatives of a row and of its force by a number of its forms, see `change_row`."""
     kind, place, value, h = joints.design[d, 3], joints.design[d, 4], joints.design_value[d, 0], work.forms[FORMS]
     h[:4, :] = 0
+    if of_profile(joints, j, d):
+        change_profile(joints, j, d, carrier(joints, j, d), lam, levels, work)
+        return
     if kind == CONSTANT:
         work.law[0, FORMS] = value
     elif kind == LINEAR:

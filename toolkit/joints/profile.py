@@ -1,0 +1,90 @@
+"""A curve of an angle over one turn, as numbers that a row of a joint carries."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from toolkit.curves.curve import Curve
+from toolkit.foundation.errors import InputError
+from toolkit.joints.kernels.profile import DEGREE, PIECE
+from toolkit.joints.rows import Form
+
+TURN = 2 * np.pi
+WIDEST, OF_PERIOD = TURN / 16, 1 / 16
+"""Longest piece, and longest as a part of a period of the curve."""
+ERROR = 1e-13
+"""Largest error of a piece, as a part of the largest value; what misses it is cut into shorter ones."""
+CLOSE = 1e-9
+"""Distance of corners in rad that are one; and part of the largest value or slope by which a curve may miss itself after one turn."""
+MOST = 2000
+"""Pieces of a profile."""
+NODES = np.cos(np.pi * (np.arange(DEGREE + 1) + 0.5) / (DEGREE + 1))
+BETWEEN = np.append((NODES[:-1] + NODES[1:]) / 2, [-1 + 1e-6, 1 - 1e-6])
+"""Where polynomials meet a piece, and where their error is looked at, from -1 to 1."""
+
+
+def profile_form(curve: Curve) -> Form:
+    """The numbers of f(t) - f(0) for t from 0 to 2 pi, as `kernels.profile` reads them, real or complex.
+
+    Raises
+    ------
+    InputError
+        The curve changes too often.
+    """
+    start = curve.evaluate(np.zeros(1))[0, 0]
+    largest = np.abs(np.real(curve.evaluate(np.linspace(0, TURN, 721))[:, 0] - start)).max()
+    widest, numbers = min((WIDEST, *(OF_PERIOD * period for period in curve.periods()))), list[Any]()
+    for begin, end in pairwise(_bounds(curve)):
+        count = max(1, int(np.ceil(np.real(end - begin) / widest - CLOSE)))
+        while (found := _pieces(curve, start, begin, end, count))[1] > ERROR * largest:
+            count *= 2
+            if count > MOST:
+                raise InputError(f"the curve of a cam changes too often within one turn: it takes more than {MOST} polynomials.")
+        numbers += found[0]
+    assert len(numbers) % PIECE == 0
+    return Form(linear=tuple((0, number) for number in numbers))
+
+
+def _pieces(curve: Curve, start: Any, begin: Any, end: Any, count: int) -> tuple[list[Any], float]:
+    """Numbers of `count` pieces of equal length, and their largest error."""
+    half = (end - begin) / count / 2
+    middles = begin + half * (2 * np.arange(count) + 1)
+    values, between = (
+        curve.evaluate((middles[:, None] + half * x).ravel())[:, 0].reshape(count, -1) - start for x in (NODES, BETWEEN)
+    )
+    scaled = np.linalg.solve(np.vander(NODES, increasing=True), values.T).T
+    error = float(np.abs(np.real(scaled @ np.vander(BETWEEN, DEGREE + 1, increasing=True).T - between)).max())
+    found = np.column_stack([middles - half, middles, scaled / half ** np.arange(DEGREE + 1)])
+    return list(found.ravel()), error
+
+
+def check_turn(curve: Curve, owner: str) -> None:
+    """Refuse a curve that does not come back to its value and slope after one turn.
+
+    Raises
+    ------
+    InputError
+        Says by how much.
+    """
+    inside = np.linspace(0, TURN, 721)[1:-1]
+    ends = np.real(curve.evaluate(np.array([0.0, TURN])))
+    largest = np.abs(np.real(curve.evaluate(inside))[:, :2]).max(axis=0)
+    for k, what in enumerate(("value", "slope")):
+        if abs(ends[1, k] - ends[0, k]) > CLOSE * largest[k]:
+            raise InputError(
+                f"the curve of {owner} has the {what} {ends[0, k]:.9g} at the angle 0 and {ends[1, k]:.9g} after a turn, at 2 pi = "
+                f"{TURN:.9g}: a cam's follower would jump there. Let it end as it begins; its argument is the angle in rad."
+            )
+
+
+def _bounds(curve: Curve) -> list[Any]:
+    """Beginning and end of one turn, and corners of the curve between them."""
+    corners = sorted((c for c in curve.corners() if CLOSE < np.real(c) < TURN - CLOSE), key=np.real)
+    bounds: list[Any] = [0.0]
+    for corner in corners:
+        if np.real(corner - bounds[-1]) > CLOSE:
+            bounds.append(corner)
+    return [*bounds, TURN]

@@ -1,0 +1,40 @@
+"""Whether a bushing in space is turned further than its small rotations mean."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.loads.spatial.bushing import SpatialBushing
+from toolkit.system.marker_states import marker_states
+from toolkit.system.solution import Solution
+
+SMALL = np.radians(30)
+"""Angle at which its sine, which the torque grows with, is off by 4.5 %."""
+LOOKED_AT = 500
+"""So many instants are looked at."""
+
+
+def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
+    """A doubt for every bushing in space that is turned by more than a small rotation, at the largest that is looked at."""
+    system = solution.system
+    bushings = {name: load for name, load in system.scene.loads.items() if isinstance(load, SpatialBushing)}
+    bushings = {name: load for name, load in bushings.items() if any((*load.rotational_stiffness, *load.rotational_damping))}
+    if not bushings:
+        return
+    states = np.atleast_2d(np.real(solution.q))
+    some = np.unique(np.linspace(0, len(states) - 1, min(LOOKED_AT, len(states))).round().astype(int))
+    poses = np.real([marker_states(system, states[step]).y for step in some])
+    for name, load in bushings.items():
+        first, second = (system.numbering.marker(grip) for grip in load.grips)
+        cosine = (np.einsum("tk,tk->t", poses[:, first, 3:], poses[:, second, 3:]) - 1) / 2
+        largest = float(np.arccos(np.clip(cosine.min(), -1, 1)))
+        if largest > SMALL:
+            yield Caution(
+                "bushing-turned-far",
+                f"loads.{name} is turned by up to {np.degrees(largest):.0f} degrees. The torques of a bushing in space are those of a "
+                "small rotation, -k sin(angle) - c cos(angle)^2 angle': at 30 degrees 4.5 and 25 % less than -k angle - c angle'. Take a "
+                "universal or revolute joint with rotational springs for what turns that far.",
+            )
