@@ -24,6 +24,8 @@ from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.planar.friction import PlanarSlidingFriction, PlanarTurningFriction
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -35,6 +37,8 @@ SINE = Sine(amplitude=0.7, frequency=0.3, phase=0.4)
 TABLE = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9))
 SUM = Sum(terms=(SmoothStep(height=1.3, start=-0.2, duration=1.1), Constant(value=0.3), SINE, TABLE))
 LINEAR = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9), interpolation="linear")
+
+GAINS = {"proportional_gain": 2.1, "derivative_gain": 0.6}
 
 KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("revolute", Revolute, {}),
@@ -51,6 +55,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("spring-damper relaxed at the start", SpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
     ("rotational spring-damper", RotationalSpringDamper, {"stiffness": 2.1, "damping": 0.6, "rest_angle": 0.3}),
+    ("angle controller", AngleController, {**GAINS, "curve": SUM}),
+    ("position controller", PositionController, {**GAINS, "axis": (0.8, -0.5), "curve": SINE}),
+    ("distance controller", DistanceController, {**GAINS, "curve": TABLE}),
+    ("turning friction", PlanarTurningFriction, {"level": 1.3, "width": 0.7, "curve": SINE}),
+    ("sliding friction", PlanarSlidingFriction, {"axis": (0.8, -0.5), "level": 1.3, "width": 0.7, "curve": SUM}),
 ]
 """Name, kind, numbers; bodies and points come from every grip."""
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing import build
-from tests.models.cases import LINEAR, SINE, SUM, TABLE
+from tests.models.cases import GAINS, LINEAR, SINE, SUM, TABLE
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
@@ -22,6 +22,8 @@ from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.loads.spatial.friction import SpatialSlidingFriction, SpatialTurningFriction
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -56,6 +58,11 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ),
     ("spring-damper relaxed at the start", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6}),
     ("spring-damper of given length", SpatialSpringDamper, {"stiffness": 2.1, "damping": 0.6, "length": 0.4}),
+    ("angle controller", SpatialAngleController, {**GAINS, "axis": AXIS, "curve": SUM}),
+    ("position controller", SpatialPositionController, {**GAINS, "axis": AXIS, "curve": SINE}),
+    ("distance controller", SpatialDistanceController, {**GAINS, "curve": TABLE}),
+    ("turning friction", SpatialTurningFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SINE}),
+    ("sliding friction", SpatialSlidingFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SUM}),
 ]
 """Name, kind, numbers; bodies and points come from a grip."""
 

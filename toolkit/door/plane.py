@@ -13,6 +13,9 @@ from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
+from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.planar.friction import PlanarSlidingFriction as SlidingFriction
+from toolkit.loads.planar.friction import PlanarTurningFriction as TurningFriction
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -21,13 +24,16 @@ from toolkit.loads.planar.torque import Torque
 __all__ = [
     *curves.__all__,
     *responses.__all__,
+    "AngleController",
     "AngleDriver",
     "BodyPoint",
     "Distance",
+    "DistanceController",
     "Flexible",
     "Gravity",
     "Point",
     "PointForce",
+    "PositionController",
     "PositionDriver",
     "Revolute",
     "Rigid",
@@ -35,6 +41,8 @@ __all__ = [
     "Rod",
     "RotationalSpringDamper",
     "Slider",
+    "SlidingFriction",
     "SpringDamper",
     "Torque",
+    "TurningFriction",
 ]

@@ -19,6 +19,11 @@ from toolkit.joints.spatial.prismatic import Prismatic
 from toolkit.joints.spatial.revolute import SpatialRevolute as Revolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
+from toolkit.loads.spatial.controllers import SpatialAngleController as AngleController
+from toolkit.loads.spatial.controllers import SpatialDistanceController as DistanceController
+from toolkit.loads.spatial.controllers import SpatialPositionController as PositionController
+from toolkit.loads.spatial.friction import SpatialSlidingFriction as SlidingFriction
+from toolkit.loads.spatial.friction import SpatialTurningFriction as TurningFriction
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
 from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -29,15 +34,18 @@ from toolkit.loads.spatial.torque import SpatialTorque as Torque
 __all__ = [
     *curves.__all__,
     *responses.__all__,
+    "AngleController",
     "AngleDriver",
     "BodyPoint",
     "Cylindrical",
     "Distance",
+    "DistanceController",
     "Flexible",
     "Gravity",
     "Point",
     "PointForce",
     "PointOnPlane",
+    "PositionController",
     "PositionDriver",
     "Pressure",
     "Prismatic",
@@ -47,7 +55,9 @@ __all__ = [
     "Rod",
     "RotationalSpringDamper",
     "Spherical",
+    "SlidingFriction",
     "SpringDamper",
     "Torque",
+    "TurningFriction",
     "Universal",
 ]

@@ -14,6 +14,8 @@ class AnyLoad(InSpace):
     siblings: ClassVar[str] = "PlanarLoad or SpatialLoad"
     proportional: ClassVar[tuple[str, ...]] = ()
     """Fields that it is proportional to, so that a load as large again is one of twice their numbers; none of a spring."""
+    folds: ClassVar[bool] = False
+    """Whether it follows an angle in space that is known up to half a turn only, beyond which its torque would jump."""
 
 
 class Load(AnyLoad, Component):

@@ -1,0 +1,76 @@
+"""What controllers in the plane and in space share: a set value over time, and their gains."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from toolkit.curves.curve import Curve
+from toolkit.description.description import Description, NotNegative
+from toolkit.description.quantity import Quantity
+from toolkit.loads.places import BetweenBodies, BetweenPoints
+from toolkit.markers.component import Skeleton
+
+
+class Controlled(Description):
+    """Base of loads u = k_p (s - g) - k_d g' along what they measure, g, which is to follow the curve s(t).
+
+    The derivative action is that on the measured value, so that a set value that jumps gives no impulse; it brakes against the ground
+    of a set value that moves, which lags behind by k_d s' / k_p.
+    """
+
+    proportional_gain: float
+    derivative_gain: float
+    curve: Curve
+
+    @property
+    def time_curve(self) -> Curve:
+        """The set value."""
+        return self.curve
+
+    def parameters(self, _scene: Skeleton) -> list[Any]:
+        """The gains."""
+        return [self.proportional_gain, self.derivative_gain]
+
+
+class AngleControlled(BetweenBodies, Controlled):
+    """Base of controllers of the rotation of body a against body b: a torque on both.
+
+    Attributes
+    ----------
+    proportional_gain
+        k_p, in torque/rad.
+    derivative_gain
+        k_d, in torque time/rad.
+    curve
+        Set value of the relative rotation over time, in rad.
+    """
+
+    proportional_gain: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
+    derivative_gain: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
+    curve: Annotated[Curve, Quantity("angle")]
+
+
+class LengthControlled(Controlled):
+    """Base of controllers of a length: a force.
+
+    Attributes
+    ----------
+    proportional_gain
+        k_p, in force/length.
+    derivative_gain
+        k_d, in force time/length.
+    curve
+        Set value over time, in units of length.
+    """
+
+    proportional_gain: Annotated[NotNegative, Quantity("force/length")] = 0.0
+    derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
+    curve: Annotated[Curve, Quantity("length")]
+
+
+class PositionControlled(BetweenBodies, LengthControlled):
+    """Base of controllers of the offset of the point of body a along an axis fixed in body b."""
+
+
+class DistanceControlled(BetweenPoints, LengthControlled):
+    """Base of controllers of the distance between two points."""

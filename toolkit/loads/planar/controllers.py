@@ -1,0 +1,64 @@
+"""Controllers in the plane: of a relative angle, of a position along an axis, of a distance."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from toolkit.foundation.kernel import kernel
+from toolkit.loads.controllers import AngleControlled, DistanceControlled, PositionControlled
+from toolkit.loads.kernels.along import control_along
+from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset
+from toolkit.loads.planar.along_axis import TILT, AlongAxisLoad
+from toolkit.loads.planar.load import PlanarLoad
+from toolkit.markers.component import Skeleton
+
+
+@kernel
+def angle_controller(z, w, force, force_z, force_w):
+    """u = k_p (s - g) - k_d g' along g = angle_a - angle_b, see `along`."""
+    control_along(6, plane_angle(z, force, force_z), z, w, force, force_z, force_w)
+
+
+@kernel
+def position_controller(z, w, force, force_z, force_w):
+    """u = k_p (s - g) - k_d g' along g = e . (r_a - r_b); the axis e turns with body b, so that its angle acts like that of the body."""
+    control_along(6, plane_offset(z, z[TILT], force, force_z), z, w, force, force_z, force_w)
+    for i in range(6):
+        force_z[i, TILT] = force_z[i, 5]
+
+
+@kernel
+def distance_controller(z, w, force, force_z, force_w):
+    """u = k_p (s - g) - k_d g' along g = |r_a - r_b|."""
+    control_along(6, distance(z, 3, force, force_z), z, w, force, force_z, force_w)
+
+
+class AngleController(AngleControlled, PlanarLoad):
+    """Torque k_p (s - angle) - k_d angle' on body a, its opposite on body b: a motor that turns them by s(t) against each other.
+
+    The angle is the relative rotation since the undeformed configuration, with all turns.
+    """
+
+    kind = "angle-controller"
+    formula = angle_controller
+
+
+class PositionController(PositionControlled, AlongAxisLoad):
+    """Force k_p (s - g) - k_d g' along an axis fixed in body b, on which the point of body a stands at g: a linear motor.
+
+    It acts on body a at its point, the reaction on body b.
+    """
+
+    kind = "position-controller"
+    formula = position_controller
+
+    def parameters(self, scene: Skeleton) -> list[Any]:
+        """The gains, and the angle of the axis."""
+        return self.with_axis(PositionControlled.parameters(self, scene))
+
+
+class DistanceController(DistanceControlled, PlanarLoad):
+    """Force k_p (s - l) - k_d l' along the line between two points, positive if it drives them apart: a cylinder of length s(t)."""
+
+    kind = "distance-controller"
+    formula = distance_controller
