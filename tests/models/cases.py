@@ -58,6 +58,13 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("angle controller", AngleController, {**GAINS, "curve": SUM}),
     ("position controller", PositionController, {**GAINS, "axis": (0.8, -0.5), "curve": SINE}),
     ("distance controller", DistanceController, {**GAINS, "curve": TABLE}),
+    ("angle controller with an integral", AngleController, {**GAINS, "integral_gain": 1.7, "curve": SUM}),
+    (
+        "position controller with an integral",
+        PositionController,
+        {**GAINS, "integral_gain": 1.7, "axis": (0.8, -0.5), "curve": SINE},
+    ),
+    ("distance controller with an integral", DistanceController, {**GAINS, "integral_gain": 1.7, "curve": TABLE}),
     ("turning friction", PlanarTurningFriction, {"level": 1.3, "width": 0.7, "curve": SINE}),
     ("sliding friction", PlanarSlidingFriction, {"axis": (0.8, -0.5), "level": 1.3, "width": 0.7, "curve": SUM}),
 ]

@@ -61,6 +61,13 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("angle controller", SpatialAngleController, {**GAINS, "axis": AXIS, "curve": SUM}),
     ("position controller", SpatialPositionController, {**GAINS, "axis": AXIS, "curve": SINE}),
     ("distance controller", SpatialDistanceController, {**GAINS, "curve": TABLE}),
+    ("angle controller with an integral", SpatialAngleController, {**GAINS, "integral_gain": 1.7, "axis": AXIS, "curve": SUM}),
+    (
+        "position controller with an integral",
+        SpatialPositionController,
+        {**GAINS, "integral_gain": 1.7, "axis": AXIS, "curve": SINE},
+    ),
+    ("distance controller with an integral", SpatialDistanceController, {**GAINS, "integral_gain": 1.7, "curve": TABLE}),
     ("turning friction", SpatialTurningFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SINE}),
     ("sliding friction", SpatialSlidingFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SUM}),
 ]

@@ -2,24 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import Description, NotNegative
+from toolkit.description.description import Description, NotNegative, Positive
 from toolkit.description.quantity import Quantity
+from toolkit.joints.rows import RowQuantity
 from toolkit.loads.places import BetweenBodies, BetweenPoints
 from toolkit.markers.component import Skeleton
 
 
 class Controlled(Description):
-    """Base of loads u = k_p (s - g) - k_d g' along what they measure, g, which is to follow the curve s(t).
+    """Base of loads u = k_p (s - g) + k_i x - k_d g' along what they measure, g, which is to follow the curve s(t); x' = s - g, x(0) = 0.
 
-    The derivative action is that on the measured value, so that a set value that jumps gives no impulse; it brakes against the ground
-    of a set value that moves, which lags behind by k_d s' / k_p.
+    The derivative action is that on the measured value, so that a set value that jumps gives no impulse; without an integral action what
+    follows a moving set value lags behind it by k_d s' / k_p. The integral x is a state of the motion. In an equilibrium it is what makes
+    s - g zero, and a start there keeps it.
     """
+
+    leads: ClassVar[bool] = True
 
     proportional_gain: float
     derivative_gain: float
+    integral_gain: float | None
     curve: Curve
 
     @property
@@ -29,7 +34,7 @@ class Controlled(Description):
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The gains."""
-        return [self.proportional_gain, self.derivative_gain]
+        return [self.proportional_gain, self.derivative_gain, 0.0 if self.integral_gain is None else self.integral_gain]
 
 
 class AngleControlled(BetweenBodies, Controlled):
@@ -41,13 +46,21 @@ class AngleControlled(BetweenBodies, Controlled):
         k_p, in torque/rad.
     derivative_gain
         k_d, in torque time/rad.
+    integral_gain
+        k_i, in torque/(rad time); without it there is no integral.
     curve
         Set value of the relative rotation over time, in rad.
     """
 
     proportional_gain: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
     derivative_gain: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
+    integral_gain: Annotated[Positive | None, Quantity("torque/angle time")] = None
     curve: Annotated[Curve, Quantity("angle")]
+
+    @property
+    def state(self) -> RowQuantity | None:
+        """The integral."""
+        return None if self.integral_gain is None else "angle"
 
 
 class LengthControlled(Controlled):
@@ -59,13 +72,21 @@ class LengthControlled(Controlled):
         k_p, in force/length.
     derivative_gain
         k_d, in force time/length.
+    integral_gain
+        k_i, in force/(length time); without it there is no integral.
     curve
         Set value over time, in units of length.
     """
 
     proportional_gain: Annotated[NotNegative, Quantity("force/length")] = 0.0
     derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
+    integral_gain: Annotated[Positive | None, Quantity("force/length time")] = None
     curve: Annotated[Curve, Quantity("length")]
+
+    @property
+    def state(self) -> RowQuantity | None:
+        """The integral."""
+        return None if self.integral_gain is None else "length"
 
 
 class PositionControlled(BetweenBodies, LengthControlled):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from toolkit.description.description import InSpace
+from toolkit.joints.rows import RowQuantity
 from toolkit.markers.component import Component
 
 
@@ -23,3 +24,11 @@ class Load(AnyLoad, Component):
 
     `formula(z, w, force, force_z, force_w)` (see `load_kernel`) fills f, f_z and f_w; the value of the time curve is its last argument.
     """
+
+    leads: ClassVar[bool] = False
+    """Whether its time curve leads, as that of a driver does, instead of being what grows with the loads."""
+
+    @property
+    def state(self) -> RowQuantity | None:
+        """What its own state is an integral of over time, a length or an angle; None if it has none."""
+        return None

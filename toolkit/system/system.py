@@ -77,6 +77,12 @@ class System:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         return call(function, *arguments) if self.compiled else plain(function)(*arguments)
 
+    @cached_property
+    def unit_of_states(self) -> np.ndarray:
+        """One on the diagonal of the states of loads, which have no mass, so that it becomes regular; on the pattern."""
+        rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
+        return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
+
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
         terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)

@@ -60,15 +60,21 @@ def spring_along(n, g, z, w, force, force_z, force_w):
 
 @inner
 def control_along(n, g, z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g', (k_p, k_d) = z[n:n+2], s the value of the curve."""
+    """u = k_p (s - g) + k_i x - k_d g', x' = s - g, (k_p, k_d, k_i) = z[n:n+3], s the value of the curve, x the state."""
     last = len(z) - 1
     rate, error = rate_along(n, w, force), z[last] - g
-    u = z[n] * error - z[n + 1] * rate
+    u = z[n] * error + z[n + 2] * w[n] - z[n + 1] * rate
+    for i in range(n):
+        force_z[n, i] = -force[i]
     act_along(n, u, -z[n], -z[n + 1], w, force, force_z, force_w)
     add_parameter(n, n, error, force, force_z)
     add_parameter(n, n + 1, -rate, force, force_z)
+    add_parameter(n, n + 2, w[n], force, force_z)
     add_parameter(n, last, z[n], force, force_z)
+    for i in range(n):
+        force_w[i, n] = z[n + 2] * force[i]
     scale_force(n, u, force)
+    force[n], force_z[n, last] = error, 1
 
 
 @inner

@@ -15,28 +15,28 @@ from toolkit.markers.component import Skeleton
 
 @kernel
 def angle_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along g = angle_a - angle_b, see `along`."""
+    """u = k_p (s - g) + k_i x - k_d g' along g = angle_a - angle_b, see `along`."""
     control_along(6, plane_angle(z, force, force_z), z, w, force, force_z, force_w)
 
 
 @kernel
 def position_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along g = e . (r_a - r_b); the axis e turns with body b, so that its angle acts like that of the body."""
+    """u = k_p (s - g) + k_i x - k_d g' along g = e . (r_a - r_b); the angle of the axis e acts like that of body b."""
     control_along(6, plane_offset(z, z[TILT], force, force_z), z, w, force, force_z, force_w)
-    for i in range(6):
+    for i in range(7):
         force_z[i, TILT] = force_z[i, 5]
 
 
 @kernel
 def distance_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along g = |r_a - r_b|."""
+    """u = k_p (s - g) + k_i x - k_d g' along g = |r_a - r_b|."""
     control_along(6, distance(z, 3, force, force_z), z, w, force, force_z, force_w)
 
 
 class AngleController(AngleControlled, PlanarLoad):
-    """Torque k_p (s - angle) - k_d angle' on body a, its opposite on body b: a motor that turns them by s(t) against each other.
+    """Torque k_p (s - angle) + k_i x - k_d angle', x' = s - angle, on body a, its opposite on body b: a motor.
 
-    The angle is the relative rotation since the undeformed configuration, with all turns.
+    The angle is the relative rotation since the undeformed configuration, with all turns; it is led to s(t).
     """
 
     kind = "angle-controller"
@@ -44,9 +44,9 @@ class AngleController(AngleControlled, PlanarLoad):
 
 
 class PositionController(PositionControlled, AlongAxisLoad):
-    """Force k_p (s - g) - k_d g' along an axis fixed in body b, on which the point of body a stands at g: a linear motor.
+    """Force k_p (s - g) + k_i x - k_d g', x' = s - g, along an axis fixed in body b: a linear motor.
 
-    It acts on body a at its point, the reaction on body b.
+    The point of body a stands at g on the axis, and is led to s(t); there the force acts, its reaction on body b.
     """
 
     kind = "position-controller"
@@ -58,7 +58,10 @@ class PositionController(PositionControlled, AlongAxisLoad):
 
 
 class DistanceController(DistanceControlled, PlanarLoad):
-    """Force k_p (s - l) - k_d l' along the line between two points, positive if it drives them apart: a cylinder of length s(t)."""
+    """Force k_p (s - l) + k_i x - k_d l', x' = s - l, along the line between two points: a cylinder.
+
+    It is led to the length s(t); a positive force drives the points apart.
+    """
 
     kind = "distance-controller"
     formula = distance_controller

@@ -12,25 +12,26 @@ from toolkit.markers.about_axis import AboutAxis
 
 @kernel
 def spatial_angle_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along the rotation g about the third axis, see `along`."""
+    """u = k_p (s - g) + k_i x - k_d g' along the rotation g about the third axis, see `along`."""
     control_along(24, space_angle(z, force, force_z), z, w, force, force_z, force_w)
 
 
 @kernel
 def spatial_position_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along g = e_3b . (r_a - r_b)."""
+    """u = k_p (s - g) + k_i x - k_d g' along g = e_3b . (r_a - r_b)."""
     control_along(24, space_offset(z, force, force_z), z, w, force, force_z, force_w)
 
 
 @kernel
 def spatial_distance_controller(z, w, force, force_z, force_w):
-    """u = k_p (s - g) - k_d g' along g = |r_a - r_b|."""
+    """u = k_p (s - g) + k_i x - k_d g' along g = |r_a - r_b|."""
     control_along(24, distance(z, 12, force, force_z), z, w, force, force_z, force_w)
 
 
 class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
-    """Torque k_p (s - angle) - k_d angle' about an axis on body a, its opposite on body b: a motor; angle in (-pi, pi].
+    """Torque k_p (s - angle) + k_i x - k_d angle', x' = s - angle, about an axis on body a, its opposite on body b.
 
+    A motor that leads the angle, in (-pi, pi] since the undeformed configuration, to s(t).
     Both bodies turn against each other about this axis alone: a revolute or cylindrical joint with the same axis has to stand beside it.
     """
 
@@ -40,9 +41,9 @@ class SpatialAngleController(AboutAxis, AngleControlled, SpatialLoad):
 
 
 class SpatialPositionController(AboutAxis, PositionControlled, SpatialLoad):
-    """Force k_p (s - g) - k_d g' along an axis fixed in body b, on which the point of body a stands at g: a linear motor.
+    """Force k_p (s - g) + k_i x - k_d g', x' = s - g, along an axis fixed in body b: a linear motor.
 
-    It acts on body a at its point, the reaction on body b.
+    The point of body a stands at g on the axis, and is led to s(t); there the force acts, its reaction on body b.
     """
 
     kind = "position-controller"
@@ -50,7 +51,10 @@ class SpatialPositionController(AboutAxis, PositionControlled, SpatialLoad):
 
 
 class SpatialDistanceController(DistanceControlled, SpatialLoad):
-    """Force k_p (s - l) - k_d l' along the line between two points, positive if it drives them apart: a cylinder of length s(t)."""
+    """Force k_p (s - l) + k_i x - k_d l', x' = s - l, along the line between two points: a cylinder.
+
+    It is led to the length s(t); a positive force drives the points apart.
+    """
 
     kind = "distance-controller"
     formula = spatial_distance_controller

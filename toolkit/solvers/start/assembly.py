@@ -78,4 +78,4 @@ def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Te
 def _matrix(system: System, terms: Terms) -> np.ndarray:
     """Derivative by [q; mu] of the equations, values on the pattern."""
     below = np.repeat(np.arange(system.n), np.diff(system.plan.indptr)) >= system.n_q
-    return terms.I_acc + np.where(below, terms.A_q, terms.I_q)
+    return terms.I_acc + system.unit_of_states + np.where(below, terms.A_q, terms.I_q)

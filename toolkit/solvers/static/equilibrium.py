@@ -31,11 +31,18 @@ class Equilibrium(NamedTuple):
     tangent: np.ndarray
 
 
+def leading_curves(system: System) -> np.ndarray:
+    """Time curves of loads that lead, as those of drivers do: set values of controllers."""
+    loads = system.plan.loads
+    found: np.ndarray = loads.curve[(loads.scaled == 0) & (loads.curve >= 0)]
+    return found
+
+
 def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
-    """What acts at a load factor: loads scaled by it, drivers between their first and last value."""
+    """What acts at a load factor: loads scaled by it, drivers and set values between their first and last value."""
     first, last = (system.inputs(time, LEVELS) for time in (0.0, options.end_time))
     curves, curves_x = last.curves.copy(), last.curves_x.copy()
-    driven = [c for c in system.plan.joints.curve if c >= 0]
+    driven = np.concatenate([leading_curves(system), system.plan.joints.curve[system.plan.joints.curve >= 0]])
     curves[driven] = first.curves[driven] + factor * (last.curves[driven] - first.curves[driven])
     pairs = np.isin(system.plan.curve_index, driven)
     curves_x[pairs] = first.curves_x[pairs] + factor * (last.curves_x[pairs] - first.curves_x[pairs])
