@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
+
+from numba.core.registry import CPUDispatcher
 
 from toolkit.curves.catalogue import Curve
 from toolkit.curves.kinds.constant import Constant
@@ -24,6 +26,11 @@ class Friction(BetweenBodies):
         s(t), such as the course of a pressing force.
     """
 
+    measure: ClassVar[CPUDispatcher]
+    """What slides or turns, g, see `measured`."""
+    rate: ClassVar[str]
+    """What g' is, a quantity of `toolkit.foundation.units`."""
+
     level: float
     width: float
     curve: Annotated[Curve, Quantity("none")] = Constant()
@@ -37,6 +44,11 @@ class Friction(BetweenBodies):
         """Level and width."""
         return [self.level, self.width]
 
+    @classmethod
+    def measured(cls) -> CPUDispatcher:
+        """The function itself; reached through an instance it would be bound to it."""
+        return cls.measure
+
 
 class TurningFriction(Friction):
     """Base of friction against the rotation of body a against body b.
@@ -48,6 +60,8 @@ class TurningFriction(Friction):
     width
         d, the relative rate of rotation below which friction is a damper, in rad/time: it sets the width of the regularisation.
     """
+
+    rate = "angular_velocity"
 
     level: Annotated[NotNegative, Quantity("torque")]
     width: Annotated[Positive, Quantity("angle/time")]
@@ -63,6 +77,8 @@ class SlidingFriction(Friction):
     width
         d, the relative velocity below which friction is a damper: it sets the width of the regularisation.
     """
+
+    rate = "velocity"
 
     level: Annotated[NotNegative, Quantity("force")]
     width: Annotated[Positive, Quantity("length/time")]

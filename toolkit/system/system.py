@@ -59,6 +59,11 @@ class System:
         return self.plan.n_q
 
     @property
+    def n_b(self) -> int:
+        """Number of coordinates of bodies; behind them come the states of loads, which count among the forces of an equilibrium."""
+        return self.n_q - len(self.numbering.states)
+
+    @property
     def n(self) -> int:
         """Number of unknowns: coordinates and multipliers."""
         return self.plan.n

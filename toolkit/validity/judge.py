@@ -10,6 +10,7 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
+from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
 from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
@@ -54,8 +55,10 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from springs_through_zero(solution)
         yield from unseen_curves(solution)
         yield from overshooting_tables(solution)
+        yield from creeping_friction(solution)
     else:
         yield from limits_passed(solution)
+        yield from friction_at_rest(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)

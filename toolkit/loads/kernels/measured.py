@@ -1,12 +1,16 @@
 """What loads measure between two markers, and act along: g(z) of the two poses, in the plane and in space.
 
-Each function returns g, and fills its derivatives g_z into `slope` (n,) and g_zz into the first n columns of `bend`.
+Each function returns g, and fills its derivatives g_z into `slope` (n,) and g_zz into the first n columns of `bend`; z is that of
+`load_kernel`.
 """
 
 import numpy as np
 
 from toolkit.foundation.kernel import inner
 from toolkit.joints.kernels.laws import angle_of
+
+TILT = 10
+"""Place in z of the angle of an axis in the plane: the last parameter."""
 
 
 @inner
@@ -17,9 +21,9 @@ def plane_angle(z, slope, bend):
 
 
 @inner
-def plane_offset(z, tilt, slope, bend):
-    """g = e . (r_a - r_b), e = (cos, sin) of angle_b + tilt: the axis is fixed in body b."""
-    c, s, x, y = np.cos(z[5] + tilt), np.sin(z[5] + tilt), z[0] - z[3], z[1] - z[4]
+def plane_offset(z, slope, bend):
+    """g = e . (r_a - r_b), e = (cos, sin) of angle_b + z[TILT]: the axis is fixed in body b."""
+    c, s, x, y = np.cos(z[5] + z[TILT]), np.sin(z[5] + z[TILT]), z[0] - z[3], z[1] - z[4]
     offset = c * x + s * y
     slope[0], slope[1], slope[3], slope[4], slope[5] = c, s, -c, -s, c * y - s * x
     bend[0, 5], bend[1, 5], bend[3, 5], bend[4, 5], bend[5, 5] = -s, c, s, -c, -offset

@@ -6,11 +6,9 @@ from typing import Any
 
 from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.laws import angle_of
+from toolkit.loads.kernels.measured import TILT
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.along_axis import AlongAxis
-
-TILT = 10
-"""Place of the axis' angle among the arguments of the formula: the last parameter."""
 
 
 class AlongAxisLoad(AlongAxis, PlanarLoad):

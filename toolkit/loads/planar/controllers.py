@@ -7,8 +7,8 @@ from typing import Any
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.controllers import AngleControlled, DistanceControlled, PositionControlled
 from toolkit.loads.kernels.along import control_along
-from toolkit.loads.kernels.measured import distance, plane_angle, plane_offset
-from toolkit.loads.planar.along_axis import TILT, AlongAxisLoad
+from toolkit.loads.kernels.measured import TILT, distance, plane_angle, plane_offset
+from toolkit.loads.planar.along_axis import AlongAxisLoad
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.component import Skeleton
 
@@ -22,7 +22,7 @@ def angle_controller(z, w, force, force_z, force_w):
 @kernel
 def position_controller(z, w, force, force_z, force_w):
     """u = k_p (s - g) + k_i x - k_d g' along g = e . (r_a - r_b); the angle of the axis e acts like that of body b."""
-    control_along(6, plane_offset(z, z[TILT], force, force_z), z, w, force, force_z, force_w)
+    control_along(6, plane_offset(z, force, force_z), z, w, force, force_z, force_w)
     for i in range(7):
         force_z[i, TILT] = force_z[i, 5]
 

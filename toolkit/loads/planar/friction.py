@@ -7,8 +7,8 @@ from typing import Any
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.friction import SlidingFriction, TurningFriction
 from toolkit.loads.kernels.along import friction_along
-from toolkit.loads.kernels.measured import plane_angle, plane_offset
-from toolkit.loads.planar.along_axis import TILT, AlongAxisLoad
+from toolkit.loads.kernels.measured import TILT, plane_angle, plane_offset
+from toolkit.loads.planar.along_axis import AlongAxisLoad
 from toolkit.loads.planar.load import PlanarLoad
 from toolkit.markers.component import Skeleton
 
@@ -23,7 +23,7 @@ def turning_friction(z, w, force, force_z, force_w):
 @kernel
 def sliding_friction(z, w, force, force_z, force_w):
     """u = - s F tanh(g' / d) along g = e . (r_a - r_b); the angle of the axis e acts like that of body b."""
-    plane_offset(z, z[TILT], force, force_z)
+    plane_offset(z, force, force_z)
     friction_along(6, z, w, force, force_z, force_w)
     for i in range(6):
         force_z[i, TILT] = force_z[i, 5]
@@ -34,6 +34,7 @@ class PlanarTurningFriction(TurningFriction, PlanarLoad):
 
     kind = "turning-friction"
     formula = turning_friction
+    measure = plane_angle
 
 
 class PlanarSlidingFriction(SlidingFriction, AlongAxisLoad):
@@ -44,6 +45,7 @@ class PlanarSlidingFriction(SlidingFriction, AlongAxisLoad):
 
     kind = "sliding-friction"
     formula = sliding_friction
+    measure = plane_offset
 
     def parameters(self, scene: Skeleton) -> list[Any]:
         """Level and width, and the angle of the axis."""

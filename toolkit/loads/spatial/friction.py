@@ -32,6 +32,7 @@ class SpatialTurningFriction(AboutAxis, TurningFriction, SpatialLoad):
 
     kind = "turning-friction"
     formula = spatial_turning_friction
+    measure = space_angle
 
 
 class SpatialSlidingFriction(AboutAxis, SlidingFriction, SpatialLoad):
@@ -42,3 +43,4 @@ class SpatialSlidingFriction(AboutAxis, SlidingFriction, SpatialLoad):
 
     kind = "sliding-friction"
     formula = spatial_sliding_friction
+    measure = space_offset

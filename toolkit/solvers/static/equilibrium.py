@@ -71,8 +71,8 @@ def find_equilibrium(
         The equations have no unique solution.
     """
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
-    moved, size = np.zeros_like(q), np.inf
-    far = (system.weights * np.abs(np.real(q)))[:n_q].max(initial=0)
+    n_b, moved, size = system.n_b, np.zeros_like(q), np.inf
+    far = (system.weights * np.abs(np.real(q)))[:n_b].max(initial=0)
     reachable = max(options.tolerance, ROUND_OFF, FAR * ROUND_OFF * far)
     for iteration in range(options.max_iterations):
         terms = system.evaluate(inputs, q + moved, rest, acc)
@@ -80,9 +80,9 @@ def find_equilibrium(
         correction = solve_linear(system, static_matrix(system, terms), residual, f"statics at load factor {factor:g}")
         moved[:n_q] -= correction[:n_q]
         acc = acc - np.where(np.arange(system.n) < n_q, 0, correction)
-        weighted = system.weights[:n_q] * np.abs(np.real(correction[:n_q]))
+        weighted = system.weights[:n_b] * np.abs(np.real(correction[:n_b]))
         before, size = size, weighted.max(initial=0)
-        strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
+        strayed = (system.weights * np.abs(np.real(moved)))[:n_b].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
         if (size <= reachable and size > 0.5 * before) or size <= ROUND_OFF:
