@@ -19,17 +19,24 @@ AGREEMENT = 1e-11
 """Of the response's largest derivative: round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e2 of the equations."""
 ROUND_OFF = 1e-12
 """A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
-STRIDE = {"linkage": 11, "frames": 13}
+STRIDE = {"linkage": 11, "frames": 13, "controlled": 7}
 """A complex step takes a second of plain Python: one number in so many has it; `test_spatial_conformance` has all of them."""
 
 NO_TURN = "the body does not turn"
+TILTED = "the angle about an axis that is tilted against the only one of the motion changes in second order"
 NO_EFFECT: dict[str, dict[str, str]] = {
     "linkage": {"bodies.car.inertia.*": NO_TURN, **GOES_ON},
     "frames": {
         "bodies.plate.inertia.*": NO_TURN,
         "bodies.sled.inertia.*": NO_TURN,
         "bodies.rubber.position.*": "nothing but uniform gravity and its own surface acts on the grounded body",
-        "loads.coil.axis.*": "the angle about an axis that is tilted against the only one of the motion changes in second order",
+        "loads.coil.axis.*": TILTED,
+    },
+    "controlled": {
+        "bodies.block.inertia.*": NO_TURN,
+        "points.C.*": "the block slides along a straight line, wherever that is",
+        "loads.motor.axis.*": TILTED,
+        "loads.rub.axis.*": TILTED,
     },
 }
 """Scene -> paths without effect on its motion by physics, and the reason."""
@@ -42,7 +49,9 @@ def folder(tmp_path_factory):
     return directory
 
 
-@pytest.fixture(scope="module", params=["linkage transient", "frames transient", "frames static"])
+@pytest.fixture(
+    scope="module", params=["linkage transient", "frames transient", "frames static", "controlled transient", "controlled static"]
+)
 def compared(request, folder):
     """Name and kind, and the gradients of all responses of a scene by all its numbers, direct and adjoint, and some by complex steps."""
     name, kind = request.param.split()
