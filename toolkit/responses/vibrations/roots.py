@@ -62,13 +62,17 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
 
 
 def _roots(pencil: Pencil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike."""
+    """All finite s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike.
+
+    States of loads have no mass: each has one s, and another one that is infinite.
+    """
     K, C, M = pencil
     unit = np.sqrt(np.abs(K).max() / np.abs(M).max())
     one, none = np.eye(len(K)), np.zeros(K.shape)
     first = np.block([[none, one], [-K / unit**2, -C / unit]])
     values, left, right = eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
-    return unit * values, left[len(K) :].conj(), right[: len(K)]
+    finite = np.isfinite(values)
+    return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
 
 
 def _refined(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> tuple[complex, np.ndarray, np.ndarray]:

@@ -1,0 +1,1 @@
+"""Tests of loads that depend on states."""
