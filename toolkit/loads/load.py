@@ -30,5 +30,5 @@ class Load(AnyLoad, Component):
 
     @property
     def state(self) -> RowQuantity | None:
-        """What its own state is an integral of over time, a length or an angle; None if it has none."""
+        """What its own state is compared with, also as an integral over time: a length or an angle (and pure numbers); None without one."""
         return None

@@ -40,6 +40,13 @@ def add_parameter(n, p, u_p, force, force_z):
 
 
 @inner
+def add_state(n, u_x, force, force_w):
+    """The derivative of f by a state x = w[n] of the load."""
+    for i in range(n):
+        force_w[i, n] = u_x * force[i]
+
+
+@inner
 def scale_force(n, u, force):
     """f = u g_z."""
     for i in range(n):
@@ -71,8 +78,7 @@ def control_along(n, g, z, w, force, force_z, force_w):
     add_parameter(n, n + 1, -rate, force, force_z)
     add_parameter(n, n + 2, w[n], force, force_z)
     add_parameter(n, last, z[n], force, force_z)
-    for i in range(n):
-        force_w[i, n] = z[n + 2] * force[i]
+    add_state(n, z[n + 2], force, force_w)
     scale_force(n, u, force)
     force[n], force_z[n, last] = error, 1
 
