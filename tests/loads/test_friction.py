@@ -133,6 +133,12 @@ def test_an_equilibrium_says_that_friction_holds_nothing_there():
     assert "friction-at-rest" in found.verdict.codes
 
 
+def test_a_block_at_rest_creeps_by_nothing_and_no_round_off_is_told():
+    run = ffrf.compile(block(2, 0.1, speed=0.0, end_time=0.5)).simulate()
+    said = next(each for each in run.warnings if each.code == "friction-width")
+    assert "100% of the time, by 0 m." in said.text
+
+
 def test_friction_without_a_width_is_refused():
     place = {"bodies": ("block", "ground"), "point": "O"}
     with pytest.raises(ValidationError, match="greater than 0"):

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Self
+
+from pydantic import model_validator
 
 from toolkit.curves.curve import Curve
 from toolkit.description.description import Description, NotNegative, Positive
@@ -26,6 +28,14 @@ class Controlled(Description):
     derivative_gain: float
     integral_gain: float | None
     curve: Curve
+
+    @model_validator(mode="after")
+    def _acts(self) -> Self:
+        if not self.model_fields_set & {"proportional_gain", "derivative_gain", "integral_gain"}:
+            raise ValueError(
+                "a controller without a gain has no effect; give proportional_gain, derivative_gain or integral_gain"
+            )
+        return self
 
     @property
     def time_curve(self) -> Curve:

@@ -17,6 +17,8 @@ from toolkit.system.solution import Solution
 
 LOOKED_AT = 2000
 """Instants, evenly spread over the motion."""
+STILL = 1e-9
+"""Part of what the width itself would creep that is round-off of a scene at rest."""
 
 
 def creeping_friction(solution: Solution) -> Iterator[Caution]:
@@ -29,8 +31,9 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
         rates, times, width = np.abs(_rates(solution, name, k, steps)), solution.times[steps], float(np.real(load.width))
         slow = rates < width
         part = _integral(times, slow.astype(float)) / (times[-1] - times[0])
-        label = unit(scene.units, load.rate)
-        way = f"{_integral(times, np.where(slow, rates, 0)):.3g} {label.partition('/')[0]}"
+        label, crept = unit(scene.units, load.rate), _integral(times, np.where(slow, rates, 0))
+        crept = crept if crept > STILL * width * (times[-1] - times[0]) else 0.0
+        way = f"{crept:.3g} {label.partition('/')[0]}"
         said = f"; slower than that it does not hold but lets creep: {part:.0%} of the time, by {way}. Narrow the width if that matters"
         yield Caution(
             "friction-width",
@@ -47,7 +50,8 @@ def friction_at_rest(solution: Solution) -> Iterator[Caution]:
             yield Caution(
                 "friction-at-rest",
                 f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium: this is the one without it, of "
-                "which true friction would hold the scene somewhere short. Take a motion that comes to rest where that matters.",
+                "which true friction would hold the scene somewhere short, and vibrations feel a damper of level / width. Take a "
+                "motion that comes to rest where that matters.",
                 doubt=False,
             )
 
