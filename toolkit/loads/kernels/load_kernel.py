@@ -100,10 +100,20 @@ def load_residual(loads, k, markers, state, v, work, applied):
 @inlined
 def direction_force(markers, work, first, y, rate):
     """Derivative of f in a direction of one pose: f_z y + f_w rate."""
-    for i in range(2 * len(markers.pose) + 1):
+    for i in range(2 * len(markers.pose)):
         work.dforce[i] = 0
         for c in range(len(markers.pose)):
             work.dforce[i] += work.force_z[i, first + c] * y[c] + work.force_w[i, first + c] * rate[c]
+
+
+@inlined
+def direction_of_state(markers, work, first, y, rate):
+    """The same of the last place, that of the load's own state, and the product of f_w with y there."""
+    last = 2 * len(markers.pose)
+    work.dforce[last], work.rateforce[last] = 0, 0
+    for c in range(len(markers.pose)):
+        work.dforce[last] += work.force_z[last, first + c] * y[c] + work.force_w[last, first + c] * rate[c]
+        work.rateforce[last] += work.force_w[last, first + c] * y[c]
 
 
 @inlined
@@ -119,7 +129,9 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
         for column in range(markers.start[m], markers.start[m + 1]):
             local = column - markers.start[m] + side * n_a
             direction_force(markers, work, size * side, state.B[column], state.B_v[column])
-            for i in range(2 * size + 1):
+            if loads.state[k] >= 0:
+                direction_of_state(markers, work, size * side, state.B[column], state.B_v[column])
+            for i in range(2 * size):
                 work.rateforce[i] = 0
                 for c in range(len(markers.pose)):
                     work.rateforce[i] += work.force_w[i, size * side + c] * state.B[column, c]
@@ -156,6 +168,8 @@ def load_design(loads, k, markers, state, q, curve_variable, curve_index, curve_
         m = loads.marker[k, side]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
             direction_force(markers, work, size * side, state.y_x[d], state.rate_x[d])
+            if loads.state[k] >= 0:
+                direction_of_state(markers, work, size * side, state.y_x[d], state.rate_x[d])
             add_both(loads, k, markers, state, work.dforce, A_x[:, markers.design_variable[d]])
             add_pose_force_design(
                 markers.plane, markers.frames, markers, state, m, d, work.force[size * side : size * side + size], -1.0, q, A_x
