@@ -4,7 +4,7 @@ A full basis selects nodal coordinates, and most entries of its arrays are zero.
 round-off is left: other round-off on another processor, and nothing at all on a third. So an entry counts only if it is more than
 round-off of what it could be (`toolkit.reduced_model.entry_scales`). Shapes that were computed fill their arrays, and the round-off of an
 eigenvalue problem is anywhere between 1e-17 and 1e-9 of what counts: no bound tells it from small entries on every processor. So
-all entries are stored then.
+all entries are stored then, or none where the largest is round-off.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ from toolkit.reduced_model.spatial_model import SpatialInvariants
 ROUND_OFF = 1e-12
 """Part of what an entry could be, below which it is round-off: sums over a thousand elements leave 1e-13, and of an entry as
 small as this no digit would count beside the others."""
+OF_SHAPES = 1e-9
+"""Part of what a whole item of computed shapes could change, below which its change is round-off of their eigenvalue problem."""
 BY_COORDINATE = ("position", "rotation", "moment")
 """Last words of the names of items whose last axis is that of [1; q_f]."""
 
@@ -57,11 +59,12 @@ def derivatives(
     scales = entry_scales(inv)
     found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
     for parameter, items in rates.items():
+        fastest = max(_fastest(items[item], scales[item]) for item in scales if item != "stress_operator")  # of small scales
         for item, rate in items.items():
             if item in scales:
                 stored = np.full(rate.shape, computed and bool(np.any(rate))) | (not computed) & _of_invariant(rate, scales[item])
             else:
-                stored = _of_item(item, rate, computed, interfaces)
+                stored = _of_item(item, rate, computed, interfaces, fastest)
             if np.any(stored):
                 entry = np.flatnonzero(stored)
                 found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
@@ -75,26 +78,33 @@ def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
 
 def _of_invariant(rate: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Entries that are more than round-off, where the entry that changes most in parts of its scale sets the measure."""
-    fastest = np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=scale > 0).max(initial=0)
-    return np.abs(rate) > ROUND_OFF * fastest * scale
+    return np.abs(rate) > ROUND_OFF * _fastest(rate, scale) * scale
 
 
-def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[str, InterfacePoint]) -> np.ndarray:
+def _fastest(rate: np.ndarray, scale: np.ndarray) -> float:
+    """Largest change of an entry in parts of its scale."""
+    return float(np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=scale > 0).max(initial=0))
+
+
+def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[str, InterfacePoint], fastest: float) -> np.ndarray:
     """Columns of computed shapes whole, or none of them; other entries as far as they are more than round-off of the item's
     largest.
 
-    The coefficient of (s - s_0)^k counts as what it adds at the end of its element.
+    The coefficient of (s - s_0)^k counts as what it adds at the end of its element. Shapes that stay 1 where a point is held
+    leave a whole item of round-off: it is measured by the item itself, times how `fastest` an invariant changes in its parts.
     """
     group, *rest = item.split(".")
-    size = np.abs(rate)
+    size, own = np.abs(rate), 0.0
     if group == "interfaces" and rest[-1] in BY_COORDINATE:
-        reach = np.ptp(np.real(interfaces[rest[0]].arc_length_range))
-        size = size * (reach ** np.arange(len(rate))).reshape(-1, *(1,) * (rate.ndim - 1))
+        point = interfaces[rest[0]]
+        reach = np.ptp(np.real(point.arc_length_range))
+        powers = (reach ** np.arange(len(rate))).reshape(-1, *(1,) * (rate.ndim - 1))
+        size, own = size * powers, float(np.abs(getattr(point, rest[-1]) * powers)[..., 1:].max(initial=0))
     if not (computed and rest[-1] in BY_COORDINATE):
         return size > ROUND_OFF * size.max(initial=0)
     found = np.zeros(rate.shape, bool)
     found[..., 0] = size[..., 0] > ROUND_OFF * size[..., 0].max(initial=0)
-    found[..., 1:] = np.any(rate[..., 1:])
+    found[..., 1:] = size[..., 1:].max(initial=0) > OF_SHAPES * fastest * own
     return found
 
 

@@ -73,6 +73,13 @@ def test_no_entry_of_a_full_basis_is_round_off():
     assert np.all(first_moment[1, 1::3] == 0)
 
 
+def test_what_a_held_point_does_has_no_derivative_of_round_off():
+    """The displacements of M are coordinates, and its rotation is none of the section or material."""
+    derivatives = load(BUILT["flexible_slider_crank/frame"].with_suffix(".h5")).derivatives
+    assert "interfaces.M.rotation" not in derivatives
+    assert len(set(derivatives["interfaces.M.position"].parameter)) < len(set(derivatives["stiffness"].parameter))
+
+
 @pytest.mark.processors
 @pytest.mark.parametrize("turned", [0.0, 0.9272952180016122])
 @pytest.mark.parametrize("count", [1, 2, 4, 6, 8])

@@ -433,3 +433,13 @@ def test_a_place_far_from_the_body_and_a_wrong_fibre_are_refused(tmp_path):
         StressAlongLine(body="strip", places=((0.0, 0.0), (0.6, 0.1)), aggregation=2.0)
     with pytest.raises(InputError, match="'crank' is not flexible"):
         StressAtPoint(body="crank", place=(0.6, 0.1)).check(scene)
+
+
+def test_what_is_always_zero_is_refused():
+    with pytest.raises(ValueError, match="the ground does not move, so that it has no velocity; name a body that moves"):
+        Velocity(body="ground", point="A")
+    with pytest.raises(ValueError, match="point 'A' of 'rod' has no angle against itself; name two bodies, or two points of one"):
+        RelativeAngle(bodies=("rod", "rod"), point="A")
+    with pytest.raises(ValueError, match="point 'A' of 'rod' has no distance from itself"):
+        PointDistance(bodies=("rod", "rod"), points=("A", "A"))
+    assert PointDistance(bodies=("rod", "rod"), points=("A", "O")).kind == "distance"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.models.directions import along, derivative_along
 from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.planar.rigid import Rigid
@@ -16,7 +17,6 @@ from toolkit.loads.planar.spring_damper import SpringDamper
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import prepare, solve
 
 MASS, STIFFNESS, DAMPING = 2.0, 300.0, 7.0
@@ -76,13 +76,14 @@ def test_frequencies_are_those_of_the_modes_and_gradients_differences_of_whole_e
     found = gradients_by("direct", scene, names, "static")
     modes = solve_modes(solve(prepare(scene), "static"), 2)
     assert [found.values["first"], found.values["second"]] == pytest.approx(modes.frequencies, rel=1e-8)  # round-off of both
-    wide, narrow = (numerical(scene, names, "static", "central-difference", relative_step=h).gradients for h in (2e-4, 1e-4))
+    factors = {name: scene.number(name) for name in names}
+    assert all(factors.values())
+    wide, narrow = (derivative_along(scene, factors, "static", difference=h) for h in (2e-4, 1e-4))
     for response, slopes in found.gradients.items():
-        largest = max(map(abs, slopes.values()))
-        for name, slope in slopes.items():
-            near, far = narrow[response][name], wide[response][name]
-            # round-off, 1e-11, over the step of the extrapolated quotient
-            assert slope == pytest.approx(near + (near - far) / 3, rel=1e-6, abs=1e-6 * largest), (response, name)
+        near, far = narrow[response], wide[response]
+        largest = max(abs(slopes[name] * factors[name]) for name in names)
+        # round-off, 1e-11, over the step of the extrapolated quotient
+        assert along(slopes, factors) == pytest.approx(near + (near - far) / 3, rel=0, abs=1e-6 * largest), response
 
 
 def test_a_vibration_that_is_not_there_and_a_number_that_is_none_are_refused():

@@ -20,7 +20,7 @@ from toolkit.results.restore import restore_solution
 from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import gradient_unit
-from toolkit.scene_file.reader import read_scene
+from toolkit.scene_file.reader import read_scene, scene_from_table
 from toolkit.sensitivity.certificate.differences import taylor_rates
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
@@ -330,3 +330,21 @@ def test_wrong_variables_are_refused_in_words(wing, mistake):
     line, words = WRONG[mistake]
     with pytest.raises(InputError, match=rf"scene\.toml: {words}"):
         read_scene(wing(line))
+
+
+def test_numbers_name_those_of_a_pair_too():
+    """Two coefficients are taken for a vector of the plane, where three have numbers alone."""
+    table = {"type": "torque", "body": "b", "point": "P", "torque": 1.0}
+    for coefficients, names in (((1.0, 2.0), ("x", "y")), ((1.0, 2.0, 3.0), ("0", "1"))):
+        scene = scene_from_table(
+            {
+                "units": "m-kg-s",
+                "points": {"O": [0.0, 0.0], "P": [1.0, 0.0]},
+                "bodies": {"b": {"type": "rigid", "mass": 1.0, "center": "P", "inertia": 0.1}},
+                "loads": {"t": {**table, "curve": {"type": "polynomial", "coefficients": list(coefficients)}}},
+                "design": {"c": "loads.t.curve.coefficients.1"},
+            },
+            Path("scene.toml"),
+        )
+        assert next(iter(scene.design_variables(["c"]))).path == f"loads.t.curve.coefficients.{names[1]}"
+        assert scene.with_number("loads.t.curve.coefficients.0", 7.0).number(f"loads.t.curve.coefficients.{names[0]}") == 7.0

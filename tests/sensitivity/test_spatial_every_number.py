@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tests.models.curves import built_in_curves
+from tests.models.directions import along, derivative_along, direction
 from tests.models.spatial_cases import write_models
 from tests.models.spatial_every_number import SCENES
 from tests.scene_file.test_scene_units import differences
@@ -19,9 +20,6 @@ AGREEMENT = 1e-11
 """Of the response's largest derivative: round-off is 1e-16 times the 1/step^2 = 2500 and the condition 1e2 of the equations."""
 ROUND_OFF = 1e-12
 """A derivative below this part of the response's largest one (numbers are of order one) is that one's round-off."""
-STRIDE = {"linkage": 11, "frames": 13, "controlled": 7}
-"""A complex step takes a second of plain Python: one number in so many has it; `test_spatial_conformance` has all of them."""
-
 NO_TURN = "the body does not turn"
 TILTED = "the angle about an axis that is tilted against the only one of the motion changes in second order"
 NO_EFFECT: dict[str, dict[str, str]] = {
@@ -53,37 +51,43 @@ def folder(tmp_path_factory):
     scope="module", params=["linkage transient", "frames transient", "frames static", "controlled transient", "controlled static"]
 )
 def compared(request, folder):
-    """Name and kind, and the gradients of all responses of a scene by all its numbers, direct and adjoint, and some by complex steps."""
+    """Scene and kind, and the gradients of all responses of a scene by all its numbers, direct and adjoint."""
     name, kind = request.param.split()
     scene = SCENES[name](folder)
-    paths = scene.available_paths()
-    some = paths[:: STRIDE[name]] if kind == "transient" else paths[::40]
-    wanted = {"direct": paths, "adjoint": paths, "complex-step": some}
-    return name, kind, {method: gradients_by(method, scene, each, kind).gradients for method, each in wanted.items()}
+    return name, scene, kind, {m: gradients_by(m, scene, scene.available_paths(), kind) for m in ("direct", "adjoint")}
 
 
 def largest(slopes: dict[str, float]) -> float:
     return max(abs(slope) for slope in slopes.values())
 
 
-@pytest.mark.parametrize("method", ["adjoint", "complex-step"])
-def test_direct_adjoint_and_complex_step_agree(compared, method):
-    by = compared[2]
-    for response, slopes in by[method].items():
-        exact = by["direct"][response]
-        assert {x: exact[x] for x in slopes} == pytest.approx(slopes, rel=0, abs=AGREEMENT * largest(exact)), response
+def test_direct_and_adjoint_agree(compared):
+    for response, slopes in compared[-1]["adjoint"].gradients.items():
+        exact = compared[-1]["direct"].gradients[response]
+        assert slopes == pytest.approx(exact, rel=0, abs=AGREEMENT * largest(exact)), response
+
+
+def test_a_complex_step_of_all_numbers_at_once_agrees(compared):
+    _, scene, kind, by = compared
+    factors = direction(scene.available_paths())
+    for response, judge in derivative_along(scene, factors, kind, by["direct"].solution).items():
+        exact = by["direct"].gradients[response]
+        assert along(exact, factors) == pytest.approx(judge, rel=0, abs=AGREEMENT * largest(exact)), response
 
 
 def test_every_number_has_an_effect_on_the_motion_unless_physics_says_no(compared):
-    name, kind, by = compared
-    paths = next(iter(by["direct"].values())) if kind == "transient" else {}  # not every body is asked for at rest
-    share = {x: max(abs(slopes[x]) / largest(slopes) for slopes in by["direct"].values()) for x in paths}
+    name, _, kind, by = compared
+    gradients = by["direct"].gradients
+    paths = next(iter(gradients.values())) if kind == "transient" else {}  # not every body is asked for at rest
+    share = {x: max(abs(slopes[x]) / largest(slopes) for slopes in gradients.values()) for x in paths}
     without = {x for x in paths if any(fnmatch(x, pattern) for pattern in NO_EFFECT[name])}
     assert {x for x in paths if share[x] < 10 * ROUND_OFF} == without
 
 
 def test_no_gradient_is_undefined(compared):
-    assert all(np.isfinite(slope) for each in compared[2].values() for slopes in each.values() for slope in slopes.values())
+    assert all(
+        np.isfinite(slope) for each in compared[-1].values() for slopes in each.gradients.values() for slope in slopes.values()
+    )
 
 
 def test_the_scenes_contain_every_kind_that_there_is(folder):

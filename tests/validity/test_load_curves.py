@@ -340,3 +340,39 @@ def test_tables_within_sums_are_found(tmp_path):
     assert said(ran(file), "curve-overshoot").startswith("loads.p.curve.terms.1 swings")
     linear = ran(file, loads__p__curve__terms__1__interpolation="linear")
     assert "curve-overshoot" not in linear.verdict.codes
+
+
+@pytest.mark.parametrize(
+    ("load", "words"),
+    [
+        (
+            '{ type = "ramp", start = 1.5, end = 2.0 }',
+            r"loads.p.curve keeps its first value until t = 1.5, and the run ends at t = 1: ",
+        ),
+        (
+            '{ type = "sequence", curves = [{ type = "sine", frequency = 1.0 }, { type = "constant" }], times = [1.0] }',
+            r"loads.p.curve.curves.1 takes over at t = 1, and the run ends at t = 1: it has no effect. Try a later solver.end_time",
+        ),
+        (
+            '{ type = "sum", terms = [{ type = "sequence", curves = [{ type = "constant" }, { type = "sine", frequency = 1.0 }], '
+            "times = [2.0] }] }",
+            r"loads.p.curve.terms.0.curves.1 takes over at t = 2",
+        ),
+    ],
+)
+def test_what_a_curve_does_after_the_end_is_told(load, words, tmp_path):
+    found = ran(sled(tmp_path, load))
+    assert re.search(words, said(found, "idle-curve"))
+    assert found.verdict.trusted
+
+
+@pytest.mark.parametrize(
+    "load",
+    [
+        '{ type = "ramp", start = 0.5, end = 2.0 }',
+        '{ type = "constant" }',
+        '{ type = "smooth-step", start = 0.2, duration = 0.8 }',
+    ],
+)
+def test_curves_that_act_before_the_end_are_not_told(load, tmp_path):
+    assert "idle-curve" not in [each.code for each in ran(sled(tmp_path, load)).warnings]

@@ -12,30 +12,17 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.joints.kernels.laws import angle_of
 from toolkit.kinematics.spatial import axes_along
-from toolkit.responses.instant import Instant, magnitude
+from toolkit.responses.instant import magnitude
+from toolkit.responses.one_point import OnePoint
 from toolkit.responses.response import Partials
+from toolkit.responses.rotation_axis import refuse_axis
 from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 
-class MarkerResponse(Instant):
-    """Base of responses that look at a point of a body.
-
-    Attributes
-    ----------
-    body
-        Name of the body.
-    point
-        Name of the point on it.
-    """
-
-    body: str
-    point: str
-
-    def markers(self) -> tuple[tuple[str, str], ...]:
-        """The point on the body."""
-        return ((self.body, self.point),)
+class MarkerResponse(OnePoint):
+    """Base of responses that follow from the pose of one point."""
 
     def pose(self, system: System, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pose (p,), 3 or 12 numbers, its derivatives by the coordinates (p, n_q) and by the design (p, n_x)."""
@@ -76,10 +63,7 @@ class Rotation(MarkerResponse):
             It is missing there, or given in the plane.
         """
         super().check(scene)
-        if scene.space.rotations_add != (self.axis is None) or (self.axis is not None and not any(self.axis)):
-            raise InputError(
-                "a rotation in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
-            )
+        refuse_axis(self.axis, scene, "rotation")
 
     def at(self, solution: Solution, step: int) -> Partials:
         """The angle of the marker."""

@@ -15,7 +15,7 @@ from toolkit.description.description import Description, Registered, numbers_bel
 from toolkit.description.design import Design, DesignEntry, DesignVariable
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
-from toolkit.description.vector_paths import numbered
+from toolkit.description.vector_paths import lettered, numbered
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
 from toolkit.joints.joint import Joint
@@ -206,9 +206,10 @@ class Scene(Description):
         return nominal[path]
 
     def path_of(self, path: str) -> str:
-        """The path as `available_paths` has it: in space x, y and z name the numbers of every vector."""
+        """The path as `available_paths` has it: in space x, y and z name the numbers of every vector, and 0 and 1 those of a pair."""
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
-        return numbered(path, groups) if self.space.named_vectors else path
+        path = numbered(path, groups) if self.space.named_vectors else path
+        return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""

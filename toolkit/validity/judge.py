@@ -12,6 +12,7 @@ from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
+from toolkit.validity.motion.idle_curves import idle_curves
 from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.motion.noisy_forces import noisy_forces
@@ -54,6 +55,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from filter(None, [snap_through(solution)])
         yield from springs_through_zero(solution)
         yield from unseen_curves(solution)
+        yield from idle_curves(solution)
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
     else:

@@ -6,12 +6,12 @@ from typing import Annotated, Any
 
 import numpy as np
 
-from toolkit.curves.curve import Curve
-from toolkit.description.description import Number, Positive
-from toolkit.description.quantity import OF_OWNER, Quantity
+from toolkit.curves.shapes.oscillation import Oscillation
+from toolkit.description.description import Number
+from toolkit.description.quantity import OF_OWNER
 
 
-class Harmonic(Curve):
+class Harmonic(Oscillation):
     """f(t) = offset + amplitude cos(2 pi frequency t + phase); frequency in 1/time, phase in rad.
 
     With the phase zero it is at rest at t = 0; with offset = -amplitude it begins at zero too.
@@ -20,28 +20,13 @@ class Harmonic(Curve):
     ----------
     offset
         Mean value.
-    amplitude
-        Largest distance from it.
-    frequency
-        In 1/time.
-    phase
-        In rad.
     """
 
     kind = "harmonic"
 
     offset: Annotated[Number, OF_OWNER] = 0.0
-    amplitude: Annotated[Number, OF_OWNER] = 1.0
-    frequency: Annotated[Positive, Quantity("1/time")]
-    phase: Annotated[Number, Quantity("angle")] = 0.0
 
     def rates(self, time: np.ndarray) -> tuple[Any, Any, Any]:
         """Offset, cosine and sine."""
-        omega = 2 * np.pi * self.frequency
-        angle = omega * time + self.phase
-        cosine = self.amplitude * np.cos(angle)
-        return self.offset + cosine, -self.amplitude * omega * np.sin(angle), -(omega**2) * cosine
-
-    def periods(self) -> tuple[float, ...]:
-        """One."""
-        return (1 / float(np.real(self.frequency)),)
+        omega, cosine, sine = self.phasor(time)
+        return self.offset + cosine, -omega * sine, -(omega**2) * cosine

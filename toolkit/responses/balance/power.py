@@ -15,8 +15,7 @@ from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
 from toolkit.responses.balance.power_of_gravity import power_of_gravity
 from toolkit.responses.balance.power_of_load import power_of_load
-from toolkit.responses.instant import Instant
-from toolkit.responses.kinematics.rates import refuse_rates_without_inertia
+from toolkit.responses.kinematics.rates import OfRates
 from toolkit.responses.response import Partials
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -43,7 +42,7 @@ class Doer(Description):
         return self
 
 
-class Power(Doer, Instant):
+class Power(Doer, OfRates):
     """Power of a load or of a driver: what it puts into the scene per time; a damper takes it out, which is negative.
 
         load: P = f . w,      driver: P = - lam s'(t)
@@ -54,11 +53,6 @@ class Power(Doer, Instant):
     kind = "power"
     quantity = "power"
 
-    @property
-    def needs_motion(self) -> bool:
-        """Always."""
-        return True
-
     def check(self, scene: Any) -> None:
         """The load has a power that is known, the joint has a driver.
 
@@ -68,7 +62,6 @@ class Power(Doer, Instant):
             It is a pressure, or a joint without a driver; lists what can be asked for.
         """
         super().check(scene)
-        refuse_rates_without_inertia(scene, self.kind)
         known = [name for name, load in scene.loads.items() if isinstance(load, Load | UniformGravity)]
         if self.load is not None and self.load not in known:
             raise InputError(

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Self
 
 import numpy as np
+from pydantic import model_validator
 
 from toolkit.responses.kinematics.marker_formula import MarkerVector
 from toolkit.responses.kinematics.marker_motion import Motion
@@ -27,6 +29,15 @@ class PointDistance(MarkerVector):
 
     bodies: tuple[str, str]
     points: tuple[str, str]
+
+    @model_validator(mode="after")
+    def _two_places(self) -> Self:
+        first, second = self.points
+        if self.bodies[0] == self.bodies[1] and first == second:
+            raise ValueError(
+                f"point {first!r} of {self.bodies[0]!r} has no distance from itself; name two bodies, or two points of one"
+            )
+        return self
 
     def markers(self) -> tuple[tuple[str, str], ...]:
         """Each point on its body."""

@@ -3,43 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.responses.kinematics.marker_formula import MarkerFormula, MarkerVector, place_of
 from toolkit.responses.kinematics.marker_motion import Motion
-from toolkit.responses.kinematics.rates import refuse_rates_without_inertia
+from toolkit.responses.kinematics.rates import OfRates
+from toolkit.responses.one_point import OnePoint
 
 
-class PointVector(MarkerVector):
-    """Base of vectors of one point of a body, in global axes.
+class PointVector(OfRates, OnePoint, MarkerVector):
+    """Base of vectors of one point of a body in global axes, of which a kind names the part of the point's motion."""
 
-    Attributes
-    ----------
-    body
-        Name of the body.
-    point
-        Name of the point on it.
-    """
+    part: ClassVar[Literal["rate", "acceleration"]]
 
-    body: str
-    point: str
-
-    @property
-    def needs_motion(self) -> bool:
-        """Always: at rest it is zero."""
-        return True
-
-    def markers(self) -> tuple[tuple[str, str], ...]:
-        """The point on the body."""
-        return ((self.body, self.point),)
-
-    def check(self, scene: Any) -> None:
-        """The component exists, and the run has rates."""
-        super().check(scene)
-        refuse_rates_without_inertia(scene, self.kind)
+    def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
+        """The first numbers of the part; those behind them are rotations or axes."""
+        values = getattr(motions[0], self.part)
+        d = dimension_of(values)
+        return values[:d], [Motion(**{self.part: np.eye(d, len(values))})]
 
 
 class Velocity(PointVector):
@@ -47,12 +31,7 @@ class Velocity(PointVector):
 
     kind = "velocity"
     quantity = "velocity"
-
-    def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """The rate of the position."""
-        rate = motions[0].rate
-        d = dimension_of(rate)
-        return rate[:d], [Motion(rate=np.eye(d, len(rate)))]
+    part = "rate"
 
 
 class Acceleration(PointVector):
@@ -62,25 +41,16 @@ class Acceleration(PointVector):
 
     kind = "acceleration"
     quantity = "acceleration"
-
-    def formula(self, *motions: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
-        """The second derivative of the position."""
-        acceleration = motions[0].acceleration
-        d = dimension_of(acceleration)
-        return acceleration[:d], [Motion(acceleration=np.eye(d, len(acceleration)))]
+    part = "acceleration"
 
 
-class AngularVelocity(MarkerFormula):
+class AngularVelocity(OfRates, OnePoint, MarkerFormula):
     """Angular velocity of a body at a point: in the plane its rate of rotation, in space a component in global axes or its magnitude.
 
-    In space it is omega = 1/2 sum_i e_i x e_i' with the body's axes e_i.
+    In space it is omega = 1/2 sum_i e_i x e_i' with the body's axes e_i. Where a body deforms, its points turn differently.
 
     Attributes
     ----------
-    body
-        Name of the body.
-    point
-        Name of the point on it; where a body deforms, its points turn differently.
     component
         In space: one component, or the magnitude.
     """
@@ -88,18 +58,7 @@ class AngularVelocity(MarkerFormula):
     kind = "angular-velocity"
     quantity = "angular_velocity"
 
-    body: str
-    point: str
     component: Literal["x", "y", "z", "magnitude"] | None = None
-
-    @property
-    def needs_motion(self) -> bool:
-        """Always: at rest it is zero."""
-        return True
-
-    def markers(self) -> tuple[tuple[str, str], ...]:
-        """The point on the body."""
-        return ((self.body, self.point),)
 
     def check(self, scene: Any) -> None:
         """A component belongs to space.
@@ -110,7 +69,6 @@ class AngularVelocity(MarkerFormula):
             It is missing there, or given in the plane.
         """
         super().check(scene)
-        refuse_rates_without_inertia(scene, self.kind)
         if scene.space.rotations_add != (self.component is None):
             raise InputError(
                 'an angular velocity in space needs a `component`: "x", "y", "z" or "magnitude"; one in the plane has none.'

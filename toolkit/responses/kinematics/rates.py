@@ -5,18 +5,28 @@ from __future__ import annotations
 from typing import Any
 
 from toolkit.foundation.errors import InputError
+from toolkit.responses.instant import Instant
 
 
-def refuse_rates_without_inertia(scene: Any, kind: str) -> None:
-    """Refuse what is made of velocities or accelerations in a quasi-static run, whose velocities are those of the middle of a step.
+class OfRates(Instant):
+    """Base of responses that are made of velocities or accelerations."""
 
-    Raises
-    ------
-    InputError
-        Says what can be asked for instead.
-    """
-    if scene.solver.quasi_static:
-        raise InputError(
-            f"a quasi-static run (solver.quasi_static) knows no {kind}: it goes from one equilibrium to the next, and its velocities are "
-            "those between them. Ask for places and angles, or run with inertia."
-        )
+    @property
+    def needs_motion(self) -> bool:
+        """Always: at rest they are zero."""
+        return True
+
+    def check(self, scene: Any) -> None:
+        """A quasi-static run has no rates: its velocities are those between one equilibrium and the next.
+
+        Raises
+        ------
+        InputError
+            Says what can be asked for instead.
+        """
+        super().check(scene)
+        if scene.solver.quasi_static:
+            raise InputError(
+                f"a quasi-static run (solver.quasi_static) knows no {self.kind}: it goes from one equilibrium to the next, and its "
+                "velocities are those between them. Ask for places and angles, or run with inertia."
+            )

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import model_validator
 
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
@@ -18,6 +19,7 @@ from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of
 from toolkit.responses.kinematics.marker_motion import MarkerMotion, Motion
 from toolkit.responses.response import Partials
+from toolkit.responses.rotation_axis import refuse_axis
 from toolkit.system.solution import Solution
 
 
@@ -49,6 +51,15 @@ class RelativeAngle(Instant):
     point: Place
     axis: Annotated[Triple | None, Quantity("none")] = None
 
+    @model_validator(mode="after")
+    def _two_places(self) -> Self:
+        first, second = on_both(self.point)
+        if self.bodies[0] == self.bodies[1] and first == second:
+            raise ValueError(
+                f"point {first!r} of {self.bodies[0]!r} has no angle against itself; name two bodies, or two points of one"
+            )
+        return self
+
     def markers(self) -> tuple[tuple[str, str], ...]:
         """The point on each body."""
         return tuple(zip(self.bodies, on_both(self.point), strict=True))
@@ -62,10 +73,7 @@ class RelativeAngle(Instant):
             It is missing there, or given in the plane.
         """
         super().check(scene)
-        if scene.space.rotations_add != (self.axis is None) or (self.axis is not None and not any(self.axis)):
-            raise InputError(
-                "a relative angle in space needs an `axis` with a direction, for example [0, 0, 1]; one in the plane has none."
-            )
+        refuse_axis(self.axis, scene, "relative angle")
 
     def at(self, solution: Solution, step: int) -> Partials:
         """The angle with its turns."""
