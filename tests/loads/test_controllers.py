@@ -257,6 +257,23 @@ def test_gradients_by_gains_are_those_of_the_closed_form():
     assert by["direct"]["loads.motor.integral_gain"] == pytest.approx(slope, rel=1e-2)  # the run's own error of second order
 
 
+def test_a_cylinder_that_passes_length_zero_is_told():
+    scene = ffrf.Scene(
+        units="m-kg-s",
+        points={"P": plane.Point(x=-1.0, y=0.0), "Q": plane.Point(x=0.0, y=0.0)},
+        bodies={"sled": plane.Rigid(mass=1.0, inertia=0.1, center="P", velocity=(3.0, 0.0, 0.0))},
+        joints={"rail": plane.Slider(bodies=("sled", "ground"), point="P", lock_rotation=True)},
+        loads={
+            "cylinder": plane.DistanceController(
+                bodies=("sled", "ground"), points=("P", "Q"), proportional_gain=1.0, curve=plane.Constant(value=1.0)
+            )
+        },
+        responses={"way": plane.Displacement(body="sled", point="P", component="x")},
+        solver={"end_time": 0.5, "step": 0.003},
+    )
+    assert "spring-through-zero" in ffrf.compile(scene).simulate().verdict.codes
+
+
 def test_wrong_controllers_are_refused():
     place = {"bodies": ("rotor", "ground"), "point": "O", "curve": plane.Constant(value=1.0)}
     with pytest.raises(ValidationError, match="greater than 0"):
