@@ -24,10 +24,10 @@ class Controlled(Description):
 
     leads: ClassVar[bool] = True
 
-    proportional_gain: float
-    derivative_gain: float
-    integral_gain: float | None
-    curve: Curve
+    proportional_gain: Annotated[NotNegative, Quantity("force/length")] = 0.0
+    derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
+    integral_gain: Annotated[Positive | None, Quantity("force/length time")] = None
+    curve: Annotated[Curve, Quantity("length")]
 
     @model_validator(mode="after")
     def _acts(self) -> Self:
@@ -55,7 +55,7 @@ class AngleControlled(BetweenBodies, Controlled):
     proportional_gain
         k_p, in torque/rad.
     derivative_gain
-        k_d, in torque time/rad.
+        k_d, in torque time/rad; on the measured rate, so that a set value that jumps gives no impulse.
     integral_gain
         k_i, in torque/(rad time); without it there is no integral.
     curve
@@ -81,17 +81,12 @@ class LengthControlled(Controlled):
     proportional_gain
         k_p, in force/length.
     derivative_gain
-        k_d, in force time/length.
+        k_d, in force time/length; on the measured rate, so that a set value that jumps gives no impulse.
     integral_gain
         k_i, in force/(length time); without it there is no integral.
     curve
         Set value over time, in units of length.
     """
-
-    proportional_gain: Annotated[NotNegative, Quantity("force/length")] = 0.0
-    derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
-    integral_gain: Annotated[Positive | None, Quantity("force/length time")] = None
-    curve: Annotated[Curve, Quantity("length")]
 
     @property
     def state(self) -> RowQuantity | None:

@@ -31,8 +31,8 @@ class Friction(BetweenBodies):
     rate: ClassVar[str]
     """What g' is, a quantity of `toolkit.foundation.units`."""
 
-    level: float
-    width: float
+    level: Annotated[NotNegative, Quantity("force")]
+    width: Annotated[Positive, Quantity("length/time")]
     curve: Annotated[Curve, Quantity("none")] = Constant()
 
     @property
@@ -79,6 +79,3 @@ class SlidingFriction(Friction):
     """
 
     rate = "velocity"
-
-    level: Annotated[NotNegative, Quantity("force")]
-    width: Annotated[Positive, Quantity("length/time")]
