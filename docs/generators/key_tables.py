@@ -89,6 +89,9 @@ def in_words(schema: Mapping[str, Any]) -> str:
         return "[" + ", ".join(map(in_words, schema["prefixItems"])) + "]"
     if schema.get("type") == "array":
         return f"list: {in_words(schema['items'])}"
+    inside = schema.get("additionalProperties")
+    if isinstance(inside, Mapping) and "prefixItems" in inside:
+        return f"table of {in_words(inside)}"
     bounds = " and ".join(f"{sign} {schema[bound]:g}" for bound, sign in BOUNDS.items() if bound in schema)
     return f"{SIMPLE.get(schema.get('type', ''), 'table')} {bounds}".strip()
 

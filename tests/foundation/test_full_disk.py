@@ -16,7 +16,7 @@ import pytest
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced, write_whole
-from toolkit.results.layout import ResultsFileError
+from toolkit.kept_run.layout import ResultsFileError
 from toolkit.results.results_file import refuse_foreign
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"

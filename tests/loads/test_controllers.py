@@ -160,6 +160,24 @@ def test_a_start_in_equilibrium_keeps_the_integral(dimension):
     assert np.abs(run.q[:, -1] * INTEGRAL + TORQUE).max() < 1e-9
 
 
+def test_a_start_from_a_results_file_goes_on_with_its_integral(tmp_path):
+    """Of the whole run's motion and gradients, but for the second rate of the integral, which starts at zero again: of second order."""
+    paths, half = ["loads.motor.integral_gain", "loads.push.torque"], {"end_time": 1.0, "tolerance": 1e-13}
+    found = {}
+    for step in (0.02, 0.01):
+        first, whole = (
+            ffrf.compile(rotor(2, integral_gain=INTEGRAL, options={**half, "step": step, "end_time": end}), variables=paths)
+            for end in (1.0, 2.0)
+        )
+        first.simulate(gradients=True).save(str(tmp_path / "first.h5"))
+        scene = rotor(2, integral_gain=INTEGRAL, options={**half, "step": step, "start": str(tmp_path / "first.h5")})
+        runs = [each.simulate(gradients=True) for each in (ffrf.compile(scene, variables=paths), whole)]
+        found[step] = [np.array([run.values["angle"], *run.gradients["angle"].values()]) for run in runs]
+    off = {step: np.abs(ours - exact) / np.abs(exact) for step, (ours, exact) in found.items()}
+    assert off[0.01].max() < 3e-5  # without the integral, or its derivatives, it would be off by a tenth
+    assert np.all(off[0.01] < off[0.02] / 3)
+
+
 def test_a_motion_without_inertia_follows_the_first_order_system_that_is_left():
     """k_d g' = k_p (s - g) + k_i x + M, x' = s - g, from equilibrium, after the set value has begun to move: of first order in the step."""
     k_p, k_d, rate, time = GAINS["proportional_gain"], GAINS["derivative_gain"], 0.3, 2.0

@@ -213,10 +213,17 @@ def flight(folder: Path) -> Scene:
     return Scene(
         units="m-kg-s",
         directory=folder,
-        points=points("OA") | {"T": BodyPoint(body="strip", interface="middle")},
+        points=points("OA") | {"T": BodyPoint(body="strip", interface="middle"), "U": BodyPoint(body="strip", interface="end")},
         bodies={
             "rod": Rod(between=("O", "A"), area=0.8, density=1.2, velocity=(0.1, 0.2, -0.3)),
-            "strip": Flexible(model="beam.h5", position=(-0.4, 1.6), angle=-0.6, velocity=(0.1, -0.3, 0.2)),
+            "strip": Flexible(
+                model="beam.h5",
+                position=(-0.4, 1.6),
+                angle=-0.6,
+                velocity=(0.1, -0.3, 0.2),
+                deflection={"T": (0.02, -0.03), "U": (0.04, 0.01)},
+                elastic_velocity={"U": (0.2, -0.3)},
+            ),
         },
         loads={
             "spring": SpringDamper(bodies=("strip", "rod"), points=("T", "O"), stiffness=0.3, damping=0.2, length=1.2),

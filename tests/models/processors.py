@@ -26,7 +26,14 @@ from toolkit.reduced_model.model import ReducedModel
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
-_FILES = ("morphing_wing/skin", "snap_through/skin", "bracket/body", "spatial_bracket/body", "flexible_slider_crank/frame")
+_FILES = (
+    "morphing_wing/skin",
+    "snap_through/skin",
+    "bracket/body",
+    "spatial_bracket/body",
+    "flexible_slider_crank/frame",
+    "flexible_crank/frame",
+)
 BUILT = {name: MODELS / name for name in _FILES}
 """Committed models by the files that describe them."""
 FRAME = """

@@ -133,7 +133,14 @@ def frames(folder: Path) -> Scene:
                 velocity=SPEED,
                 angular_velocity=SPIN,
             ),
-            "rubber": SpatialFlexible(model="solid.h5", frame="grounded", position=(0.2, -0.1, 0.3), orientation=turned),
+            "rubber": SpatialFlexible(
+                model="solid.h5",
+                frame="grounded",
+                position=(0.2, -0.1, 0.3),
+                orientation=turned,
+                deflection={"V": (0.01, -0.03, 0.02)},
+                elastic_velocity={"V": (0.1, 0.2, -0.3)},
+            ),
         },
         joints={
             "slot": Prismatic(bodies=("plate", "sled"), point="B", axis=(0.8, -0.5, 0.3)),

@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.kept_run.layout import BODY, STATES, ResultsFileError
 from toolkit.responses.shape_error import shape_error, shape_error_history
 from toolkit.responses.stress.stress import stress_field
 from toolkit.results.csv_tables import export_csv, safe_name
-from toolkit.results.layout import BODY, STATES, ResultsFileError
 from toolkit.results.restore import restore_scene, restore_solution
 from toolkit.results.results_file import load_results, save_results
 from toolkit.results.scene_table import table_of

@@ -15,8 +15,8 @@ from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from tests.fuzz.hostile_hdf5 import IN_PLACE_OF_ANYTHING
 from toolkit.foundation.errors import InputError, ModelFileError
+from toolkit.kept_run.layout import ResultsFileError
 from toolkit.reduced_model.file import load
-from toolkit.results.layout import ResultsFileError
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
 

@@ -11,7 +11,7 @@ from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.mode_shapes import told_apart
 from toolkit.foundation.verdict import Verdict
 from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
-from toolkit.solvers.start.initial_conditions import closed_positions, initial_accelerations
+from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
@@ -96,14 +96,14 @@ def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.nd
 
 
 def undeformed(system: System) -> Solution:
-    """The given positions without velocity, with the joint forces that the loads at t = 0 call for.
+    """The given positions without deflection and velocity, with the joint forces that the loads at t = 0 call for.
 
     Raises
     ------
     InputError, SingularSystemError
         As `consistent_start`.
     """
-    q, dq = closed_positions(system, None, 0.0)
+    q, dq = closed(system, *system.undeformed(), 0.0)
     rest, drest = np.zeros_like(q), np.zeros_like(dq)
     acc, dacc = initial_accelerations(system, q, rest, dq, drest, np.array([1.0, 0.0, 0.0]), 0.0)
     return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)), judge=judge)

@@ -8,7 +8,8 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import InputError
-from toolkit.solvers.start.initial_conditions import State, consistent_start, moving_start
+from toolkit.solvers.start.initial_conditions import State, consistent_start, moving_start, with_accelerations
+from toolkit.solvers.start.kept_start import kept_start
 from toolkit.solvers.transient.formulation import start_levels
 from toolkit.system.system import System
 
@@ -19,20 +20,22 @@ def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, 
     Raises
     ------
     InputError, SingularSystemError
-        As `consistent_start`; or a run without inertia is given a start.
+        As `consistent_start` and `kept_start`; or a run without inertia is given a start.
     ConvergenceError
         A run without inertia has no equilibrium at time 0, see `solve_statics`.
     """
     own = q is not None or v is not None
     levels = start_levels(options, step_lengths(time_grid(options)))
     if not options.quasi_static and (own or options.start == "given"):
-        if options.start == "equilibrium":
+        if options.start != "given":
             raise InputError(
-                'solver.start = "equilibrium" leaves no other start. Leave it out where the start of another run is given.'
+                f'solver.start = "{options.start}" leaves no other start. Leave it out where the start of another run is given.'
             )
         return consistent_start(system, levels, q, v, options=options)
     if own:
         raise InputError("solver.quasi_static starts from the equilibrium at time 0, so that no other start can be given.")
+    if options.start_file is not None:
+        return with_accelerations(system, levels, *kept_start(system, options))
     rest = _at_rest(system, options)
     return rest if options.quasi_static else moving_start(system, levels, rest.q, rest.dq)
 

@@ -20,6 +20,10 @@ QUATERNION = 4
 class Placed(Protocol):
     """What a body may ask of its scene: where the points are, and its reduced model."""
 
+    @property
+    def bodies(self) -> Mapping[str, Any]:
+        """All bodies but the ground, by name."""
+
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, shape (d,)."""
 

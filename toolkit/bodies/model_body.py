@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import ConfigDict
 
 from toolkit.bodies.body import CENTRE, Body, Placed
+from toolkit.bodies.start_shape import start_shape
 from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
@@ -38,6 +39,24 @@ class ModelBody(Body):
 
     model: str
     extrapolation: Literal["none", "first-order"] = "none"
+
+    @property
+    @abstractmethod
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+        """Key of the body's table -> point -> displacement at the start in the body's own axes, or its velocity: what is written of it."""
+
+    def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Elastic coordinates (n_f,) and their velocities at the start, see `start_shape`; zero where nothing is written."""
+        shape, rate = (self._start_shape(scene, key) for key in ("deflection", "elastic_velocity"))
+        return shape, rate
+
+    def _start_shape(self, scene: Placed, key: str) -> np.ndarray:
+        written = self.deflected[key]
+        if not written:
+            return np.zeros(scene.model(self.model).n_f)
+        name = next(name for name, body in scene.bodies.items() if body is self)
+        points = {point: (self.point(scene, point, name)[0][:, 1:], np.array(wish)) for point, wish in written.items()}
+        return start_shape(self.invariants(scene).stiffness, points, f"bodies.{name}.{key}")
 
     def model_values(self) -> Mapping[str, Any]:
         """Parameters that the scene sets."""

@@ -45,7 +45,7 @@ def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:
 
     pairs = dict(split(change) for change in changes or [])
     scene = read_scene(path, pairs)
-    if not quiet and (elsewhere := told_outside(path, scene.model_files())):
+    if not quiet and (elsewhere := told_outside(path, scene.read_files())):
         typer.echo(f"note: {elsewhere}", err=True)
     return scene
 

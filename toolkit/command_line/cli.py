@@ -99,8 +99,8 @@ def simulate(
     quiet: Quiet = False,
 ) -> None:
     """Integrate the scene over time and print its responses."""
-    check_output(output)
     described, text = read(scene, changes, quiet), text_of(scene)
+    check_output(output, described)
     with at_work("time steps", described, "transient", quiet=quiet) as progress:
         found = compiled(described, keep_all).simulate(progress=progress, timed=True)
     keep(found, output, text, changes, quiet)
@@ -121,9 +121,9 @@ def statics(
     """Find the equilibrium under the loads at the end time and print its responses with gradients."""
     from toolkit.door.model import compile_model
 
-    check_output(output)
     changes = [*(changes or []), *(["solver.continuation=arc-length"] if past_limit else [])] or None
     described, text = read(scene, changes, quiet), text_of(scene)
+    check_output(output, described)
     names = list(described.design)
     with at_work("load steps", described, "static", names, quiet) as progress:
         found = compile_model(described, names).statics(gradients="direct" if names else False, progress=progress, timed=True)
@@ -147,8 +147,8 @@ def sensitivity(
     """Print the responses with their gradients."""
     from toolkit.door.model import compile_model
 
-    check_output(output)
     described, text = read(scene, changes, quiet), text_of(scene)
+    check_output(output, described)
     names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
     with at_work("gradients", described, kind, names, quiet, method.value) as progress:

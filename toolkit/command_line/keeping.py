@@ -30,12 +30,13 @@ Models = Annotated[
 ]
 
 
-def check_output(path: Path | None) -> None:
-    """Refuse a path where no results file belongs, before anything long begins."""
+def check_output(path: Path | None, scene: Scene) -> None:
+    """Refuse a path where no results file belongs, or where that is which the scene begins from, before anything long begins."""
     if path is not None:
-        from toolkit.results.results_file import refuse_foreign
+        from toolkit.results.results_file import refuse_foreign, refuse_own_start
 
         refuse_foreign(path)
+        refuse_own_start(path, scene.start_file)
 
 
 def keep(found: Result, path: Path | None, text: str, changes: list[str] | None, quiet: bool = False) -> None:

@@ -16,6 +16,19 @@ always. What has grown is told by `validity.noisy_forces`."""
 STEEPEST = 100.0
 """Shrinking from step to step up to which index 3 and stabilised index 2 are right."""
 
+STARTS, RESULTS = ("given", "equilibrium"), ".h5"
+"""Words for a start, and the end of the name of a results file that is one."""
+START_SCHEMA = {"anyOf": [{"enum": list(STARTS)}, {"type": "string", "pattern": r"\.h5$"}]}
+
+
+def known_start(value: str) -> str:
+    """Refuse a start that is neither a word nor the name of a results file."""
+    if value not in STARTS and not value.endswith(RESULTS):
+        raise ValueError(
+            f"{value!r} is no start: write {' or '.join(map(repr, STARTS))}, or the name of a results file, which ends in {RESULTS}"
+        )
+    return value
+
 
 def contradictions(options: RunOptions) -> Iterator[str]:
     """One sentence for each."""
@@ -30,6 +43,11 @@ def contradictions(options: RunOptions) -> Iterator[str]:
         yield (
             'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
             "formulation and quasi_static (a quasi-static run closes them by positions)"
+        )
+    if options.quasi_static and options.start_file is not None:
+        yield (
+            "a quasi-static run begins in the equilibrium at time 0, so that start can name no results file; leave out one of start and "
+            "quasi_static"
         )
     if options.redundant == "least-squares" and options.formulation == "ggl":
         yield (

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from toolkit.description.description import Description, NotNegative, Positive
-from toolkit.description.option_checks import contradictions
+from toolkit.description.option_checks import START_SCHEMA, STARTS, contradictions, known_start
 from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
@@ -52,10 +52,11 @@ class RunOptions(Description):
     tolerance
         Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad).
     newton
-        "full" makes a new Jacobian in every iteration and converges quadratically; "modified" keeps its factors, from step to step, as long
-        as an iteration shrinks the correction to a fifth. It takes two or three times the iterations, each without factoring: cheaper
-        where factoring is dear, from some tens of coordinates on. What they leave is bounded over the whole run: motion and gradients
-        differ from those of "full" by some hundred times `tolerance` at every step, unless a singular position makes more of it.
+        "full" makes a new Jacobian in every step, and one in every iteration where derivatives are asked for or the first is not close
+        enough; it leaves nothing but round-off. "modified" keeps the factors from step to step, as long as an iteration shrinks the
+        correction to a fifth. It takes two or three times the iterations, each without factoring: cheaper with derivatives where
+        factoring is dear, from some tens of coordinates on. What they leave is bounded over the whole run: motion and gradients differ
+        from those of "full" by some hundred times `tolerance` at every step, unless a singular position makes more of it.
     max_iterations
         Newton iterations after which a step has failed.
     quasi_static
@@ -63,8 +64,12 @@ class RunOptions(Description):
         time 0, and refuses to jump where the path of equilibria ends. Without dampers the path is followed between two times where
         the states do not show it, and unstable equilibria are refused.
     start
-        Where a motion begins: "given", in the written positions, undeformed; or "equilibrium", in the equilibrium under the loads that
-        act at time 0, with the velocities that the scene writes. Its gradients know how that equilibrium depends on the design.
+        Where a motion begins: "given", in the written positions and shapes; "equilibrium", in the equilibrium under the loads that
+        act at time 0, with the velocities that the scene writes; or "wing.h5", in the last state of the run that this results file keeps,
+        whose positions, shapes and velocities replace the written ones; it is sought from the scene's folder. Time begins at 0 again,
+        and so do curves (give those that go on a negative `start`) and counted turns. Gradients know how an equilibrium depends on
+        the design, and how a kept state does if the file holds its derivatives (`ffrf sensitivity --method direct --output`); without
+        them, gradients by numbers that the kept run had too are refused.
     local_error
         Error that a step may make, a part of the scene's size (or rad): the run then chooses its steps, at most `step`, hits every corner
         of a load curve and every time that a response names, and gradients are those of the steps that it chose.
@@ -102,7 +107,7 @@ class RunOptions(Description):
     newton: Literal["full", "modified"] = "full"
     max_iterations: Count = 20
     quasi_static: bool = False
-    start: Literal["given", "equilibrium"] = "given"
+    start: Annotated[str, AfterValidator(known_start), WithJsonSchema(START_SCHEMA)] = "given"
     local_error: Annotated[Positive | None, Quantity("none")] = None
     times: Annotated[tuple[NotNegative, ...] | None, Quantity("time")] = Field(default=None, min_length=2)
     load_steps: Count = 10
@@ -112,6 +117,11 @@ class RunOptions(Description):
     memory: Annotated[Positive, Quantity("none")] = 8.0
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000
+
+    @property
+    def start_file(self) -> str | None:
+        """The results file that a motion begins from, None if it begins elsewhere."""
+        return None if self.start in STARTS else self.start
 
     @model_validator(mode="after")
     def _fit_together(self) -> RunOptions:

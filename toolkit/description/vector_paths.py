@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from toolkit.description.description import Description, Triple
 
@@ -13,18 +13,23 @@ AXES = ("x", "y", "z")
 def numbered(path: str, groups: Mapping[str, Mapping[str, Any]]) -> str:
     """The path with the number of the axis: `loads.pull.force.z` is `loads.pull.force.2`; any other path as it is.
 
+    So is `bodies.beam.deflection.tip.z`, of one vector among several that have names.
+
     Parameters
     ----------
     groups : of a scene in space; a triple in the plane is no vector
     """
-    group, name, field, axis = (*path.split("."), "", "", "", "")[:4]
+    keys = path.split(".")
+    group, name, field, axis = (*(*keys, "", "", "")[:3], keys[-1])
     item = groups.get(group, {}).get(name)
-    if path.count(".") != 3 or axis not in AXES or not isinstance(item, Description):
+    if axis not in AXES or not isinstance(item, Description):
         return path
     described = type(item).model_fields.get(field)
-    if described is None or Triple not in (described.annotation, *get_args(described.annotation)):
+    kind = None if described is None else described.annotation
+    depth = 5 if get_origin(kind) is dict else 4
+    if len(keys) != depth or Triple not in (kind, *get_args(kind)):
         return path
-    return f"{group}.{name}.{field}.{AXES.index(axis)}"
+    return ".".join([*keys[:-1], str(AXES.index(axis))])
 
 
 def lettered(path: str, known: Container[str]) -> str:

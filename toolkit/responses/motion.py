@@ -106,7 +106,7 @@ class Displacement(MarkerResponse):
     def at(self, solution: Solution, step: int) -> Partials:
         """Position of the marker minus the undeformed one, which may follow the design too."""
         system = solution.system
-        start, _, dstart, _ = (item[: system.n_q] for item in system.start())
+        start, dstart = (item[: system.n_q] for item in system.undeformed())
         pose, pose_q, pose_x = self.pose(system, solution.q[step])
         origin, origin_q, origin_x = self.pose(system, start)
         d = system.scene.dimension

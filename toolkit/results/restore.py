@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
-from toolkit.results.layout import STATES, ResultsFileError
+from toolkit.kept_run.layout import STATES, ResultsFileError
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import scene_from_table

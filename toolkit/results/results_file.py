@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from toolkit.description.option_checks import STARTS
 from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_array, writing
-from toolkit.results import layout
-from toolkit.results.about import About
+from toolkit.kept_run import layout
+from toolkit.kept_run.end_state import about_of, check_schema
+from toolkit.kept_run.layout import BODY, NAMES, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.collect import collect
-from toolkit.results.layout import BODY, NAMES, READABLE, SCHEMA, SCHEMA_VERSION, STATES, TEXTS, ResultsFileError, damaged
 from toolkit.results.results import BodyResults, Results, SceneRecord
 from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
@@ -48,6 +49,8 @@ def save_results(
     path = Path(path)
     refuse_foreign(path)
     results = solved if isinstance(solved, Results) else collect(solved, text, changes)
+    if (start := results.settings.get("start")) not in (None, *STARTS):
+        refuse_own_start(path, Path(results.scene.directory) / start)
     with writing(path) as file:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         for name in STATES:
@@ -71,6 +74,12 @@ def refuse_foreign(path: Path) -> None:
         raise ResultsFileError(f"{str(path)!r} does not end in .h5, as the name of a results file must. Add it.")
     if path.exists() and not (path.is_file() and schema_of(path) == SCHEMA):  # a pipe would be waited for
         raise ResultsFileError(f"{str(path)!r} exists and is not a results file; it is left as it is. Give another path.")
+
+
+def refuse_own_start(path: Path, start: Path | None) -> None:
+    """Refuse to write over the results that a run begins from: nobody could make the run again."""
+    if start is not None and path.resolve() == start.resolve():
+        raise ResultsFileError(f"{str(path)!r} is the start of this run, which it would replace. Give another path.")
 
 
 def _write_gradients(file: h5py.File, results: Results) -> None:
@@ -114,26 +123,12 @@ def load_results(path: str | Path) -> Results:
             f"there is no results file {str(path)!r}. Write one with: ffrf simulate SCENE.toml --output {path.name}."
         )
     with reading(path, partial(damaged, path)) as content:
-        _check_schema(content.attributes(), path)
+        check_schema(content.attributes(), path)
         return _read(content, path)
 
 
-def _check_schema(attributes: Mapping[str, Any], path: Path) -> None:
-    schema, version = attributes.get("schema"), attributes.get("schema_version")
-    if schema != SCHEMA:
-        raise ResultsFileError(
-            f"{str(path)!r} is an HDF5 file but holds no results: its attribute 'schema' is not {SCHEMA!r}. "
-            "Give a file written by ffrf simulate, statics or sensitivity with --output."
-        )
-    if version not in READABLE:
-        raise ResultsFileError(
-            f"{str(path)!r} has schema version {version}, this program reads {' and '.join(map(str, READABLE))}. "
-            "Run the scene again with this version."
-        )
-
-
 def _read(content: Content, path: Path) -> Results:
-    about: dict[str, Any] = About.model_validate(json.loads(layout.text(content, "about"))).model_dump()
+    about: dict[str, Any] = about_of(content).model_dump()
     about["variables"] = {
         name: {key: item for key, item in each.items() if item is not None} for name, each in about["variables"].items()
     }

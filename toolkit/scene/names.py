@@ -44,6 +44,9 @@ def check_names(
     for name, owner in bodies.items():
         for point in owner.named_points():
             known(point, points, f"bodies.{name}", "point")
+        for key, wishes in owner.deflected.items() if isinstance(owner, ModelBody) else ():
+            for point in wishes:
+                known(point, points, f"bodies.{name}.{key}", "point")
     for name, written in points.items():
         if isinstance(written, BodyPoint):
             known(written.body, bodies, f"points.{name}", "body")

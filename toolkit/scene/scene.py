@@ -118,6 +118,15 @@ class Scene(Description):
         names = dict.fromkeys(body.model for body in self.bodies.values() if isinstance(body, ModelBody))
         return [self.directory / name for name in names]
 
+    @property
+    def start_file(self) -> Path | None:
+        """Results file whose last state its motions begin in, None if they begin elsewhere."""
+        return None if self.solver.start_file is None else self.directory / self.solver.start_file
+
+    def read_files(self) -> list[Path]:
+        """All files that its analyses read."""
+        return [*self.model_files(), *([] if self.start_file is None else [self.start_file])]
+
     def model(self, path: str, *parts: str) -> ReducedModel:
         """The invariants and interface points of a reduced model, and other parts on request; each is read once.
 

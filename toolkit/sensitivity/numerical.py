@@ -30,6 +30,7 @@ from toolkit.sensitivity.method_names import METHODS, NUMERICAL
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen, prepare, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.sensitivity.sizes import typical_size
+from toolkit.solvers.start.kept_start import refuse_differences
 from toolkit.system.solution import Solution
 
 RELATIVE_STEP = {"forward-difference": 1e-6, "central-difference": 1e-5}
@@ -68,6 +69,8 @@ def by_repetition(
     if method not in NUMERICAL:
         raise InputError(f"unknown method {method!r}; available: {', '.join(METHODS)}.")
     variables = compiled.design
+    if method in RELATIVE_STEP and kind == "transient":
+        refuse_differences(compiled.scene, (path for variable in variables for path in variable.paths))
     primal, solution = clock(partial(solve, compiled.primal, kind), None)
     base, scene = evaluate_responses(solution), frozen(compiled.scene, solution)
     gradients: dict[str, dict[str, float]] = {name: {} for name in base}

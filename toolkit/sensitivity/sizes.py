@@ -58,8 +58,10 @@ def _reach(scene: Scene, path: str) -> float:
         said = getattr(scene, group)[owner].quantity_of(name[0])
         place = int(name[1]) if name[1:] else 0
         return (1.0 if said is not None and said.measure(place).angle else scene.size) / time
-    if name[:1] == ["position"]:
+    if name[:1] in (["position"], ["deflection"]):
         return scene.size
+    if name[:1] == ["elastic_velocity"]:
+        return scene.size / time
     return time if name[-1] in ("start", "duration") else 1.0
 
 

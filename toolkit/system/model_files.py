@@ -13,8 +13,8 @@ FileStates = Mapping[Path, tuple[int, int] | None]
 
 
 def file_states(scene: Scene) -> FileStates:
-    """The states of all files of reduced models that a scene names, now."""
-    return {path: _state(path) for path in scene.model_files()}
+    """The states of all files that a scene names, those of reduced models and of a kept start, now."""
+    return {path: _state(path) for path in scene.read_files()}
 
 
 def refuse_changed(states: FileStates) -> None:
@@ -28,8 +28,8 @@ def refuse_changed(states: FileStates) -> None:
     for path, state in states.items():
         if _state(path) != state:
             raise InputError(
-                f"the reduced model {str(path)!r} has changed since the scene was compiled, or is not there any more, so that half of the "
-                "numbers would be those of another body. Compile the scene again."
+                f"the file {str(path)!r} has changed since the scene was compiled, or is not there any more, so that half of the "
+                "numbers would be those of another body, or of another start. Compile the scene again."
             )
 
 

@@ -144,8 +144,17 @@ class System:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
         return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
+    def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
+        """Coordinates where every body is in its place and none is deformed, padded to n, and their design derivatives (n, n_x)."""
+        q, _, dq, _ = self.start()
+        for b, name in enumerate(self.scene.all_bodies()):
+            first = self.numbering.first[name]
+            elastic = slice(first + self.scene.body(name).frame_size, first + len(self.values.start[b][0]))
+            q[elastic], dq[elastic] = 0, 0
+        return q, dq
+
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Undeformed coordinates, given velocities, both padded to n, and their design derivatives (n, n_x)."""
+        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x)."""
 
         first = list(self.numbering.first.values())
         states: np.ndarray = np.zeros((2, self.n), self.dtype)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
@@ -35,6 +35,14 @@ class Flexible(ModelBody, StartVelocity):
         Where the origin of the reduced model lies at the start, in units of length.
     angle
         Rotation of the reduced model's axes at the start, in rad.
+    deflection
+        Point of the body -> u_x, u_y, its displacement at the start since the undeformed body, in the axes of the reduced model, in units
+        of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
+        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
+    elastic_velocity
+        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
+        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
+        joints ask for, and without deforming where it can.
     """
 
     kind = "flexible"
@@ -43,6 +51,8 @@ class Flexible(ModelBody, StartVelocity):
     frame: Literal["moving", "grounded"] = "moving"
     position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
     angle: Annotated[Number, Quantity("angle")] = 0.0
+    deflection: Annotated[dict[str, Pair], Quantity("length")] = Field(default_factory=dict)
+    elastic_velocity: Annotated[dict[str, Pair], Quantity("length/time")] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _still(self) -> Flexible:
@@ -59,6 +69,11 @@ class Flexible(ModelBody, StartVelocity):
     def has_frame(self) -> bool:
         """Only a moving frame has coordinates."""
         return self.frame == "moving"
+
+    @property
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+        """As written."""
+        return {"deflection": self.deflection, "elastic_velocity": self.elastic_velocity}
 
     def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
         """Two zero positions and a zero angle."""
@@ -94,11 +109,11 @@ class Flexible(ModelBody, StartVelocity):
         return ["x", "y", "rotation", *elastic] if self.has_frame else elastic
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed at its place, given velocity of the frame."""
-        elastic = np.zeros(scene.model(self.model).n_f)
+        """At its place in the given shape, with the given velocities."""
+        shape, rate = self.start_shapes(scene)
         if not self.has_frame:
-            return elastic, elastic
-        return np.concatenate([[*self.position, self.angle], elastic]), np.concatenate([self.frame_velocity(), elastic])
+            return shape, rate
+        return np.concatenate([[*self.position, self.angle], shape]), np.concatenate([self.frame_velocity(), rate])
 
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """RMS displacement of the body per unit elastic coordinate."""

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict
+from pydantic import ConfigDict, Field
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
 from toolkit.bodies.model_body import ModelBody
@@ -28,6 +29,14 @@ class SpatialFlexible(ModelBody, SpatialBody):
         Where the origin of the reduced model lies at the start, in units of length.
     orientation
         Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
+    deflection
+        Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
+        of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
+        as if forces at these points had bent it and let go. Statics, and `solver.start = "equilibrium"`, find their own shape.
+    elastic_velocity
+        Point of the body -> velocity of that displacement at the start, in length/time; the rest of the body moves in the shape of least
+        strain energy. It holds, or is refused if the joints do not allow it; left out, the body starts with the velocities that the
+        joints ask for, and without deforming where it can.
     """
 
     kind = "flexible"
@@ -35,6 +44,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
 
     position: Annotated[Triple, Quantity("length")] = (0.0, 0.0, 0.0)
     orientation: Annotated[Triple, Quantity("angle")] = (0.0, 0.0, 0.0)
+    deflection: Annotated[dict[str, Triple], Quantity("length")] = Field(default_factory=dict)
+    elastic_velocity: Annotated[dict[str, Triple], Quantity("length/time")] = Field(default_factory=dict)
 
     @property
     def placement(self) -> np.ndarray:
@@ -46,11 +57,11 @@ class SpatialFlexible(ModelBody, SpatialBody):
         return [*self.frame_names(), *(f"elastic coordinate {k}" for k in range(scene.model(self.model).n_f))]
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed at its place, given velocity of the frame."""
-        elastic = np.zeros(scene.model(self.model).n_f)
+        """At its place in the given shape, with the given velocities."""
+        shape, rate = self.start_shapes(scene)
         omega = self.placement.T @ self.spin
         q, v = self.frame_state(np.array(self.position), quaternion_of(np.array(self.orientation)), omega)
-        return np.concatenate([q, elastic]), np.concatenate([v, elastic])
+        return np.concatenate([q, shape]), np.concatenate([v, rate])
 
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """RMS displacement of the body per unit elastic coordinate."""
@@ -66,6 +77,11 @@ class SpatialFlexible(ModelBody, SpatialBody):
         inv = scene.model(self.model).invariants
         assert isinstance(inv, SpatialInvariants)
         return inv
+
+    @property
+    def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
+        """As written."""
+        return {"deflection": self.deflection, "elastic_velocity": self.elastic_velocity}
 
     def undeforming_point(self, width: int) -> tuple[np.ndarray, np.ndarray]:
         """Three zero positions and a zero rotation vector."""

@@ -26,8 +26,8 @@ def describe(path: Path) -> dict[str, Any]:
         The file is missing or is none of them.
     """
     from toolkit.foundation.files.hdf5 import schema_of
+    from toolkit.kept_run.layout import SCHEMA
     from toolkit.reduced_model.file import is_reduced_model, load
-    from toolkit.results.layout import SCHEMA
 
     if path.is_file() and schema_of(path) == SCHEMA:
         from toolkit.results.results_file import load_results
@@ -75,7 +75,7 @@ def dependences(model: ReducedModel, items: Mapping[str, Any] | None) -> dict[st
 def describe_results(results: Results) -> dict[str, Any]:
     """What was computed, of what, with which settings."""
     from toolkit.command_line.printed.printing import finite_or_none
-    from toolkit.results.layout import SCHEMA, SCHEMA_VERSION
+    from toolkit.kept_run.layout import SCHEMA, SCHEMA_VERSION
 
     values, gradients = results.responses.items(), results.gradients.items()
     return {
@@ -134,7 +134,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
         frames = {body: choice.words for body, choice in frame_choices(scene).items()}
     except ToolkitError:  # which is said below
         frames = {}
-    outside = outside_files(scene.directory / "scene", scene.model_files())
+    outside = outside_files(scene.directory / "scene", scene.read_files())
     groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,

@@ -28,7 +28,7 @@ class SpatialConfiguration(Moment):
     def undeformed(cls, solution: Solution) -> SpatialConfiguration:
         """Where all bodies are before anything has moved."""
         system = solution.system
-        return cls(replace(solution, q=np.real(system.start()[0][None, : system.n_q]), times=solution.times[:1]), 0)
+        return cls(replace(solution, q=np.real(system.undeformed()[0][None, : system.n_q]), times=solution.times[:1]), 0)
 
     def spatial_body(self, body: str) -> SpatialBody:
         """The body of that name."""

@@ -15,9 +15,10 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.round_off import can_move
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.preparation import Kind, frozen
+from toolkit.sensitivity.preparation import Kind, frozen, moving
 from toolkit.sensitivity.result import Result
 from toolkit.sensitivity.sizes import response_scales, variable_sizes
+from toolkit.solvers.start.kept_start import moves_kept_run
 
 FAILURES = (ConvergenceError, InputError, SingularSystemError)
 UNSEEN = 1e-11
@@ -30,11 +31,15 @@ NEGLIGIBLE = 1e-6
 def direction(scene: Scene, exact: Result) -> dict[str, float]:
     """Variable -> its part of the direction: half to all of its size, evenly spread so that changes do not cancel by symmetry.
 
-    Numbers that only preprocessing can change (or that are zero and cannot be negative) stay.
+    Numbers that only preprocessing can change (or that are zero and cannot be negative) stay, and so do those that a kept start follows.
     """
+
+    def free(path: str) -> bool:
+        return can_move(scene, path) and not (moving(exact.solution) and moves_kept_run(scene, path))
+
     sizes, variables = variable_sizes(scene, exact), scene.design_variables(list(next(iter(exact.gradients.values()), {})))
     parts = {variable.name: 1 - 0.5 * (k * GOLDEN % 1) for k, variable in enumerate(variables)}
-    return {v.name: parts[v.name] * sizes[v.name] for v in variables if all(can_move(scene, path) for path in v.paths)}
+    return {v.name: parts[v.name] * sizes[v.name] for v in variables if all(map(free, v.paths))}
 
 
 def moved(scene: Scene, along: dict[str, float], step: float) -> Scene:

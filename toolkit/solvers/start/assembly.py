@@ -59,7 +59,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     if not system.n_x:
         return q, dgiven
     terms = _evaluate(system, q, acc, time)
-    change = np.where(is_q[:, None], terms.I_x - system.matrix(terms.I_acc) @ dgiven, terms.A_x)
+    change = np.where(is_q[:, None], terms.I_x - system.matrix(terms.I_acc + system.unit_of_states) @ dgiven, terms.A_x)
     return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 

@@ -60,9 +60,17 @@ def moving_start(
     system: System, levels: np.ndarray, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0
 ) -> State:
     """The state in positions (n,) where every joint is closed, with their design derivatives (n, n_x); all else as `consistent_start`."""
-    velocity, dv = rates_of_states(system, position, dq, *_velocities(system, position, dq, v, time), time)
-    acc, dacc = initial_accelerations(system, position, velocity, dq, dv, levels, time)
-    return State(position, velocity, acc, dq, dv, dacc)
+    velocity, dv = _velocities(system, position, dq, v, time)
+    return with_accelerations(system, levels, position, velocity, dq, dv, time)
+
+
+def with_accelerations(
+    system: System, levels: np.ndarray, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float = 0.0
+) -> State:
+    """The state of coordinates and velocities (n,) that satisfy every joint, with their design derivatives (n, n_x)."""
+    v, dv = rates_of_states(system, q, dq, v, dv, time)
+    acc, dacc = initial_accelerations(system, q, v, dq, dv, levels, time)
+    return State(q, v, acc, dq, dv, dacc)
 
 
 def closed_positions(
@@ -72,6 +80,13 @@ def closed_positions(
     position, _, dq, _ = system.start()
     if q is not None:
         position, dq = _padded(system, q), np.zeros_like(dq)
+    return closed(system, position, dq, time, options)
+
+
+def closed(
+    system: System, position: np.ndarray, dq: np.ndarray, time: float, options: RunOptions | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """The same for positions (n,) with design derivatives (n, n_x)."""
     if (options or system.scene.solver).assemble:
         position, dq = assemble(system, position, dq, time)
     check_positions(system, position, dq, time)

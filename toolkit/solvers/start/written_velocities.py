@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.bodies.body import Body
+from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.units import unit
 from toolkit.system.system import System
 
+ELASTIC = "elastic_velocity"
+"""Key of a flexible body's table that writes velocities of its points in its own axes."""
 HOLDS = 1e-6
 """Part of the fastest velocity of the start by which a written one may miss what the joints allow: it was written with seven digits."""
 DERIVATIVE_HOLDS = 1e-8
@@ -18,9 +22,21 @@ ALIKE = 0.9
 
 
 def written_velocities(system: System) -> dict[int, str]:
-    """Coordinates whose velocity the scene writes -> path that says so, rotations of a body first."""
+    """Coordinates whose velocity the scene writes -> path that says so, rotations of a body first, and its shape last."""
     bodies, first = system.scene.bodies.items(), system.numbering.first
-    return {first[name] + k: f"bodies.{name}.{key}" for name, body in bodies for k, key in body.written_velocities().items()}
+    found = {first[name] + k: f"bodies.{name}.{key}" for name, body in bodies for k, key in body.written_velocities().items()}
+    return found | {i: f"bodies.{name}.{ELASTIC}" for name, body in bodies if writes_shape(body) for i in _elastic(system, name)}
+
+
+def writes_shape(body: Body) -> bool:
+    """Whether velocities of points of a flexible body are written, and with them those of all its elastic coordinates."""
+    return isinstance(body, ModelBody) and bool(body.deflected[ELASTIC])
+
+
+def _elastic(system: System, name: str) -> range:
+    """Numbers of a body's elastic coordinates."""
+    body, first = system.scene.bodies[name], system.numbering.first[name]
+    return range(first + body.frame_size, first + len(body.coordinate_names(system.scene)))
 
 
 def refuse_own_velocities(system: System, given: np.ndarray, found: np.ndarray) -> None:
@@ -105,10 +121,16 @@ def _in_numbers(system: System, i: int, path: str, q: np.ndarray, given: np.ndar
     name = path.split(".")[1]
     body, first = system.scene.bodies[name], system.numbering.first[name]
     at = slice(first, first + len(body.coordinate_names(system.scene)))
+    if i in _elastic(system, name):
+        length, label = float(body.coordinate_lengths(system.scene)[i - first]), f"{unit(system.scene.units, 'length')}/s"
+        of = f"{label} of {system.numbering.names[i]} (RMS of its points)"
+        wish, allowed = (f"{_listed(length * v[i : i + 1])} {of}" for v in (given, found))
+        return path, wish, allowed
     turns = i >= first + body.frame_size - body.turns
     label = "rad/s" if turns else f"{unit(system.scene.units, 'length')}/s"
-    wish, allowed = (body.frame_motion(q[at], v[at])["angular_velocity"] if turns else v[i : i + 1] for v in (given, found))
-    return path, f"{_listed(wish)} {label}", f"{_listed(allowed)} {label}"
+    pair = (body.frame_motion(q[at], v[at])["angular_velocity"] if turns else v[i : i + 1] for v in (given, found))
+    wish, allowed = (f"{_listed(each)} {label}" for each in pair)
+    return path, wish, allowed
 
 
 def _listed(numbers: np.ndarray) -> str:
@@ -119,6 +141,10 @@ def _listed(numbers: np.ndarray) -> str:
 
 def _advice(system: System, path: str) -> str:
     name, key = path.split(".")[1:3]
+    if key == ELASTIC:
+        return (
+            " What is written of the points of a body decides the motion of all of it: write also those points that joints hold."
+        )
     if key == "velocity" and system.scene.bodies[name].turns:
         return f" `angular_velocity` alone, in the place of `velocity`, gives {name!r} a rotation about whatever holds it."
     return ""

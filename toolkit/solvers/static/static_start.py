@@ -23,7 +23,7 @@ def start_of_path(system: System, options: RunOptions) -> tuple[Equilibrium, flo
     SingularSystemError
         Something is free to move with and without load, or joints are redundant.
     """
-    q = system.start()[0]
+    q = system.undeformed()[0]
     try:
         state, count = descend(system, options, 0.0, q, np.zeros_like(q))
     except (ConvergenceError, SingularSystemError) as error:

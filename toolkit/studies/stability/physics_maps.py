@@ -96,12 +96,14 @@ def speed_map(scene: Scene) -> Map:
     Raises
     ------
     InputError
-        Neither velocities nor time curves set a speed.
+        Neither velocities nor time curves set a speed, or a results file does.
     """
+    if scene.start_file is not None:
+        raise InputError("the speed at the start is that of a results file (solver.start), which no factor changes")
     powers: dict[str, int] = {}
     for path, dimension in dimensions(scene).items():
         keys = path.split(".")
-        timed = keys[0] in ("solver", "responses") or keys[2] in ("velocity", "angular_velocity", "curve")
+        timed = keys[0] in ("solver", "responses") or keys[2] in ("velocity", "angular_velocity", "elastic_velocity", "curve")
         if timed and dimension.mass == 0 and dimension.time:
             powers[path] = -dimension.time
     own = [path for path in powers if path.split(".")[0] not in ("solver", "responses") and scene.number(path) != 0]

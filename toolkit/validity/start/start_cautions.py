@@ -11,14 +11,16 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.kinematics.spatial import angular_velocity
+from toolkit.solvers.start.continued import moved_by
 from toolkit.solvers.start.initial_conditions import POSITION_TOLERANCE
+from toolkit.solvers.start.kept_start import kept_state, other_numbers
+from toolkit.solvers.start.written_velocities import writes_shape
 from toolkit.solvers.static.equilibrium import inputs_at
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spin import fastest_spin
+from toolkit.validity.start.start_shapes import MOVED, bent_otherwise, shapes_without_effect
 from toolkit.validity.start.start_state import start_state
 
-MOVED = 1e-9
-"""Move of a body, a part of the scene's size or in rad, below which its position is as good as written with nine digits."""
 DEFORMS = 1e-3
 """Velocity of deformation, a part of the fastest of the start, from which it is told."""
 MOST_NAMED = 3
@@ -31,12 +33,19 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
     if len(solution.whole_run) < 2:
         yield from _closed_by_statics(solution, options)
         yield from _at_rest(solution)
+        yield from shapes_without_effect(solution)
         return
     if solution.own_start:
-        yield from _moved_start(solution)
+        yield from _moved_start(solution, solution.start_moved)
         return
-    if options.start == "given":
+    if options.start_file is not None:
+        yield from _kept_start(solution)
+        return
+    if options.quasi_static or options.start == "equilibrium":
+        yield from shapes_without_effect(solution)
+    elif options.start == "given":
         yield from _assembled(solution)
+        yield from bent_otherwise(solution)
     if options.quasi_static:
         yield from _without_velocities(solution)
     else:
@@ -59,12 +68,28 @@ def _move(body, given: np.ndarray, found: np.ndarray) -> tuple[float, float]:
     return float(np.linalg.norm(shift)), float(angle)
 
 
-def _moved_start(solution: Solution) -> Iterator[Caution]:
+def _kept_start(solution: Solution) -> Iterator[Caution]:
+    system, end = solution.system, kept_state(solution.system.scene)
+    if end is None:
+        return
+    yield from _moved_start(solution, moved_by(system, end.q, solution.q[0]))
+    changed = other_numbers(system.scene, end)
+    if changed:
+        others = f", and {len(changed) - MOST_NAMED} more" if len(changed) > MOST_NAMED else ""
+        yield Caution(
+            "start-of-other-numbers",
+            f"the start is where {end.path.name!r} has ended, a run with other numbers: {'; '.join(changed[:MOST_NAMED])}{others}. "
+            "Nothing has carried its state over to these.",
+            doubt=False,
+        )
+
+
+def _moved_start(solution: Solution, moved: float) -> Iterator[Caution]:
     allowed = (solution.options or solution.system.scene.solver).drift_tolerance
-    if solution.start_moved > allowed:
+    if moved > allowed:
         yield Caution(
             "start-moved",
-            f"the start that was given is off the joints at t = 0 and was moved by {solution.start_moved:.1e} of the scene's size (or "
+            f"the start that was given is off the joints at t = 0 and was moved by {moved:.1e} of the scene's size (or "
             f"rad), more than solver.drift_tolerance ({allowed:.1e}): this run does not go on exactly where the other one ended.",
             doubt=False,
         )
@@ -86,7 +111,7 @@ def _assembled(solution: Solution) -> Iterator[Caution]:
 
 def _closed_by_statics(solution: Solution, options: RunOptions) -> Iterator[Caution]:
     system = solution.system
-    q = system.start()[0]
+    q = system.undeformed()[0]
     zero = np.zeros_like(q)
     gaps = np.real(system.evaluate(inputs_at(system, options, 0.0), q, zero, zero).applied)[system.n_q :]
     sizes = np.abs(gaps) * system.weights[system.n_q :]
@@ -114,7 +139,9 @@ def _at_rest(solution: Solution) -> Iterator[Caution]:
 
 def _without_velocities(solution: Solution) -> Iterator[Caution]:
     bodies = solution.system.scene.bodies.items()
-    moving = [name for name, body in bodies if body.written_velocities() and np.any(body.initial_state(solution.system.scene)[1])]
+    scene = solution.system.scene
+    written = [name for name, body in bodies if body.written_velocities() or writes_shape(body)]
+    moving = [name for name in written if np.any(scene.bodies[name].initial_state(scene)[1])]
     if moving:
         yield Caution(
             "velocity-without-inertia",
@@ -127,7 +154,7 @@ def _deforming(solution: Solution) -> Iterator[Caution]:
     label = unit(solution.system.scene.units, "length")
     fastest = float((solution.system.weights[: solution.system.n_q] * np.abs(np.real(solution.v[0]))).max(initial=0))
     for each in start_state(solution):
-        if each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
+        if each.written_deforming is None and each.deforming and each.deforming > DEFORMS * fastest * solution.system.scene.size:
             yield Caution(
                 "starts-deforming",
                 f"{each.body!r} starts with a velocity of deformation of {each.deforming:.3g} {label}/s, because the joints and the "

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.units import unit
+from toolkit.solvers.start.written_velocities import writes_shape
 from toolkit.system.solution import Solution
 
 Numbers = tuple[float, ...]
@@ -32,6 +33,10 @@ class BodyStart:
         What the scene says, None where it leaves it to the joints.
     deforming
         RMS velocity of the body's points by the fastest of its elastic coordinates, in length/time.
+    written_deforming
+        The same of the velocities that the scene writes of its points, None where it writes none.
+    deflected
+        RMS displacement of the body's points by the largest of its elastic coordinates, in units of length.
     """
 
     body: str
@@ -40,6 +45,13 @@ class BodyStart:
     written_velocity: Numbers | None = None
     written_angular_velocity: Numbers | None = None
     deforming: float | None = None
+    written_deforming: float | None = None
+    deflected: float | None = None
+
+
+def writes_start(solution: Solution) -> bool:
+    """Whether a run has begun with the velocities that its scene writes."""
+    return not solution.own_start and (solution.options or solution.system.scene.solver).start_file is None
 
 
 def start_state(solution: Solution) -> list[BodyStart]:
@@ -56,7 +68,7 @@ def _of(solution: Solution, name: str) -> BodyStart:
     at = slice(first, first + len(body.coordinate_names(system.scene)))
     q, v = np.real(solution.q[0, at]), np.real(solution.v[0, at])
     given, wish = (np.real(state[at]) for state in system.start()[:2])
-    said = body.written_velocities() if not solution.own_start else {}
+    said = body.written_velocities() if writes_start(solution) else {}
     keys = {"velocity" if k < body.moves else "angular_velocity" for k in said}
     used = {key: _numbers(value) for key, value in body.frame_motion(q, v).items()}
     written = {key: _numbers(value) for key, value in body.frame_motion(given, wish).items() if key in keys}
@@ -67,13 +79,16 @@ def _of(solution: Solution, name: str) -> BodyStart:
         written.get("velocity"),
         written.get("angular_velocity"),
         _deforming(solution, name, v),
+        _deforming(solution, name, wish) if writes_shape(body) and writes_start(solution) else None,
+        _deforming(solution, name, q),
     )
 
 
-def _deforming(solution: Solution, name: str, v: np.ndarray) -> float | None:
+def _deforming(solution: Solution, name: str, state: np.ndarray) -> float | None:
+    """RMS displacement or velocity of a body's points by the largest of its elastic coordinates."""
     scene = solution.system.scene
     body = scene.bodies[name]
-    elastic = v[body.frame_size :]
+    elastic = state[body.frame_size :]
     lengths = np.real(body.coordinate_lengths(scene))[body.frame_size :]
     return float(np.abs(lengths * elastic).max()) if len(elastic) else None
 
@@ -93,10 +108,10 @@ def start_record(solution: Solution) -> dict[str, Any]:
             for key, label in units.items()
             if getattr(each, key) is not None
         }
-        elastic = (
-            {} if each.deforming is None else {"deforming": {"used": each.deforming, "written": None, "unit": f"{length}/s"}}
-        )
-        record[each.body] = {**frame, **elastic}
+        deforming = {"used": each.deforming, "written": each.written_deforming, "unit": f"{length}/s"}
+        elastic = {} if each.deforming is None else {"deforming": deforming}
+        shape = {"deflected": {"used": each.deflected, "unit": length}} if each.deflected else {}
+        record[each.body] = {**frame, **elastic, **shape}
     return record
 
 
@@ -121,6 +136,8 @@ def start_lines(solution: Solution, most: int = 8) -> list[str]:
         ]
         if each.deforming is not None and each.deforming > RESTS * fastest * size:
             parts.append(f"deforming with {each.deforming:.6g} {length}/s")
+        if each.deflected is not None and each.deflected > RESTS * size:
+            parts.append(f"a deflection of {each.deflected:.6g} {length} (RMS of its points)")
         if parts:
             lines.append(f"{each.body} starts with {', '.join(parts)}.")
     return lines if len(lines) <= most else [*lines[:most], f"{len(lines) - most} more bodies start in motion."]

@@ -18,6 +18,12 @@ class Variable(BaseModel):
     of: list[str] | None = None
     factors: list[float] | None = None
 
+    @property
+    def shares(self) -> dict[str, float]:
+        """Path of every number that it drives -> factor. Raises ValueError if there are not as many of both."""
+        paths = self.of or [self.path]
+        return dict(zip(paths, self.factors or [1.0] * len(paths), strict=True))
+
 
 class SceneWords(BaseModel):
     """`SceneRecord` without the text of the scene's file."""
