@@ -14,6 +14,7 @@ from preprocessing.basis.reduction import reduced_basis
 from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.discretisation.following_places import with_places
 from preprocessing.reduction.contracted import Rate, contracted
+from preprocessing.reduction.held_points import with_held_points
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
@@ -72,7 +73,8 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
         (parameter, Rate(change.matrices, d, _item_rates(change, basis, d)))
         for (parameter, change), d in zip(changes.items(), d_z, strict=True)
     )
-    interfaces = nominal.interfaces(basis.z)
+    size = float(np.ptp(np.real(nominal.nodes), axis=0).max())
+    interfaces = with_held_points(nominal.interfaces(basis.z), nominal.positions(basis.z)[..., 1:], size)
     found = contracted(
         nominal.parts, matrices, space.values, basis.z, rates, interfaces, computed=choice.kind != "full", exact=bool(exact)
     )

@@ -91,20 +91,22 @@ def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[st
     largest.
 
     The coefficient of (s - s_0)^k counts as what it adds at the end of its element. Shapes that stay 1 where a point is held
-    leave a whole item of round-off: it is measured by the item itself, times how `fastest` an invariant changes in its parts.
+    leave a whole item of round-off: it is measured by the item itself, times how `fastest` an invariant changes in its parts. A point
+    that no shape moves is held, whatever the design.
     """
     group, *rest = item.split(".")
-    size, own = np.abs(rate), 0.0
+    size, least = np.abs(rate), 0.0
     if group == "interfaces" and rest[-1] in BY_COORDINATE:
         point = interfaces[rest[0]]
         reach = np.ptp(np.real(point.arc_length_range))
         powers = (reach ** np.arange(len(rate))).reshape(-1, *(1,) * (rate.ndim - 1))
-        size, own = size * powers, float(np.abs(getattr(point, rest[-1]) * powers)[..., 1:].max(initial=0))
+        own = np.abs(getattr(point, rest[-1]) * powers)[..., 1:].max(initial=0)
+        size, least = size * powers, OF_SHAPES * fastest * own if own > 0 else np.inf
     if not (computed and rest[-1] in BY_COORDINATE):
         return size > ROUND_OFF * size.max(initial=0)
     found = np.zeros(rate.shape, bool)
     found[..., 0] = size[..., 0] > ROUND_OFF * size[..., 0].max(initial=0)
-    found[..., 1:] = size[..., 1:].max(initial=0) > OF_SHAPES * fastest * own
+    found[..., 1:] = size[..., 1:].max(initial=0) > least
     return found
 
 

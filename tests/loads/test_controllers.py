@@ -329,3 +329,34 @@ def test_a_motor_in_the_plane_counts_turns():
         rotor(2, curve=plane.SmoothStep(height=20.0, duration=2.0), torque=0.0, options={"end_time": 8.0})
     ).simulate()
     assert found.values["angle"] == pytest.approx(20.0, abs=1e-4)  # exp(-2 * 6) of 20 rad
+
+
+@pytest.mark.parametrize(("integral", "radius"), [(None, 0.5 + (100 * 0.1 + 2 * 3**2 * 0.5) / (100 - 2 * 3**2)), (40.0, 0.6)])
+def test_a_controlled_bead_on_a_spinning_arm_stands_where_its_spring_or_its_integral_says(integral, radius):
+    """m w^2 r = k_p (r - 0.5 - s) without an integral; with one r = 0.5 + s."""
+    scene = ffrf.Scene(
+        units="m-kg-s",
+        points={"O": plane.Point(x=0.0, y=0.0), "A": plane.Point(x=0.5, y=0.0)},
+        bodies={
+            "arm": plane.Rod(between=("O", "A"), area=1e-4, density=7800.0),
+            "bead": plane.Rigid(mass=2.0, inertia=0.01, center="A"),
+        },
+        joints={
+            "axle": plane.Revolute(bodies=("arm", "ground"), point="O"),
+            "drive": plane.AngleDriver(bodies=("arm", "ground"), point="O", curve=plane.Polynomial(coefficients=(0.0, 3.0))),
+            "guide": plane.Slider(bodies=("bead", "arm"), point="A", lock_rotation=True),
+        },
+        loads={
+            "hold": plane.PositionController(
+                bodies=("bead", "arm"),
+                point="A",
+                proportional_gain=100.0,
+                derivative_gain=2.0,
+                integral_gain=integral,
+                curve=plane.Constant(value=0.1),
+            )
+        },
+        responses={"radius": plane.PointDistance(bodies=("bead", "ground"), points=("A", "O"))},
+        solver={"end_time": 1.0, "equilibrium": "spinning"},
+    )
+    assert ffrf.compile(scene).statics().values["radius"] == pytest.approx(radius, rel=1e-12)

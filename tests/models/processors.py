@@ -32,6 +32,7 @@ _FILES = (
     "bracket/body",
     "spatial_bracket/body",
     "flexible_slider_crank/frame",
+    "spinning_beam/frame",
     "flexible_crank/frame",
 )
 BUILT = {name: MODELS / name for name in _FILES}

@@ -286,3 +286,29 @@ def test_command_builds_a_frame_and_rests_when_nothing_changed(path, monkeypatch
     assert run(monkeypatch, str(path), "--parameter", "x_Q=0.1") == 1
     assert "has no parameter 'x_Q'; there are youngs_modulus_steel" in capsys.readouterr().err
     assert Path(path.with_suffix(".h5")).exists()
+
+
+@pytest.mark.parametrize("kind", ['"craig-bampton"\ncount = 4', '"eigenmodes"\ncount = 4', '"static"'])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_an_interface_point_that_is_clamped_does_not_move_by_round_off(kind, dimension, tmp_path):
+    pad = ", 0.0" * (dimension - 2)
+    text = f"""units = "m-kg-s"
+dimension = {dimension}
+clamp = ["A"]
+nodes = {{ A = [0.1, 0.2{pad}], B = [0.9, 0.8{pad}] }}
+beams = [{{ from = "A", to = "B", section = "bar", elements = 7 }}]
+interface_points = {{ A = {{ node = "A" }}, B = {{ node = "B" }} }}
+sections.bar = {{ kind = "rectangle", thickness = 0.01, width = 0.02, material = "steel" }}
+materials.steel = {{ youngs_modulus = 2.1e11, poisson_ratio = 0.3, density = 7850.0 }}
+basis = {{ kind = {kind.replace(chr(10), ", ")} }}
+"""
+    (tmp_path / "frame.toml").write_text(text if dimension == 3 else text.replace("poisson_ratio = 0.3, ", ""))
+    model = build(tmp_path / "frame.toml")
+    held, free = model.interfaces["A"], model.interfaces["B"]
+    assert not held.position[..., 1:].any()
+    assert not held.rotation[..., 1:].any()
+    assert free.position[..., 1:].any()
+    assert free.rotation[..., 1:].any()
+    for item, entries in model.derivatives.items():
+        if item.startswith("interfaces.A"):  # its place follows its coordinates, and nothing else
+            assert not (entries.entry % held.position.shape[-1]).any(), item

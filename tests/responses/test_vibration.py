@@ -10,6 +10,7 @@ from tests.models.response_cases import CASES, write_models
 from toolkit.analyses.modes import solve_modes
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.description.point import Point
+from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.gravity import Gravity
@@ -58,6 +59,21 @@ def test_a_block_on_a_spring_vibrates_as_theory_says(method):
     for name, expected in slopes.items():
         ours = {letter: found.gradients[name][path] for letter, path in design.items()}
         assert ours == pytest.approx(expected, rel=1e-10, abs=1e-12 * found.values[name]), name
+
+
+@pytest.mark.parametrize("method", ["direct", "adjoint", "complex-step"])
+def test_a_block_that_comes_to_rest_has_the_frequency_of_its_equilibrium_with_its_damper(method):
+    """sqrt(k/m - (c/2m)^2) / 2 pi at the end of a motion that starts 9.81 m/k from its equilibrium."""
+    strong, end = 40.0, {"f": Frequency(when="end"), "zeta": DampingRatio(when="end")}
+    scene = blocks(STIFFNESS)
+    loads = {**scene.loads, "springB0": scene.loads["springB0"].model_copy(update={"damping": strong})}
+    scene = scene.model_copy(update={"loads": loads, "responses": end, "solver": RunOptions(end_time=2.0, step=0.02)})
+    found = gradients_by(method, scene, ["loads.springB0.stiffness"], "transient")
+    square = STIFFNESS / MASS - (strong / MASS / 2) ** 2
+    assert found.values["f"] == pytest.approx(np.sqrt(square) / (2 * np.pi), rel=1e-9)
+    assert found.values["zeta"] == pytest.approx(strong / MASS / 2 / np.sqrt(STIFFNESS / MASS), rel=1e-9)
+    slope = 1 / (2 * MASS * np.sqrt(square)) / (2 * np.pi)
+    assert found.gradients["f"]["loads.springB0.stiffness"] == pytest.approx(slope, rel=1e-9)
 
 
 def test_vibrations_of_one_frequency_have_no_derivative_of_their_own():

@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 from preprocessing import build
 from tests.models.solid_bodies import compliance, frequencies
 from toolkit.curves.kinds.cycloid import Cycloid
+from toolkit.door.model import compile_model
 from toolkit.foundation.errors import ConvergenceError, LimitPointError
 from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
@@ -43,7 +44,7 @@ def run(name: str, changes: dict[str, str] | None = None) -> Result:
 def test_the_models_are_those_that_are_checked_here():
     assert {
         *("bracket", "flexible_crank", "flexible_slider_crank", "four_bar_chain", "governor", "morphing_wing", "pendulum"),
-        *("rotating_beam", "slider_crank", "snap_through", "spatial_bracket"),
+        *("rotating_beam", "slider_crank", "snap_through", "spatial_bracket", "spinning_beam"),
     } == set(NAMES)
     assert [name for name in NAMES if not (MODELS / name / "README.md").exists()] == []
 
@@ -369,6 +370,44 @@ def test_spatial_bracket_moves_its_piston_as_the_rigid_slider_crank_does():
     stiff = run("spatial_bracket", {"bodies.bracket.youngs_modulus": "7e7"})  # a thousand times
     # what is left is the centre of the meshed bore, which is that of its curved triangles
     assert stiff.values["stroke"] == pytest.approx(spatial_stroke(o).real, abs=1e-3)
+
+
+FLAP = {0: 3.5160, 20: 4.1373, 40: 5.5850, 60: 7.3604, 80: 9.2568, 100: 11.2023}
+"""Wright et al. 1982, by the speed in rad/s, in units of 10 rad/s; `tests/spinning/test_campbell.py` has the order."""
+
+
+def test_spinning_beam_has_the_published_frequencies_but_for_what_eight_bodies_lack():
+    scene = read_scene(MODELS / "spinning_beam" / "scene.toml")
+    found = compile_model(scene).campbell(list(FLAP), count=2)
+    for speed, (lag, flap), published in zip(FLAP, 2 * np.pi * found.frequencies / 10, FLAP.values(), strict=True):
+        lacks = 0.21 / 6 * (speed / 10 / 8) ** 2  # 0.21 N L^2 / (3 E I) of the innermost body, N = rho A Omega^2 / 2
+        assert -1e-4 < 1 - flap / published < 2 * lacks + 1e-4, speed
+        plane = np.sqrt(published**2 - (speed / 10) ** 2)
+        assert -1e-4 < 1 - lag / plane < 2 * lacks * (published / plane) ** 2 + 1e-4, speed
+
+
+def test_spinning_beam_pulls_and_stretches_as_the_closed_form_says():
+    """rho A Omega^2 L^2 / 2, and L tan(k L) / (k L), with the slopes of both by all variables."""
+    scene = read_scene(MODELS / "spinning_beam" / "scene.toml")
+    found = direct(scene, list(scene.design), "static")
+    numbers = {"speed": 60.0, "E": 6.75e10, "rho": 2700.0, "d": 0.008}
+
+    def closed(speed, E, rho, d):
+        k = speed * np.sqrt(rho / E)
+        return {"pull": np.pi * d**2 / 8 * rho * speed**2 * (1 + 0 * E), "length": np.tan(k) / k + 0 * d}
+
+    for name, expected in closed(**numbers).items():
+        assert found.values[name] == pytest.approx(expected, rel=1e-4)  # the bar is longer than 1 m by 4.8e-5
+        for x, value in numbers.items():
+            slope = closed(**(numbers | {x: value * (1 + 1e-20j)}))[name].imag / (1e-20 * value)
+            # linear elements: (1 / 8)^2 / 2 of the stretch, which is 5e-5 of the length and of the pull; round-off of what is zero
+            small = 2e-4 * expected if name == "pull" else 1e-12
+            assert found.gradients[name][x] * value == pytest.approx(slope * value, rel=1e-2, abs=small), (name, x)
+
+
+def test_spinning_beam_is_what_its_file_gives():
+    model = load(MODELS / "spinning_beam" / "frame.h5")
+    assert model.input_hash == build(MODELS / "spinning_beam" / "frame.toml").input_hash
 
 
 @pytest.mark.parametrize("name", ["bracket", "spatial_bracket"])

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.linalg import LinAlgError, eig, eigh
 
+from toolkit.analyses.modes_found import Modes
+from toolkit.analyses.spinning import spinning_modes
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.mode_shapes import told_apart
 from toolkit.foundation.verdict import Verdict
@@ -19,23 +19,8 @@ from toolkit.validity.bodies.spin import cautions_of_spin
 from toolkit.validity.judge import judge
 
 
-class Modes(NamedTuple):
-    """Frequencies in cycles per time, ascending, and mode shapes.
-
-    A negative frequency f stands for an unstable equilibrium: the motion grows like exp(2 pi |f| t).
-    The verdict holds what speaks against them: that the scene spins, for example, while these are modes about a state at rest.
-    """
-
-    frequencies: np.ndarray  # (n_modes,)
-    shapes: np.ndarray  # (n_q, n_modes)
-    verdict: Verdict = Verdict()
-
-    def __repr__(self) -> str:
-        return f"<Modes: {', '.join(f'{each:.6g}' for each in self.frequencies)} per unit of time>"
-
-
 def solve_modes(solution: Solution, count: int | None = None) -> Modes:
-    """Undamped modes about the last state of a static solution (or any state at rest).
+    """Undamped modes about the last state of a static solution (or any state at rest); of a steady spin those of `spinning_modes`.
 
         Z^T K Z y = omega^2 Z^T M Z y,   J Z = 0,   K = d (residual) / dq with the joint forces' geometric stiffness
 
@@ -46,6 +31,8 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     SingularSystemError
         The joints leave no motion, the mass matrix is not positive definite, or following forces make the motion flutter.
     """
+    if solution.spins:
+        return spinning_modes(solution, count)
     system = solution.system
     n_q = system.n_q
     if len(system.numbering.states):
@@ -106,4 +93,6 @@ def undeformed(system: System) -> Solution:
     q, dq = closed(system, *system.undeformed(), 0.0)
     rest, drest = np.zeros_like(q), np.zeros_like(dq)
     acc, dacc = initial_accelerations(system, q, rest, dq, drest, np.array([1.0, 0.0, 0.0]), 0.0)
-    return Solution.from_padded(system, np.zeros(1), tuple(item[None] for item in (q, rest, acc, dq, drest, dacc)), judge=judge)
+    options = system.scene.solver.model_copy(update={"equilibrium": "rest"})  # whatever statics would find
+    states = tuple(item[None] for item in (q, rest, acc, dq, drest, dacc))
+    return Solution.from_padded(system, np.zeros(1), states, options=options, judge=judge)

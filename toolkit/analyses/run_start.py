@@ -10,6 +10,7 @@ from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import InputError
 from toolkit.solvers.start.initial_conditions import State, consistent_start, moving_start, with_accelerations
 from toolkit.solvers.start.kept_start import kept_start
+from toolkit.solvers.start.written_velocities import written_velocities
 from toolkit.solvers.transient.formulation import start_levels
 from toolkit.system.system import System
 
@@ -22,7 +23,7 @@ def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, 
     InputError, SingularSystemError
         As `consistent_start` and `kept_start`; or a run without inertia is given a start.
     ConvergenceError
-        A run without inertia has no equilibrium at time 0, see `solve_statics`.
+        There is no equilibrium or steady spin at time 0, see `solve_statics`.
     """
     own = q is not None or v is not None
     levels = start_levels(options, step_lengths(time_grid(options)))
@@ -36,6 +37,8 @@ def run_start(system: System, options: RunOptions, q: np.ndarray | None = None, 
         raise InputError("solver.quasi_static starts from the equilibrium at time 0, so that no other start can be given.")
     if options.start_file is not None:
         return with_accelerations(system, levels, *kept_start(system, options))
+    if options.equilibrium == "spinning":
+        return _spinning(system, options)
     rest = _at_rest(system, options)
     return rest if options.quasi_static else moving_start(system, levels, rest.q, rest.dq)
 
@@ -48,3 +51,19 @@ def _at_rest(system: System, options: RunOptions) -> State:
     q, acc = np.append(found.q[0], rest[:free]), np.append(rest[: system.n_q], found.multipliers[0])
     dq, dacc = np.vstack([found.dq[0], still[:free]]), np.vstack([still[: system.n_q], found.dmultipliers[0]])
     return State(q, rest, acc, dq, still, dacc)
+
+
+def _spinning(system: System, options: RunOptions) -> State:
+    """The steady spin under the loads at time 0, with the rate that its driver has then, and its design derivatives."""
+    if written := written_velocities(system):
+        raise InputError(
+            f"{next(iter(written.values()))} is written, but a motion that starts in a steady spin has the velocities of that spin. "
+            'Leave it out, or one of solver.start = "equilibrium" and equilibrium = "spinning".'
+        )
+    found, free = solve_statics(system, options.model_copy(update={"end_time": 0.0})), system.n - system.n_q
+    none: np.ndarray = np.zeros(free, system.dtype)
+    still = np.zeros((free, system.n_x))
+    q, v = (np.append(state[0], none) for state in (found.q, found.v))
+    dq, dv = (np.vstack([change[0], still]) for change in (found.dq, found.dv))
+    acc, dacc = np.append(found.a[0], found.multipliers[0]), np.vstack([found.da[0], found.dmultipliers[0]])
+    return State(q, v, acc, dq, dv, dacc)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.analyses.modes import solve_modes
+from toolkit.analyses.spinning import solve_spinning
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.solvers.dense_memory import check_dense
@@ -34,6 +35,8 @@ def solve_statics(
     system: System, options: RunOptions | None = None, progress: Progress | None = None, start: Solution | None = None
 ) -> Solution:
     """Equilibrium under the loads at the end time, reached from the undeformed state; with its design derivatives.
+
+    For `options.equilibrium` "spinning" it is the steady state of a scene that spins, see `solve_spinning`.
 
     Loads and gravity grow in proportion, drivers move from their first to their last value. Steps are shortened until nothing can hide
     between them (see `path_steps`). Joints that are open in the given positions are closed first.
@@ -68,6 +71,8 @@ def solve_statics(
         The matrices, which are dense, do not fit into `solver.memory`.
     """
     options = options or system.scene.solver
+    if options.equilibrium == "spinning":
+        return solve_spinning(system, options, known=start)
     check_dense(system, options)
     begun = clock.perf_counter()
     if start is not None and options.continuation == "load" and (near := _equilibrium_near(system, options, start)):
@@ -101,6 +106,8 @@ def equilibrium_beside(system: System, known: Solution) -> Solution:
         The equations have no solution there, or more than one.
     """
     options, begun = known.options or system.scene.solver, clock.perf_counter()
+    if known.spins:
+        return solve_spinning(system, options, known=known)
     q: np.ndarray = np.zeros(system.n, system.dtype)
     acc: np.ndarray = np.zeros(system.n, system.dtype)
     q[: system.n_q], acc[: system.n_q], acc[system.n_q :] = known.q[-1], known.a[-1], known.multipliers[-1]

@@ -24,6 +24,7 @@ from toolkit.command_line.arguments import (
     prepare_folder,
     read,
 )
+from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
 from toolkit.command_line.commands.deformation_check import check_deformation
 from toolkit.command_line.commands.export import export
@@ -165,22 +166,26 @@ def modes(
     about_start: Annotated[
         bool, typer.Option("--undeformed", help="About the given positions, e.g. of a free body, not the equilibrium.")
     ] = False,
+    spinning: Annotated[
+        bool, typer.Option("--spinning", help="About the steady state of a scene that its driver spins, in the frame that spins.")
+    ] = False,
     changes: Changes = None,
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Print the eigenfrequencies about the equilibrium under the loads at the end time."""
+    """Print the eigenfrequencies about the equilibrium under the loads at the end time, or about a steady spin."""
     from toolkit.door.model import compile_model
 
     described = read(scene, changes, quiet)
     with at_work("load steps", described, "static", quiet=quiet) as progress:
-        found = compile_model(described).modes(count=count, undeformed=about_start, progress=progress)
-    frequencies = found.frequencies.tolist()
+        found = compile_model(described).modes(count=count, undeformed=about_start, spinning=spinning, progress=progress)
+    frequencies, damping = found.frequencies.tolist(), None if found.damping is None else found.damping.tolist()
     if as_json:
-        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **found.verdict.record()})
+        ratios = {} if damping is None else {"damping_ratios": {"value": damping, "unit": "1"}}
+        print_json({"frequencies": {"value": frequencies, "unit": "Hz"}, **ratios, **found.verdict.record()})
         warn(found.verdict, quiet)
     else:
-        print_frequencies(frequencies)
+        print_frequencies(frequencies, damping)
         print_verdict(found.verdict)
 
 
@@ -237,6 +242,7 @@ def render(
     print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
 
 
+app.command()(campbell)
 app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)

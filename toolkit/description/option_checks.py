@@ -44,6 +44,13 @@ def contradictions(options: RunOptions) -> Iterator[str]:
             'formulation = "ggl" closes the joints by velocities too, which a quasi-static run does not solve for; leave out one of '
             "formulation and quasi_static (a quasi-static run closes them by positions)"
         )
+    if options.equilibrium == "spinning" and options.continuation == "arc-length":
+        yield 'the steady state of a spin is not followed by arc length; leave out one of equilibrium = "spinning" and continuation'
+    if options.equilibrium == "spinning" and options.quasi_static:
+        yield (
+            "the steady state of a spin is held by inertia, which a quasi-static run leaves out; leave out one of "
+            'equilibrium = "spinning" and quasi_static'
+        )
     if options.quasi_static and options.start_file is not None:
         yield (
             "a quasi-static run begins in the equilibrium at time 0, so that start can name no results file; leave out one of start and "

@@ -65,7 +65,8 @@ class RunOptions(Description):
         the states do not show it, and unstable equilibria are refused.
     start
         Where a motion begins: "given", in the written positions and shapes; "equilibrium", in the equilibrium under the loads that
-        act at time 0, with the velocities that the scene writes; or "wing.h5", in the last state of the run that this results file keeps,
+        act at time 0, with the velocities that the scene writes, or with `equilibrium` = "spinning" in the steady spin that its driver
+        asks for then; or "wing.h5", in the last state of the run that this results file keeps,
         whose positions, shapes and velocities replace the written ones; it is sought from the scene's folder. Time begins at 0 again,
         and so do curves (give those that go on a negative `start`) and counted turns. Gradients know how an equilibrium depends on
         the design, and how a kept state does if the file holds its derivatives (`ffrf sensitivity --method direct --output`); without
@@ -95,6 +96,10 @@ class RunOptions(Description):
         "arc-length" past limit points, to the first stable equilibrium under the full load, and it says which ones it passed.
     path_steps
         Most steps along the path of equilibria in statics.
+    equilibrium
+        What statics finds: "rest", the equilibrium of a scene that does not move; or "spinning", the steady state of a scene that an
+        angle-driver between a body and the ground spins as a whole, with its rate at the end time. Bodies deform under their own
+        inertia then, stay as they are in a frame that spins with them, and modes and frequencies are those about this state.
     """
 
     end_time: Annotated[Positive, Quantity("time")] = 1.0
@@ -117,6 +122,7 @@ class RunOptions(Description):
     memory: Annotated[Positive, Quantity("none")] = 8.0
     continuation: Literal["load", "arc-length"] = "load"
     path_steps: Count = 1000
+    equilibrium: Literal["rest", "spinning"] = "rest"
 
     @property
     def start_file(self) -> str | None:

@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from toolkit.analyses.modes import Modes, solve_modes
+from toolkit.analyses.campbell import Campbell
+from toolkit.analyses.campbell import campbell as campbell_of
+from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.modes import undeformed as at_rest
+from toolkit.analyses.modes_found import Modes
 from toolkit.door.analysed import analysed, check_method
 from toolkit.door.outcome import Outcome, outcomes
 from toolkit.door.run import Run
@@ -184,9 +187,10 @@ class Model:
         *,
         count: int = 10,
         undeformed: bool = False,
+        spinning: bool = False,
         progress: Progress | None = None,
     ) -> Modes:
-        """Eigenfrequencies and mode shapes about the equilibrium under the loads at the end time.
+        """Eigenfrequencies and mode shapes about the equilibrium under the loads at the end time, or about a steady spin.
 
         Parameters
         ----------
@@ -196,13 +200,16 @@ class Model:
             How many, from the lowest.
         undeformed
             About the given positions instead, for example of a free body.
+        spinning
+            About the steady state of a scene that its driver spins, with centrifugal and gyroscopic forces and dampers, whatever
+            `solver.equilibrium` says; frequencies are those that the frame sees which spins with the scene.
         progress
             Called with the load steps done and the load steps in all.
 
         Returns
         -------
         modes
-            `frequencies` in 1/time, ascending, `shapes` (n_q, count), and `verdict`.
+            `frequencies` in 1/time, ascending, `shapes` (n_q, count), `verdict`, and about a spin `damping`.
 
         Raises
         ------
@@ -212,10 +219,53 @@ class Model:
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
         refuse_changed(self._compiled.files)
+        if undeformed and spinning:
+            raise InputError(
+                "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
+            )
         system = self.at({} if numbers is None else numbers)._compiled.primal
-        state = at_rest(system) if undeformed else solve(system, "static", progress)
+        options = system.scene.solver.model_copy(update={"equilibrium": "spinning"}) if spinning else None
+        state = at_rest(system) if undeformed else solve(system, "static", progress, options)
         found = solve_modes(state, count)
         return found._replace(verdict=Verdict.of([*found.verdict.warnings, *state.verdict.warnings]))
+
+    def campbell(
+        self,
+        speeds: Sequence[float],
+        numbers: Mapping[str, float] | None = None,
+        *,
+        count: int = 6,
+        progress: Progress | None = None,
+    ) -> Campbell:
+        """Frequencies and damping of the steady spin at several speeds: Campbell's diagram.
+
+        Parameters
+        ----------
+        speeds
+            In rad/time, instead of that of the driver which spins the scene.
+        numbers
+            Other numbers, see `at`.
+        count
+            How many frequencies, from the lowest.
+        progress
+            Called with the speeds done and the speeds in all.
+
+        Returns
+        -------
+        campbell
+            `speeds` (n,), `frequencies` in 1/time and `damping` (n, count), in the frame that spins, and `verdict`.
+
+        Raises
+        ------
+        InputError
+            Nothing spins the scene, or it does not spin as a whole, or is not the same at every angle.
+        ConvergenceError, SingularSystemError
+            There is no steady state at a speed, which is named.
+        """
+        if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+            raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
+        refuse_changed(self._compiled.files)
+        return campbell_of(self.at({} if numbers is None else numbers)._compiled.primal, speeds, count, progress)
 
     def map(
         self,

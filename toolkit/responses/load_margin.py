@@ -8,6 +8,7 @@ import numpy as np
 
 from toolkit.description.description import Positive
 from toolkit.description.quantity import Quantity
+from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -39,6 +40,8 @@ class LoadMargin(Response):
 
         Raises
         ------
+        InputError
+            It is the steady state of a spin.
         ConvergenceError
             There is none up to `up_to`.
         BifurcationError
@@ -46,6 +49,11 @@ class LoadMargin(Response):
         """
         from toolkit.solvers.static.path.load_margin import factor_of_limit_point, next_limit_point  # read where one is asked for
 
+        if solution.spins:
+            raise InputError(
+                "a load margin is that of an equilibrium at rest: a spin has no path of loads to follow. Leave out the response, or "
+                'solver.equilibrium = "spinning".'
+            )
         system, options = solution.system, solution.options or solution.system.scene.solver
         known = solution.path
         if known is not None and known.limit_points:

@@ -21,6 +21,7 @@ from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.response import Response
 from toolkit.responses.stress.aggregation import kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, StressResponse
+from toolkit.responses.vibrations.vibration import OfVibration
 
 
 @singledispatch
@@ -38,6 +39,11 @@ def _(response: Instant, times: np.ndarray) -> tuple[int, int]:
 @steps_seen.register
 def _(response: StressResponse, times: np.ndarray) -> tuple[int, int]:
     return (0 if response.when == "all" else len(times) - 1), len(times) - 1
+
+
+@steps_seen.register
+def _(response: OfVibration, times: np.ndarray) -> tuple[int, int]:
+    return len(times) - 1, len(times) - 1
 
 
 @singledispatch

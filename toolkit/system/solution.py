@@ -79,6 +79,11 @@ class Solution:
         return len(self.whole_run) - 1
 
     @property
+    def spins(self) -> bool:
+        """Whether it is the steady state of a scene that spins."""
+        return not self.steps and (self.options or self.system.scene.solver).equilibrium == "spinning"
+
+    @property
     def whole_run(self) -> np.ndarray:
         """All times of the run, also of those states that the solution does not hold."""
         return self.times if self.run_times is None else self.run_times

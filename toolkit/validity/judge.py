@@ -7,12 +7,14 @@ from typing import Any
 
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
 from toolkit.validity.motion.idle_curves import idle_curves
+from toolkit.validity.motion.left_out import left_out
 from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.motion.noisy_forces import noisy_forces
@@ -58,9 +60,14 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from idle_curves(solution)
         yield from overshooting_tables(solution)
         yield from creeping_friction(solution)
+        yield from left_out(solution)
     else:
         yield from limits_passed(solution)
-        yield from friction_at_rest(solution)
+        if solution.spins:
+            yield from excessive_speeds(solution)
+            yield from missing_stiffening(solution)
+        else:
+            yield from friction_at_rest(solution)
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)

@@ -21,6 +21,7 @@ from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
 from preprocessing.reduction.contracted import Rate, contracted
+from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.stored_entries import ROUND_OFF
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.chord_condition import Chord
@@ -41,8 +42,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     z = np.column_stack([body.mesh.nodes.ravel(), free.map @ shapes.columns])
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
-    if choice.chord is not None:
-        interfaces[choice.chord[0]].position[..., 1:] = 0  # which round-off moves
+    interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
     rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes.items())
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     points = len(found.invariants.stress_operator)

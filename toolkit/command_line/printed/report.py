@@ -83,11 +83,11 @@ def print_tables(result: Result) -> None:
         Console(width=WIDE, highlight=False).print(shown)
 
 
-def print_frequencies(frequencies: list[float]) -> None:
-    """Table of eigenfrequencies."""
-    found = table("mode", "frequency in Hz")
+def print_frequencies(frequencies: list[float], damping: list[float] | None = None) -> None:
+    """Table of eigenfrequencies, and of damping in parts of the critical one."""
+    found = table("mode", "frequency in Hz", *([] if damping is None else ["damping ratio"]))
     for number, frequency in enumerate(frequencies, 1):
-        found.add_row(str(number), f"{frequency:.6g}")
+        found.add_row(str(number), f"{frequency:.6g}", *([] if damping is None else [f"{damping[number - 1]:.3g}"]))
     Console(width=WIDE, highlight=False).print(found)
     if frequencies and frequencies[0] < 0:
         typer.echo("A negative frequency f means an unstable equilibrium: motions grow like exp(2 pi |f| t).")

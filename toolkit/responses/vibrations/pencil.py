@@ -46,14 +46,14 @@ def pencil_change(solution: Solution, s: complex, u: np.ndarray, w: np.ndarray, 
     of_q = np.arange(system.n) < n_q
     for part, factor in ((np.real(u), 1.0), (np.imag(u), 1j)):
         motion, force = np.where(of_q, part, 0), np.where(of_q, 0, part)
-        along = _plain_terms(solution, q + 1j * STEP * motion, v, acc + 1j * STEP * force)
+        along = plain_terms(solution, q + 1j * STEP * motion, v, acc + 1j * STEP * force)
         by_z += factor * (w @ system.matrix(np.imag(static_matrix(system, along)) / STEP))
         by_x += factor * (w @ np.imag(along.I_x + along.A_x) / STEP)
-        moving = _plain_terms(solution, q, v, motion)
+        moving = plain_terms(solution, q, v, motion)
         by_z[:n_q] += factor * s * s * (w @ system.matrix(np.real(moving.I_q)))[:n_q]
         by_x += factor * s * s * (w[:n_q] @ np.real(moving.I_x)[:n_q])
         if damped:
-            rate = _plain_terms(solution, q, v + 1j * STEP * motion, acc)
+            rate = plain_terms(solution, q, v + 1j * STEP * motion, acc)
             by_z[:n_q] += factor * s * (w @ system.matrix(np.imag(rate.A_q) / STEP))[:n_q]
             by_x += factor * s * (w @ np.imag(rate.A_x) / STEP)
     return by_z, by_x
@@ -66,7 +66,7 @@ def _state(solution: Solution) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return q, np.zeros_like(q), acc
 
 
-def _plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> Terms:
+def plain_terms(solution: Solution, q: np.ndarray, v: np.ndarray, acc: np.ndarray) -> Terms:
     """The equations with their derivatives as plain Python, in complex numbers."""
     system, functions = solution.system, plain_formulas_of(solution.system.scene)
     terms, work = allocate_terms(system.plan, complex), allocate_work(system.plan, complex)

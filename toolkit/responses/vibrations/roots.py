@@ -6,17 +6,15 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eig
 
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
 from toolkit.solvers.free_motions import free_motions
+from toolkit.solvers.roots import all_roots, refined
 from toolkit.system.system import System
 
 SAME = 1e-6
 """Part of the largest by which two vibrations that are one differ: then neither has a derivative of its own."""
-REFINED = 2
-"""Steps of Rayleigh's quotient, whose error falls to its third power."""
 
 
 class Vibration(NamedTuple):
@@ -45,7 +43,7 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     if not Z.shape[1]:
         raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
     reduced = Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
-    values, left, right = _roots(reduced)
+    values, left, right = all_roots(*reduced)
     known = [k for k in range(len(values)) if np.isfinite(slowness(complex(values[k])))]
     order = sorted(known, key=lambda k: slowness(complex(values[k])))
     if len(order) < number:
@@ -54,39 +52,11 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     others = [abs(values[other] - values[k]) for other in order if other != k]
     if values[k] == 0 or min(others, default=np.inf) <= SAME * abs(values[k]):
         return Vibration(values[k], right[:, k], left[:, k], 0.0, alone=False)
-    s, u, w = _refined(reduced, values[k], right[:, k], left[:, k])
+    s, u, w = refined(*reduced, values[k], right[:, k], left[:, k])
     u, w = Z @ u, Z @ w
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness
     u, w = (_with_multipliers(J, each, matrix) for each, matrix in ((u, whole), (w, whole.T)))
     return Vibration(s, u, w, w @ (2 * s * pencil.mass + pencil.damping) @ u, alone=True)
-
-
-def _roots(pencil: Pencil) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All finite s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike.
-
-    States of loads have no mass: each has one s, and another one that is infinite.
-    """
-    K, C, M = pencil
-    unit = np.sqrt(np.abs(K).max() / np.abs(M).max())
-    one, none = np.eye(len(K)), np.zeros(K.shape)
-    first = np.block([[none, one], [-K / unit**2, -C / unit]])
-    values, left, right = eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
-    finite = np.isfinite(values)
-    return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
-
-
-def _refined(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> tuple[complex, np.ndarray, np.ndarray]:
-    """s and its vectors by Rayleigh's quotient, down to the round-off of the matrices themselves."""
-    K, C, M = pencil
-    for _ in range(REFINED):
-        s = s - (w @ (s * s * M + s * C + K) @ u) / (w @ (2 * s * M + C) @ u)
-        matrix = s * s * M + s * C + K
-        try:
-            u, w = np.linalg.solve(matrix, M @ u), np.linalg.solve(matrix.T, M.T @ w)
-        except np.linalg.LinAlgError:  # s is a root to the last digit
-            break
-        u, w = u / np.abs(u).max(), w / np.abs(w).max()
-    return s, u, w
 
 
 def _with_multipliers(J: np.ndarray, motion: np.ndarray, matrix: np.ndarray) -> np.ndarray:

@@ -1,15 +1,17 @@
-"""Frequencies and damping of the vibrations about an equilibrium.
+"""Frequencies and damping of the vibrations about an equilibrium, about a steady spin, and about the end of a motion that is one of both.
 
 With the static residual's derivative K (by q and lam), the mass M and the damping C, the latter two without multipliers, a vibration is
 
     (s^2 M + s C + K) u = 0,     w^T (s^2 M + s C + K) = 0
     ds = - w^T (s^2 dM + s dC + dK) u / w^T (2 s M + C) u
+
+About a spin the matrices are those of `solvers.spin.state.Linearised.spinning`.
 """
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from pydantic import Field
@@ -18,6 +20,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of
 from toolkit.responses.vibrations.roots import SAME, find_vibration
+from toolkit.responses.vibrations.spinning import spinning_change, spinning_pencil
+from toolkit.responses.vibrations.steadiness import refuse_unsteady
 from toolkit.system.solution import Solution
 
 
@@ -28,14 +32,18 @@ class OfVibration(Response):
     ----------
     number
         Which one, from the slowest on.
+    when
+        "end" asks for it at the end of a motion too, where the motion has come to rest or to a steady spin; any other end is refused.
+        Left out, it is one of statics alone.
     """
 
     number: int = Field(default=1, ge=1, strict=True)
+    when: Literal["end"] | None = None
 
     @property
     def needs_rest(self) -> bool:
-        """Always: vibrations about a motion are no modes of it."""
-        return True
+        """Unless it is asked for at the end of a motion."""
+        return self.when is None
 
     @abstractmethod
     def counted(self, damping: np.ndarray) -> np.ndarray:
@@ -59,10 +67,13 @@ class OfVibration(Response):
         Raises
         ------
         InputError
-            There are not so many; or a load has an integral over time, which undamped vibrations do not have.
+            There are not so many; or it is a motion that does not end in an equilibrium; or a load has an integral over time, which
+            undamped vibrations do not have.
         SingularSystemError
             The joints leave no motion.
         """
+        if solution.spins or solution.steps:
+            return self._of_a_state_that_moves(solution)
         system, damped = solution.system, bool(np.any(self.counted(np.ones((1, 1)))))
         if len(system.numbering.states) and not damped:
             raise InputError(
@@ -73,9 +84,8 @@ class OfVibration(Response):
         real = Pencil(*(np.real(each) for each in pencil))
         found = find_vibration(system, real._replace(damping=self.counted(real.damping)), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
-        if not found.alone:  # which of both it is nobody knows
-            lost = self.of(s) if system.compiled else complex(self.of(s), np.nan)
-            return Partials(lost, design=np.full(system.n_x, np.nan))
+        if not found.alone:
+            return self._one_of_two(solution, s)
         step = Pencil(*(np.imag(each) for each in pencil))
         moved = s * s * step.mass + s * self.counted(step.damping) + step.stiffness
         value = self.of(s) + 1j * self.slope(s, -(w @ moved @ u) / found.scale)
@@ -84,10 +94,33 @@ class OfVibration(Response):
         n_q = system.n_q
         return Partials(value.real if system.compiled else value, q=by_z[None, :n_q], multipliers=by_z[None, n_q:], design=design)
 
+    def _of_a_state_that_moves(self, solution: Solution) -> Partials:
+        """Of a steady spin, or of the end of a motion: with dampers, and in the frame that spins."""
+        system, pencil = solution.system, spinning_pencil(solution)
+        found = find_vibration(system, Pencil(*(np.real(each) for each in pencil)), self.number, self.slowness)
+        s, u, w = found.s, found.right, found.left
+        if solution.steps and system.compiled:
+            refuse_unsteady(solution, abs(s))
+        if not found.alone:
+            return self._one_of_two(solution, s)
+        step = Pencil(*(np.imag(each) for each in pencil))
+        moved = -(w @ (s * s * step.mass + s * step.damping + step.stiffness) @ u) / found.scale
+        value = self.of(s) + 1j * self.slope(s, moved)
+        by = {name: self.slope(s, -each / found.scale) for name, each in spinning_change(solution, s, u, w)._asdict().items()}
+        design, last = by.pop("design"), len(solution.times) - 1
+        states = {name: np.pad(each[None], ((last, 0), (0, 0))) for name, each in by.items()}
+        return Partials(value.real if system.compiled else value, **states, design=design)
+
+    def _one_of_two(self, solution: Solution, s: complex) -> Partials:
+        """A vibration with a twin: which of both it is nobody knows, so it has no derivative."""
+        value = self.of(s) if solution.system.compiled else complex(self.of(s), np.nan)
+        return Partials(value, design=np.full(solution.system.n_x, np.nan))
+
 
 class Frequency(OfVibration):
-    """Frequency of an undamped vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is
-    unstable.
+    """Frequency of a vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is unstable.
+    About an equilibrium at rest it is without dampers; about a steady spin, and at the end of a motion, it is with dampers, seen
+    from the frame that spins.
     """
 
     kind = "frequency"
@@ -99,7 +132,7 @@ class Frequency(OfVibration):
 
     def of(self, s: complex) -> float:
         """Im s of a pair of roots, - Re s where it is real; one of each pair."""
-        vibrates = abs(s.imag) >= abs(s.real)
+        vibrates = abs(s.imag) > SAME * abs(s)
         one = s.imag if vibrates else s.real
         return (one if vibrates else -one) / (2 * np.pi) if one >= 0 else np.nan
 
@@ -109,7 +142,7 @@ class Frequency(OfVibration):
 
     def slope(self, s: complex, ds: Any) -> Any:
         """Of the same."""
-        return (np.imag(ds) if abs(s.imag) >= abs(s.real) else -np.real(ds)) / (2 * np.pi)
+        return (np.imag(ds) if abs(s.imag) > SAME * abs(s) else -np.real(ds)) / (2 * np.pi)
 
 
 class DampingRatio(OfVibration):

@@ -26,6 +26,7 @@ from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, moving, responses_of, solve
 from toolkit.sensitivity.result import Result, result
 from toolkit.solvers.direct_solve import solve_linear
+from toolkit.solvers.spin.steady_state import steady_adjoint
 from toolkit.solvers.static.equilibrium import find_equilibrium, inputs_at, static_matrix
 from toolkit.solvers.static.stability.critical_state import refuse_gradients_of_critical
 from toolkit.system.solution import Solution
@@ -119,7 +120,7 @@ def adjoint_gradients(
     found = {name: response.partials(seen) for name, response in responses_of(system.scene, moving(solution)).items()}
     if not found:
         return found, np.zeros((system.n_x, 0))
-    through = _through_time if moving(solution) else _through_equilibrium
+    through = _through_time if moving(solution) else _through_steady_spin if solution.spins else _through_equilibrium
     return found, through(system, solution, list(found.values()), progress)
 
 
@@ -129,6 +130,21 @@ def _through_time(system: System, solution: Solution, found: list[Partials], pro
     state = begin_sweep(system, solution.options or system.scene.solver, solution.times, len(found))
     sweep(state, solution, 0, found, (lambda step: progress(last - step, last)) if progress else lambda _: None)
     return end_sweep(state)
+
+
+def _through_steady_spin(system: System, solution: Solution, found: list[Partials], _: Progress | None) -> np.ndarray:
+    """One transposed solve, see `steady_adjoint`."""
+    sizes = {"q": system.n_q, "v": system.n_q, "a": system.n_q, "multipliers": system.n - system.n_q}
+    parts = [[getattr(each, name) for each in found] for name in sizes]
+    by = np.vstack(
+        [
+            np.column_stack([np.zeros(size) if slope is None else np.real(slope[0]) for slope in slopes])
+            for size, slopes in zip(sizes.values(), parts, strict=True)
+        ]
+    )
+    design = [np.zeros(system.n_x) if each.design is None else np.real(each.design) for each in found]
+    options = solution.options or system.scene.solver
+    return np.column_stack(design) + steady_adjoint(system, options, solution.q[0], solution.multipliers[0], by)
 
 
 def _through_equilibrium(system: System, solution: Solution, found: list[Partials], _: Progress | None) -> np.ndarray:

@@ -33,7 +33,8 @@ def cautions_of_spin(solution: Solution, frequencies: np.ndarray) -> Iterator[Ca
     yield Caution(
         "spins",
         f"these frequencies are those about the equilibrium at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}{beside}. "
-        "Gyroscopic and centrifugal forces are not in them. Simulate the scene, and read the frequencies off its motion.",
+        "Gyroscopic and centrifugal forces are not in them. ffrf modes --spinning has them, if a driver spins the scene as a whole; "
+        "otherwise simulate it, and read the frequencies off its motion.",
         doubt=not spin <= SLOW * lowest,
     )
 

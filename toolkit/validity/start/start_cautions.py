@@ -32,7 +32,8 @@ def cautions_of_start(solution: Solution) -> Iterator[Caution]:
     options = solution.options or solution.system.scene.solver
     if len(solution.whole_run) < 2:
         yield from _closed_by_statics(solution, options)
-        yield from _at_rest(solution)
+        if not solution.spins:
+            yield from _at_rest(solution)
         yield from shapes_without_effect(solution)
         return
     if solution.own_start:
@@ -132,7 +133,7 @@ def _at_rest(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "at-rest",
             f"this equilibrium is one at rest, but the scene spins: {body!r} with {spin:.4g} rad/s {when}. Centrifugal forces are not in "
-            "it; simulate the scene to see them.",
+            'it; solver.equilibrium = "spinning" finds the steady state of a scene that a driver spins as a whole, otherwise simulate it.',
             doubt=False,
         )
 

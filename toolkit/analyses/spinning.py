@@ -1,0 +1,147 @@
+"""The steady state of a scene that spins, as a solution; and its modes."""
+
+from __future__ import annotations
+
+import time as clock
+
+import numpy as np
+
+from toolkit.analyses.modes_found import Modes
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import SingularSystemError
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.solvers.dense_memory import check_dense
+from toolkit.solvers.free_motions import ROUND_OFF, free_motions
+from toolkit.solvers.roots import all_roots, refined
+from toolkit.solvers.spin.axis import spin_of
+from toolkit.solvers.spin.constancy import refuse_what_changes
+from toolkit.solvers.spin.generator import angular_velocity, generator
+from toolkit.solvers.spin.state import linearised
+from toolkit.solvers.spin.steady_state import steady_state
+from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+from toolkit.validity.judge import judge
+
+VIBRATES = 1e-6
+"""Imaginary part of a root, in parts of its size, above which it vibrates."""
+DAMPED = 1e-6
+"""Real part of a root, in parts of its size, below which it is round-off: of two roots that are nearly one it is the root of it."""
+
+
+def solve_spinning(
+    system: System, options: RunOptions | None = None, speed: float | None = None, known: Solution | None = None
+) -> Solution:
+    """The steady state of a scene that a driver spins, under the loads at the end time; with its design derivatives.
+
+    Every body turns with the driver, about its axis, and deforms under its own inertia.
+
+    Parameters
+    ----------
+    system
+        The compiled scene.
+    options
+        By default the scene's own.
+    speed
+        In rad/time, instead of the driver's; then design derivatives are left out.
+    known
+        A steady state of the same scene next to it, to begin in.
+
+    Raises
+    ------
+    InputError
+        Nothing says the speed, or the scene cannot turn as a whole, or is not the same at every angle.
+    ConvergenceError, SingularSystemError
+        There is no steady state, or something is free to move in the frame that spins.
+    """
+    options = options or system.scene.solver
+    check_dense(system, options)
+    begun, n_q = clock.perf_counter(), system.n_q
+    beside = None if known is None else (known.q[-1].astype(system.dtype), known.multipliers[-1].astype(system.dtype))
+    found = steady_state(system, options, speed, beside)
+    inputs = system.inputs(options.end_time, LEVELS)
+    spin = spin_of(system, options, inputs)
+    motion = spin.generator(system).times(found.speed / spin.speed)
+    if system.compiled:
+        refuse_what_changes(system, inputs, motion, found.speed, found.q)
+    return Solution(
+        system, np.array([options.end_time]), found.q[None], found.v[None], found.acc[None, :n_q], found.acc[None, n_q:],
+        found.dq[None], found.dv[None], found.dacc[None, :n_q], found.dacc[None, n_q:], options=options, judge=judge,
+        load_steps=found.steps, newton_iterations=found.iterations, wall={"run": clock.perf_counter() - begun},
+    )  # fmt: skip
+
+
+def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
+    """Modes about a steady spin, as they are seen from the frame that spins, with gyroscopic and centrifugal forces and with dampers.
+
+        (s^2 M + s C + K) u = 0,   J u = 0,   see `solvers.spin.state.Linearised.spinning`
+
+    Raises
+    ------
+    SingularSystemError
+        The joints leave no motion.
+    """
+    system, n_q = solution.system, solution.system.n_q
+    q, v = solution.q[-1], solution.v[-1]
+    omega = angular_velocity(system, q, v)
+    motion = generator(system, omega, np.zeros(system.scene.dimension)).matrix
+    acc = np.concatenate([solution.a[-1], solution.multipliers[-1]])
+    whole = linearised(system, system.inputs(solution.times[-1], LEVELS), q, v, acc)
+    free = free_motions(whole.by_acc[:n_q, n_q:].T, system.weights[:n_q])
+    if not free.shape[1]:
+        raise SingularSystemError("the joints leave no motion, so there are no modes. Remove a joint or a driver.")
+    K, C, M = (free.T @ each[:n_q, :n_q] @ free for each in whole.spinning(motion))
+    values, left, right = all_roots(K, C, M)
+    chosen = [k for k in range(len(values)) if _counts(values[k], np.abs(values).max())]
+    roots, shapes = [], []
+    for k in chosen:
+        s, u, _ = refined(K, C, M, values[k], right[:, k], left[:, k])
+        near = abs(s - values[k]) < 0.1 * abs(values[k])
+        roots.append(s if near else values[k])
+        shapes.append(free @ (u if near else right[:, k]))
+    zeros = sum(_is_zero(each, np.abs(values).max()) for each in values) // 2
+    order = np.argsort([_frequency(s) for s in roots], kind="stable")
+    frequencies = np.array([_frequency(roots[k]) for k in order])
+    ratios = np.array([-roots[k].real / abs(roots[k]) for k in order])
+    ratios[np.abs(ratios) < DAMPED] = 0.0
+    place = int(np.searchsorted(frequencies, 0.0))
+    frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
+    columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
+    columns[place:place] = [np.zeros(n_q)] * zeros
+    cautions = list(_cautions(np.array(roots)))
+    return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
+
+
+def _is_zero(s: complex, largest: float) -> bool:
+    return bool(abs(s) ** 2 <= 10 * ROUND_OFF * largest**2)
+
+
+def _counts(s: complex, largest: float) -> bool:
+    """One root of each pair; those that neither vibrate nor grow are no modes."""
+    return not _is_zero(s, largest) and bool(s.imag > VIBRATES * abs(s) or (abs(s.imag) <= VIBRATES * abs(s) and s.real > 0))
+
+
+def _frequency(s: complex) -> float:
+    """Im s / 2 pi; - Re s / 2 pi of a motion that grows without vibrating."""
+    return float((s.imag if s.imag > VIBRATES * abs(s) else -s.real) / (2 * np.pi))
+
+
+def _scaled(shape: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """With the coordinate that moves most, in comparable units, real."""
+    place = int(np.argmax(weights * np.abs(shape)))
+    return shape / shape[place]
+
+
+def _cautions(roots: np.ndarray) -> list[Caution]:
+    growing = roots[roots.real > DAMPED * np.abs(roots)]
+    if not len(growing):
+        return []
+    worst = growing[np.argmax(growing.real)]
+    what = f"vibrates with {worst.imag / (2 * np.pi):.4g} Hz and" if worst.imag > VIBRATES * abs(worst) else "runs away and"
+    return [
+        Caution(
+            "unstable",
+            f"this spin is unstable: a small disturbance {what} grows like exp({worst.real:.4g} t). A real scene would not stay in it; "
+            "spin it slower, or stiffen what grows.",
+        )
+    ]

@@ -1,0 +1,37 @@
+"""Roots s of (s^2 M + s C + K) u = 0, and their vectors, down to the round-off of the matrices themselves."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.linalg import eig
+
+REFINED = 2
+"""Steps of Rayleigh's quotient, whose error falls to its third power."""
+
+
+def all_roots(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """All finite s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike.
+
+    States of loads have no mass: each has one s, and another one that is infinite.
+    """
+    unit = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
+    one, none = np.eye(len(K)), np.zeros(K.shape)
+    first = np.block([[none, one], [-K / unit**2, -C / unit]])
+    values, left, right = eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
+    finite = np.isfinite(values)
+    return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
+
+
+def refined(
+    K: np.ndarray, C: np.ndarray, M: np.ndarray, s: complex, u: np.ndarray, w: np.ndarray
+) -> tuple[complex, np.ndarray, np.ndarray]:
+    """s and its right and left vectors by Rayleigh's quotient."""
+    for _ in range(REFINED):
+        s = s - (w @ (s * s * M + s * C + K) @ u) / (w @ (2 * s * M + C) @ u)
+        matrix = s * s * M + s * C + K
+        try:
+            u, w = np.linalg.solve(matrix, M @ u), np.linalg.solve(matrix.T, M.T @ w)
+        except np.linalg.LinAlgError:  # s is a root to the last digit
+            break
+        u, w = u / np.abs(u).max(), w / np.abs(w).max()
+    return s, u, w

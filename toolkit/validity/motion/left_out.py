@@ -1,0 +1,24 @@
+"""Responses of an equilibrium that a scene asks for and a motion does not have."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.foundation.listed_names import quoted
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.response import Response
+from toolkit.system.solution import Solution
+
+
+def left_out(solution: Solution) -> Iterator[Caution]:
+    """One remark that names them all."""
+    asked = solution.system.scene.responses.items()
+    names = [name for name, each in asked if isinstance(each, Response) and each.needs_rest]
+    if names:
+        which = f"{quoted(names)} {'is a response' if len(names) == 1 else 'are responses'}"
+        yield Caution(
+            "left-out",
+            f"{which} of an equilibrium, and left out of this motion: ffrf statics has {'it' if len(names) == 1 else 'them'}. Frequencies "
+            'and damping are also taken about the state that a motion ends in, with when = "end".',
+            doubt=False,
+        )
