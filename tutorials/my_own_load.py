@@ -76,15 +76,16 @@ print(
 # %%
 @extend.kernel
 def motor_law(z, w, force, force_z, force_w):
-    """u = M x, x' = (s - x) / T, (M, T) = z[6:8], with the value s of the time curve, z[11], which is 1 without one."""
+    """u = M x, x' = (s - x) / T, (M, T) = z[6:8], s the value of the time curve, in the last place of z, 1 without one."""
+    last = len(z) - 1
     plane_angle(z, force, force_z)
     u = z[6] * w[6]
     act_along(6, u, 0 * u, 0 * u, w, force, force_z, force_w)
     add_parameter(6, 6, w[6], force, force_z)
     add_state(6, z[6], force, force_w)
     scale_force(6, u, force)
-    force[6] = (z[11] - w[6]) / z[7]
-    force_w[6, 6], force_z[6, 7], force_z[6, 11] = -1 / z[7], -force[6] / z[7], 1 / z[7]
+    force[6] = (z[last] - w[6]) / z[7]
+    force_w[6, 6], force_z[6, 7], force_z[6, last] = -1 / z[7], -force[6] / z[7], 1 / z[7]
 
 
 class SlowMotor(Fan):
