@@ -39,6 +39,7 @@ ENDS = {
         1e-9,
     ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
+    "my_own_load": (0.0, 1e-4),  # relative: (step / delay)^2 = 2.5e-5, of second order
     "my_own_response": (0.0, 1e-5),  # relative, off school geometry: drift of the driven joint with 200 steps
 }
 """The module's variable `check` at its end, and how far it may be off."""

@@ -195,6 +195,25 @@ def test_a_wrong_derivative_of_a_load_is_caught_and_named(directory):
         check_load(scene.loads["component"], scene)
 
 
+@kernel
+def stateful(z, w, force, force_z, force_w):
+    """A torque of p times a state that nobody has announced."""
+    force[2], force_z[2, 6], force_w[2, 6] = z[6] * w[6], w[6], z[6]
+
+
+class Unannounced(Torque):
+    """A load that uses a state without having one."""
+
+    kind = "test-unannounced"
+    formula = stateful
+
+
+def test_a_load_that_uses_a_state_without_having_one_is_refused(directory):
+    scene = Case("state", Unannounced, {"torque": 0.6}, ("rod", "ground"), ("A", "A"), "A").scene(directory)
+    with pytest.raises(ConformanceError, match="that of a state of its own, but it has none: nobody would integrate it"):
+        check_load(scene.loads["component"], scene)
+
+
 def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unknowns(directory, monkeypatch):
     scene = next(case for case in CASES if case.kind is PositionDriver).scene(directory)
     original = System.matrix

@@ -29,6 +29,8 @@ from toolkit.joints.joint import Joint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.bushing import Bushing
+from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.planar.friction import PlanarSlidingFriction, PlanarTurningFriction
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -43,6 +45,8 @@ LINEAR = Table(times=(0.0, 0.5, 1.0), values=(0.2, -0.6, 0.9), interpolation="li
 PROFILE = Sum(terms=(Harmonic(amplitude=0.4, offset=0.1, frequency=3 / (2 * np.pi), phase=0.3), Constant(value=0.2)))
 """Over one turn."""
 LIFT = Table(times=(0.5, 1.7, 2.6, 4.0, 5.5), values=(0.3, 0.8, 0.6, -0.1, 0.3))
+
+GAINS = {"proportional_gain": 2.1, "derivative_gain": 0.6}
 
 KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
     ("revolute", Revolute, {}),
@@ -72,6 +76,18 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
         Bushing,
         {"stiffness": (2.1, 0.7), "damping": (0.6, 0.2), "rotational_stiffness": 1.3, "rotational_damping": 0.4},
     ),
+    ("angle controller", AngleController, {**GAINS, "curve": SUM}),
+    ("position controller", PositionController, {**GAINS, "axis": (0.8, -0.5), "curve": SINE}),
+    ("distance controller", DistanceController, {**GAINS, "curve": TABLE}),
+    ("angle controller with an integral", AngleController, {**GAINS, "integral_gain": 1.7, "curve": SUM}),
+    (
+        "position controller with an integral",
+        PositionController,
+        {**GAINS, "integral_gain": 1.7, "axis": (0.8, -0.5), "curve": SINE},
+    ),
+    ("distance controller with an integral", DistanceController, {**GAINS, "integral_gain": 1.7, "curve": TABLE}),
+    ("turning friction", PlanarTurningFriction, {"level": 1.3, "width": 0.7, "curve": SINE}),
+    ("sliding friction", PlanarSlidingFriction, {"axis": (0.8, -0.5), "level": 1.3, "width": 0.7, "curve": SUM}),
 ]
 """Name, kind, numbers; bodies and points come from every grip."""
 

@@ -31,10 +31,14 @@ from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.bushing import Bushing
+from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.planar.friction import PlanarSlidingFriction, PlanarTurningFriction
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
 from toolkit.loads.planar.torque import Torque
+from toolkit.responses.balance.power import Power
+from toolkit.responses.balance.work import Work
 from toolkit.responses.energy import KineticEnergy, StrainEnergy
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement, Rotation
@@ -304,4 +308,59 @@ def wheels(_folder: Path) -> Scene:
     )
 
 
-SCENES = {"wheels": wheels, "flight": flight, "rods": rods, "swing": swing, "beams": beams}
+def controlled(_folder: Path) -> Scene:
+    """A crank, a block on a guide and a boom on a cylinder, each led by a controller; friction in the hinge and on the guide."""
+    wave = Sine(amplitude=0.3, frequency=0.8, phase=0.7)
+    return Scene(
+        units="m-kg-s",
+        points=points("OABCDE"),
+        bodies={
+            "crank": Rod(between=("O", "A"), area=0.8, density=1.2, angular_velocity=0.4),
+            "block": Rigid(mass=1.4, inertia=0.6, center="C"),
+            "boom": Rod(between=("D", "E"), area=0.6, density=0.9),
+        },
+        joints={
+            "hinge": Revolute(bodies=("crank", "ground"), point="O"),
+            "guide": Slider(bodies=("block", "ground"), point="C", axis=(0.8, -0.5), lock_rotation=True),
+            "pin": Revolute(bodies=("boom", "ground"), point="D"),
+        },
+        loads={
+            "weight": Gravity(acceleration=(0.4, -1.3)),
+            "motor": AngleController(
+                bodies=("crank", "ground"), point="O", proportional_gain=9.0, derivative_gain=1.1, integral_gain=7.0, curve=wave
+            ),
+            "drive": PositionController(
+                bodies=("block", "ground"),
+                point="C",
+                axis=(0.8, -0.5),
+                proportional_gain=8.0,
+                derivative_gain=0.9,
+                integral_gain=5.0,
+                curve=Constant(value=0.4),
+            ),
+            "cylinder": DistanceController(
+                bodies=("boom", "ground"),
+                points=("E", "B"),
+                proportional_gain=7.0,
+                derivative_gain=0.8,
+                integral_gain=6.0,
+                curve=SmoothStep(height=2.2, start=-0.4, duration=0.5),
+            ),
+            "rub": PlanarTurningFriction(bodies=("crank", "ground"), point="O", level=0.6, width=0.4, curve=wave),
+            "slip": PlanarSlidingFriction(bodies=("block", "ground"), point="C", axis=(0.7, -0.6), level=0.5, width=0.3),
+        },
+        responses={
+            "turn": Rotation(body="crank", point="A"),
+            "way": Displacement(body="block", point="C", component="x"),
+            "rise": Displacement(body="boom", point="E", component="y"),
+            "hinge": JointForce(joint="hinge", component="magnitude"),
+            "guide": JointForce(joint="guide", component="magnitude"),
+            "pin": JointForce(joint="pin", component="magnitude"),
+            "power": Power(load="motor"),
+            "work": Work(load="drive"),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"wheels": wheels, "flight": flight, "rods": rods, "swing": swing, "beams": beams, "controlled": controlled}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from preprocessing import build
-from tests.models.cases import LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
+from tests.models.cases import GAINS, LIFT, LINEAR, PROFILE, SINE, SUM, TABLE
 from tests.models.solid_bodies import box, write_body
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
@@ -27,6 +27,8 @@ from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.bushing import SpatialBushing
+from toolkit.loads.spatial.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.loads.spatial.friction import SpatialSlidingFriction, SpatialTurningFriction
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -79,6 +81,18 @@ KINDS: list[tuple[str, type[Component], dict[str, Any]]] = [
             "rotational_damping": (0.4, 0.8, 0.5),
         },
     ),
+    ("angle controller", SpatialAngleController, {**GAINS, "axis": AXIS, "curve": SUM}),
+    ("position controller", SpatialPositionController, {**GAINS, "axis": AXIS, "curve": SINE}),
+    ("distance controller", SpatialDistanceController, {**GAINS, "curve": TABLE}),
+    ("angle controller with an integral", SpatialAngleController, {**GAINS, "integral_gain": 1.7, "axis": AXIS, "curve": SUM}),
+    (
+        "position controller with an integral",
+        SpatialPositionController,
+        {**GAINS, "integral_gain": 1.7, "axis": AXIS, "curve": SINE},
+    ),
+    ("distance controller with an integral", SpatialDistanceController, {**GAINS, "integral_gain": 1.7, "curve": TABLE}),
+    ("turning friction", SpatialTurningFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SINE}),
+    ("sliding friction", SpatialSlidingFriction, {"axis": AXIS, "level": 1.3, "width": 0.7, "curve": SUM}),
 ]
 """Name, kind, numbers; bodies and points come from a grip."""
 

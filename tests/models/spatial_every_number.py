@@ -26,6 +26,8 @@ from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.bushing import SpatialBushing
+from toolkit.loads.spatial.controllers import SpatialAngleController, SpatialDistanceController, SpatialPositionController
+from toolkit.loads.spatial.friction import SpatialSlidingFriction, SpatialTurningFriction
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.point_force import SpatialPointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -244,4 +246,64 @@ def wheels(_folder: Path) -> Scene:
     )
 
 
-SCENES = {"wheels": wheels, "linkage": linkage, "frames": frames}
+def controlled(_folder: Path) -> Scene:
+    """A crank, a block on a guide and a boom on a cylinder, each led by a controller; friction in the hinge and on the guide."""
+    wave, axis = Sine(amplitude=0.3, frequency=0.8, phase=0.7), (0.2, 1.0, 0.4)
+    return Scene(
+        units="m-kg-s",
+        dimension=3,
+        points=points("OABCDE"),
+        bodies={
+            "crank": SpatialRod(between=("O", "A"), area=0.8, density=1.2),
+            "block": SpatialRigid(mass=1.4, inertia=TENSOR, center="C"),
+            "boom": SpatialRod(between=("D", "E"), area=0.6, density=0.9),
+        },
+        joints={
+            "hinge": SpatialRevolute(bodies=("crank", "ground"), point="O", axis=axis),
+            "guide": Prismatic(bodies=("block", "ground"), point="C", axis=axis),
+            "pin": SpatialRevolute(bodies=("boom", "ground"), point="D", axis=(0.1, 0.2, 1.0)),
+        },
+        loads={
+            "weight": SpatialGravity(acceleration=(0.4, -1.3, 0.6)),
+            "motor": SpatialAngleController(
+                bodies=("crank", "ground"),
+                point="O",
+                axis=axis,
+                proportional_gain=9.0,
+                derivative_gain=1.1,
+                integral_gain=7.0,
+                curve=wave,
+            ),
+            "drive": SpatialPositionController(
+                bodies=("block", "ground"),
+                point="C",
+                axis=(0.1, 0.9, 0.5),
+                proportional_gain=8.0,
+                derivative_gain=0.9,
+                integral_gain=5.0,
+                curve=Constant(value=0.4),
+            ),
+            "cylinder": SpatialDistanceController(
+                bodies=("boom", "ground"),
+                points=("E", "B"),
+                proportional_gain=7.0,
+                derivative_gain=0.8,
+                integral_gain=6.0,
+                curve=SmoothStep(height=2.1, start=-0.4, duration=0.5),
+            ),
+            "rub": SpatialTurningFriction(bodies=("crank", "ground"), point="O", axis=axis, level=0.6, width=0.4, curve=wave),
+            "slip": SpatialSlidingFriction(bodies=("block", "ground"), point="C", axis=(0.3, 0.9, 0.2), level=0.5, width=0.3),
+        },
+        responses={
+            "turn": Rotation(body="crank", point="A", axis=axis),
+            "way": Displacement(body="block", point="C", component="x"),
+            "rise": Displacement(body="boom", point="E", component="y"),
+            "hinge": JointForce(joint="hinge", component="magnitude"),
+            "guide": JointForce(joint="guide", component="magnitude"),
+            "pin": JointForce(joint="pin", component="magnitude"),
+        },
+        solver=SOLVER,
+    )
+
+
+SCENES = {"wheels": wheels, "linkage": linkage, "frames": frames, "controlled": controlled}

@@ -517,9 +517,9 @@ def test_points_at_the_same_place_have_no_direction(kind):
 def test_loads_without_effect_are_refused():
     with pytest.raises(ValidationError, match="force on the ground has no effect"):
         PointForce(body="ground", point="A", force=(1.0, 0.0))
-    with pytest.raises(ValidationError, match="spring between two points of the ground has no effect"):
+    with pytest.raises(ValidationError, match="a spring-damper between two points of the ground has no effect"):
         SpringDamper(bodies=("ground", "ground"), points=("A", "O"), stiffness=1.0)
-    with pytest.raises(ValidationError, match="ties two different bodies"):
+    with pytest.raises(ValidationError, match="acts between two different bodies"):
         RotationalSpringDamper(bodies=("rod", "rod"), point="A", stiffness=1.0)
 
 

@@ -20,7 +20,8 @@ from toolkit.scene_file.reader import read_scene
 
 MODELS = Path(__file__).parents[2] / "models"
 IN_SI = {
-    "kg": 1.0, "t": 1e3, "m": 1.0, "mm": 1e-3, "s": 1.0, "N": 1.0, "Pa": 1.0, "MPa": 1e6, "J": 1.0, "mJ": 1e-3, "rad": 1.0, "1": 1.0,
+    "kg": 1.0, "t": 1e3, "m": 1.0, "mm": 1e-3, "s": 1.0, "N": 1.0, "Pa": 1.0, "MPa": 1e6, "J": 1.0, "mJ": 1e-3, "W": 1.0, "mW": 1e-3,
+    "rad": 1.0, "1": 1.0,
 }  # fmt: skip
 
 

@@ -25,6 +25,11 @@ ROUND_OFF = 1e-12
 
 NO_TURN = "the body does not turn"
 AT_REST = "nothing moves in an equilibrium"
+LED = "an integral makes the error zero, whatever the gains are"
+SLIDES = {
+    "bodies.block.inertia": "the block does not turn",
+    "points.C.*": "it slides along a straight line, wherever that is",
+}
 GOES_ON = {
     "joints.*.terms.*.curves.1.coefficients.0": "a curve of a sequence goes on from the value that the one before has reached"
 }
@@ -34,6 +39,14 @@ NO_EFFECT: dict[tuple[str, str], dict[str, str]] = {
     ("rods", "transient"): GOES_ON,
     ("swing", "transient"): GOES_ON,
     ("beams", "transient"): {},
+    ("controlled", "transient"): SLIDES,
+    ("controlled", "static"): {
+        **SLIDES,
+        "loads.*_gain": LED,
+        "loads.rub.*": AT_REST,
+        "loads.slip.*": AT_REST,
+        "bodies.crank.angular_velocity": AT_REST,
+    },
     ("swing", "static"): {
         **GOES_ON,
         "bodies.*.velocity.*": AT_REST,

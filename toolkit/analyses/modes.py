@@ -35,6 +35,11 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
         return spinning_modes(solution, count)
     system = solution.system
     n_q = system.n_q
+    if len(system.numbering.states):
+        raise SingularSystemError(
+            f"{system.numbering.names[system.n_b]} is an integral over time, which undamped modes do not have. Ask for the response "
+            "damping-ratio, whose vibrations feel it, or leave the integral out."
+        )
     pad = np.zeros(system.n - n_q)
     q, rest = np.concatenate([solution.q[-1], pad]), np.zeros(system.n)
     acc = np.concatenate([np.zeros(n_q), solution.multipliers[-1]])

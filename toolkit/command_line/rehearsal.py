@@ -14,10 +14,10 @@ from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
+from toolkit.loads.load import AnyLoad
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
-from toolkit.loads.springs import TurnSpring
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
@@ -72,7 +72,7 @@ def _planar(_scene: Scene) -> dict[str, Any]:
 def _spatial(scene: Scene) -> dict[str, Any]:
     """With a rotational spring, whose turns are counted by compiled code, if the scene has one."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
-    coiled = any(isinstance(load, TurnSpring) for load in scene.loads.values())
+    coiled = any(isinstance(load, AnyLoad) and load.folds for load in scene.loads.values())
     return {
         "dimension": 3,
         "points": {"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},

@@ -24,7 +24,7 @@ class Numbering:
     Attributes
     ----------
     first
-        Body -> number of its first coordinate.
+        Body -> number of its first coordinate; then path of a load with a state of its own -> number of that.
     row
         Joint -> number of its first multiplier among all unknowns.
     length
@@ -57,9 +57,14 @@ class Numbering:
         """Number of the marker of a body at a point."""
         return self.markers.index(grip)
 
+    @property
+    def states(self) -> np.ndarray:
+        """Coordinates that are states of loads."""
+        return np.array([first for owner, first in self.first.items() if "." in owner], np.int64)
+
     def bodies_of(self, unknowns: np.ndarray) -> list[str]:
         """Bodies that some of the unknowns are coordinates of."""
-        return _owners(self.first, self.n_q, unknowns)
+        return [owner for owner in _owners(self.first, self.n_q, unknowns) if "." not in owner]
 
     def joints_of(self, unknowns: np.ndarray) -> list[str]:
         """Joints that some of the unknowns are forces of."""
@@ -92,6 +97,9 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     for name, body in scene.all_bodies().items():
         first[name] = len(names)
         names += [f"{coordinate} of body {name!r}" for coordinate in body.coordinate_names(scene)]
+    for path in _with_state(scene):
+        first[path] = len(names)
+        names.append(f"state of load {path.partition('.')[2]!r}")
     n_q = len(names)
     for name, joint in scene.joints.items():
         row[name] = len(names)
@@ -117,13 +125,20 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     return Numbering(first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene))
 
 
+def _with_state(scene: Scene) -> dict[str, Load]:
+    """Loads that have a state of their own, by their paths."""
+    return {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load) and load.state is not None}
+
+
 def weights(scene: Scene) -> np.ndarray:
     """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
 
-    For a coordinate it scales its change, for a multiplier the violation of its constraint row.
+    For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
+    which all systems of units count in seconds.
     """
     placed: Any = Remembered(scene)
-    lengths = np.concatenate([body.coordinate_lengths(placed) for body in scene.all_bodies().values()])
+    states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
+    lengths = np.concatenate([*(body.coordinate_lengths(placed) for body in scene.all_bodies().values()), states])
     rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]
     rows += [np.nan for body in scene.bodies.values() if body.turns == QUATERNION]
     lengths = np.concatenate([np.real(lengths), rows])

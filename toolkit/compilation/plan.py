@@ -152,6 +152,7 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         )
     for name, load in named_loads(scene).items():
         both, _ = gripped(numbering, columns, f"loads.{name}", load)
+        both = np.append(both, numbering.first[f"loads.{name}"]) if load.state is not None else both
         entries += [block(both, both)]
     return build_pattern(numbering.n, entries)
 

@@ -37,21 +37,34 @@ def check_load_formula(load: Load, scene: Scene, rng: np.random.Generator) -> No
     poses, size = POSES[load.dimension], ARGUMENTS[load.dimension]
     n, curve = len(poses), size - 1
     z, w, used = arguments(load, scene, size, rng)
-    z[curve], w, used = rng.normal(), w[:n], np.append(used, curve)
+    z[curve], w, used = rng.normal(), w[: n + 1], np.append(used, curve)
+    w[n] = rng.normal() if load.state is not None else 0
 
     def fill(at: np.ndarray, rates: np.ndarray) -> list[np.ndarray]:
         dtype = np.result_type(at, rates)
-        filled = [np.zeros(shape, dtype) for shape in ((n,), (n, size), (n, n))]
+        filled = [np.zeros(shape, dtype) for shape in ((n + 1,), (n + 1, size), (n + 1, n + 1))]
         plain(load.law())(at.astype(dtype), rates.astype(dtype), *filled)
         return filled
 
     force, force_z, force_w = fill(z, w)
     if not load.feels_axes:
         _check_blindness(load, force, force_z, force_w)
-    owner, names, forces = f"{load.kind!r}: ", argument_names(used, size, load.dimension), FORCES[load.dimension]
+    if load.state is None:
+        _check_statelessness(load, force_w)
+    owner, names = f"{load.kind!r}: ", argument_names(used, size, load.dimension)
+    forces = [*FORCES[load.dimension], "rate of the state"]
     compare(f"{owner}force_z", force_z[:, used], stepped(lambda at: fill(at, w)[0], z, used), [forces, names])
-    rates = [f"rate of {name}" for name in poses]
-    compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(n)), [forces, rates])
+    rates = [*(f"rate of {name}" for name in poses), "state"]
+    compare(f"{owner}force_w", force_w, stepped(lambda rate: fill(z, rate)[0], w, np.arange(n + 1)), [forces, rates])
+
+
+def _check_statelessness(load: Load, force_w: np.ndarray) -> None:
+    """A load without a state of its own does not use one."""
+    if np.any(force_w[:-1, -1]):
+        raise ConformanceError(
+            f"{load.kind!r}: its formula uses the last place of `w`, that of a state of its own, but it has none: nobody would "
+            'integrate it. Say what the state is an integral of: let `state` return "length" or "angle".'
+        )
 
 
 def _check_blindness(load: Load, force: np.ndarray, force_z: np.ndarray, force_w: np.ndarray) -> None:

@@ -17,6 +17,9 @@ from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.planar.slider import Slider
 from toolkit.loads.planar.bushing import Bushing
+from toolkit.loads.planar.controllers import AngleController, DistanceController, PositionController
+from toolkit.loads.planar.friction import PlanarSlidingFriction as SlidingFriction
+from toolkit.loads.planar.friction import PlanarTurningFriction as TurningFriction
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -25,16 +28,19 @@ from toolkit.loads.planar.torque import Torque
 __all__ = [
     *curves.__all__,
     *responses.__all__,
+    "AngleController",
     "AngleDriver",
     "BodyPoint",
     "Bushing",
     "Cam",
     "Distance",
+    "DistanceController",
     "Flexible",
     "Gear",
     "Gravity",
     "Point",
     "PointForce",
+    "PositionController",
     "PositionDriver",
     "Rack",
     "Revolute",
@@ -44,7 +50,9 @@ __all__ = [
     "RollingDisc",
     "RotationalSpringDamper",
     "Slider",
+    "SlidingFriction",
     "SpringDamper",
     "SwingCam",
     "Torque",
+    "TurningFriction",
 ]

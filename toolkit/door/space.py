@@ -25,6 +25,11 @@ from toolkit.joints.spatial.screw import Screw
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.joints.spatial.universal import Universal
 from toolkit.loads.spatial.bushing import SpatialBushing as Bushing
+from toolkit.loads.spatial.controllers import SpatialAngleController as AngleController
+from toolkit.loads.spatial.controllers import SpatialDistanceController as DistanceController
+from toolkit.loads.spatial.controllers import SpatialPositionController as PositionController
+from toolkit.loads.spatial.friction import SpatialSlidingFriction as SlidingFriction
+from toolkit.loads.spatial.friction import SpatialTurningFriction as TurningFriction
 from toolkit.loads.spatial.gravity import SpatialGravity as Gravity
 from toolkit.loads.spatial.point_force import SpatialPointForce as PointForce
 from toolkit.loads.spatial.pressure import Pressure
@@ -35,18 +40,21 @@ from toolkit.loads.spatial.torque import SpatialTorque as Torque
 __all__ = [
     *curves.__all__,
     *responses.__all__,
+    "AngleController",
     "AngleDriver",
     "BodyPoint",
     "Bushing",
     "Cam",
     "Cylindrical",
     "Distance",
+    "DistanceController",
     "Flexible",
     "Gear",
     "Gravity",
     "Point",
     "PointForce",
     "PointOnPlane",
+    "PositionController",
     "PositionDriver",
     "Pressure",
     "Prismatic",
@@ -58,8 +66,10 @@ __all__ = [
     "RotationalSpringDamper",
     "Screw",
     "Spherical",
+    "SlidingFriction",
     "SpringDamper",
     "SwingCam",
     "Torque",
+    "TurningFriction",
     "Universal",
 ]

@@ -138,8 +138,8 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
         plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms
     )
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
-        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
-        load_residual(plan.loads, k, plan.markers, work.markers, work.load, terms.applied)
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, q, inputs.curves, inputs.scale, work.load)
+        load_residual(plan.loads, k, plan.markers, work.markers, v, work.load, terms.applied)
         if linearize:
             load_jacobian(plan.loads, k, plan.markers, work.markers, work.load, terms.A_q, terms.A_v)
     if not inputs.joints_only:
@@ -193,7 +193,7 @@ def evaluate_design(plan, functions, inputs, q, v, acc, terms, work):
     for k in range(0 if inputs.joints_only else len(plan.loads.family)):
         if not plan.loads.designed[k]:
             continue
-        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, inputs.curves, inputs.scale, work.load)
+        evaluate_load(functions[1], plan.loads, k, plan.markers, work.markers, q, inputs.curves, inputs.scale, work.load)
         load_design(
             plan.loads, k, plan.markers, work.markers, q, plan.curve_variable, plan.curve_index, inputs.curves_x,
             inputs.scale, work.load, terms.A_x,

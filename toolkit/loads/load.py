@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from toolkit.description.description import InSpace
+from toolkit.joints.rows import RowQuantity
 from toolkit.markers.component import Component
 
 
@@ -14,6 +15,8 @@ class AnyLoad(InSpace):
     siblings: ClassVar[str] = "PlanarLoad or SpatialLoad"
     proportional: ClassVar[tuple[str, ...]] = ()
     """Fields that it is proportional to, so that a load as large again is one of twice their numbers; none of a spring."""
+    folds: ClassVar[bool] = False
+    """Whether it follows an angle in space that is known up to half a turn only, beyond which its torque would jump."""
 
 
 class Load(AnyLoad, Component):
@@ -21,3 +24,11 @@ class Load(AnyLoad, Component):
 
     `formula(z, w, force, force_z, force_w)` (see `load_kernel`) fills f, f_z and f_w; the value of the time curve is its last argument.
     """
+
+    leads: ClassVar[bool] = False
+    """Whether its time curve leads, as that of a driver does, instead of being what grows with the loads."""
+
+    @property
+    def state(self) -> RowQuantity | None:
+        """What its own state is compared with, also as an integral over time: a length or an angle (and pure numbers); None without one."""
+        return None

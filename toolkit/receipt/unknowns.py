@@ -28,7 +28,9 @@ def coordinates(system: System) -> list[Line]:
     own = [scene.bodies[name] for name in rigid]
     kept, most = sum(body.frame_size for body in own), scene.space.frame_size * len(own)
     why = "frames that do not move, or do not turn about every axis" if kept < most else ""
-    return [*lines, Line(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else lines
+    lines += [Line(f"{len(rigid)} rigid", kept, most - kept, why)] if rigid else []
+    states = len(system.numbering.states)
+    return [*lines, Line(f"{states} states of loads", states)] if states else lines
 
 
 def _missing(body: Body) -> tuple[int, str]:

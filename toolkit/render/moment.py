@@ -10,12 +10,11 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
-from toolkit.loads.springs import BetweenBodies
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
-AT_ONE_PLACE = (AtPoint, BetweenBodies, SpatialTorque)
+AT_ONE_PLACE = (AtPoint, SpatialTorque)
 """Components whose points on both bodies are at one place, or that nothing stretches between."""
 
 

@@ -1,4 +1,4 @@
-"""Refusal of motions that turn a spring in space by more than half a turn, where its angle would count from the other side."""
+"""Refusal of motions that turn a spring or a motor in space by more than half a turn, where its angle would count from the other side."""
 
 from __future__ import annotations
 
@@ -8,13 +8,11 @@ from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.kernels.laws import angle_of
-from toolkit.loads.springs import TurnSpring
+from toolkit.loads.load import Load
 from toolkit.markers.poses import update_poses
 from toolkit.system.system import System
 
-HALF_TURN = (
-    "its angle in space is one of (-pi, pi], so that its torque would change sign. Use smaller angles, or a scene in the plane."
-)
+HALF_TURN = "its angle in space is one of (-pi, pi], so that its torque would jump. Use smaller angles, or a scene in the plane."
 
 
 @kernel
@@ -30,7 +28,7 @@ def turned_angles(plan, first, second, q, rest, work, out):
 
 
 def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
-    """Check all rotational springs of a scene in space at states q (n_t, n).
+    """Check all loads that follow an angle in space at states q (n_t, n).
 
     Raises
     ------
@@ -43,14 +41,14 @@ def refuse_half_turns(system: System, times: np.ndarray, q: np.ndarray) -> None:
 
 
 def half_turn(system: System, q: np.ndarray) -> tuple[str, int] | None:
-    """The first spring in space that turns beyond half a turn in states q (n_t, n), in words, and the state after."""
+    """The first load in space whose angle turns beyond half a turn in states q (n_t, n), in words, and the state after."""
     for name, load in system.scene.loads.items():
-        if isinstance(load, TurnSpring) and load.folds:
+        if isinstance(load, Load) and load.folds:
             first, second = (system.numbering.marker((*grip, f"loads.{name}")) for grip in load.grips)
             angles: np.ndarray = np.zeros(len(q), system.dtype)
             work, rest = allocate_work(system.plan, system.dtype), np.zeros_like(q[0])
             system.run(turned_angles, system.plan, first, second, q, rest, work, angles)
             jumps = np.flatnonzero(np.abs(np.diff(np.real(angles))) > np.pi)
             if len(jumps):
-                return f"the rotational spring {name!r} turns beyond half a turn", int(jumps[0]) + 1
+                return f"the {load.kind} {name!r} turns beyond half a turn", int(jumps[0]) + 1
     return None

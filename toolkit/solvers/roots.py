@@ -10,12 +10,16 @@ REFINED = 2
 
 
 def all_roots(K: np.ndarray, C: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """All s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike."""
+    """All finite s, and their left and right vectors as columns, in units of time in which stiffness and mass are alike.
+
+    States of loads have no mass: each has one s, and another one that is infinite.
+    """
     unit = np.sqrt(np.abs(K).max() / np.abs(M).max()) or 1.0
     one, none = np.eye(len(K)), np.zeros(K.shape)
     first = np.block([[none, one], [-K / unit**2, -C / unit]])
     values, left, right = eig(first, np.block([[one, none], [none, M]]), left=True, right=True)
-    return unit * values, left[len(K) :].conj(), right[: len(K)]
+    finite = np.isfinite(values)
+    return unit * values[finite], left[len(K) :, finite].conj(), right[: len(K), finite]
 
 
 def refined(

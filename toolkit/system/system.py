@@ -59,6 +59,11 @@ class System:
         return self.plan.n_q
 
     @property
+    def n_b(self) -> int:
+        """Number of coordinates of bodies; behind them come the states of loads, which count among the forces of an equilibrium."""
+        return self.n_q - len(self.numbering.states)
+
+    @property
     def n(self) -> int:
         """Number of unknowns: coordinates and multipliers."""
         return self.plan.n
@@ -76,6 +81,12 @@ class System:
     def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         return call(function, *arguments) if self.compiled else plain(function)(*arguments)
+
+    @cached_property
+    def unit_of_states(self) -> np.ndarray:
+        """One on the diagonal of the states of loads, which have no mass, so that it becomes regular; on the pattern."""
+        rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
+        return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
@@ -136,7 +147,7 @@ class System:
     def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates where every body is in its place and none is deformed, padded to n, and their design derivatives (n, n_x)."""
         q, _, dq, _ = self.start()
-        for b, name in enumerate(self.numbering.first):
+        for b, name in enumerate(self.scene.all_bodies()):
             first = self.numbering.first[name]
             elastic = slice(first + self.scene.body(name).frame_size, first + len(self.values.start[b][0]))
             q[elastic], dq[elastic] = 0, 0

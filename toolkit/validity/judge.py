@@ -12,6 +12,7 @@ from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, la
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.bushing_turns import bushings_turned_far
+from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
 from toolkit.validity.motion.curve_overshoot import overshooting_tables
 from toolkit.validity.motion.idle_curves import idle_curves
 from toolkit.validity.motion.left_out import left_out
@@ -60,12 +61,15 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
         yield from unseen_curves(solution)
         yield from idle_curves(solution)
         yield from overshooting_tables(solution)
+        yield from creeping_friction(solution)
         yield from left_out(solution)
     else:
         yield from limits_passed(solution)
         if solution.spins:
             yield from excessive_speeds(solution)
             yield from missing_stiffening(solution)
+        else:
+            yield from friction_at_rest(solution)
     yield from bushings_turned_far(solution)
     yield from opened_profiles(solution)
     yield from cautions_of_start(solution)

@@ -79,13 +79,17 @@ def load_arrays(
     changes = parameter_changes([d.loads for d in derivatives], len(loads))
     flat = [change for pairs in changes for change in pairs]
     both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in named_loads(scene).items()]
-    positions = [pattern.find(*block(local, local)) for local, _ in both]
+    states = [numbering.first.get(f"loads.{name}", -1) for name in named_loads(scene)]
+    locals_of = [local if state < 0 else np.append(local, state) for (local, _), state in zip(both, states, strict=True)]
+    positions = [pattern.find(*block(local, local)) for local in locals_of]
     before = sum(joint.time_curve is not None for joint in scene.joints.values())
     return Loads(
         family=ints([[known.index(load.law()) for load in loads]]),
         marker=np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
         parameter=np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
         curve=curve_numbers(loads, before),
+        scaled=ints([[int(not load.leads) for load in loads]]),
+        state=ints([states]),
         designed=designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
         design_start=starts([len(pairs) for pairs in changes]),
         design_variable=ints([[x for x, _, _ in flat]]),

@@ -40,11 +40,17 @@ def touched(
     for part in (joints, loads):
         for k in range(len(part.marker)):
             variables = _variables(part, k, markers, curve_index, curve_variable)
-            own = joints.row[k] + np.arange(joints.n_rows[k]) if part is joints else np.zeros(0, np.int64)
+            own = joints.row[k] + np.arange(joints.n_rows[k]) if part is joints else _state(loads, k)
             rows = np.concatenate([own, *(markers.coordinate[markers.start[m] : markers.start[m + 1]] for m in part.marker[k])])
             pairs.append((np.repeat(rows, len(variables)), np.tile(variables, len(rows))))
     keys = np.unique(np.concatenate([rows * n_x + variables for rows, variables in pairs]))
     return keys // n_x, keys % n_x
+
+
+def _state(loads: Loads, k: int) -> np.ndarray:
+    """The state of a load, if it has one."""
+    own: np.ndarray = loads.state[k : k + 1]
+    return own[own >= 0]
 
 
 def _by_floating(floating: Floating | SpatialFloating) -> list[tuple[np.ndarray, np.ndarray]]:

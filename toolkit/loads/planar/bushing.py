@@ -10,8 +10,8 @@ from toolkit.description.description import NotNegative
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
 from toolkit.loads.kernels.measured_spring import add_measured_spring
+from toolkit.loads.places import BetweenBodies
 from toolkit.loads.planar.load import PlanarLoad
-from toolkit.loads.springs import BetweenBodies
 from toolkit.markers.component import Skeleton
 
 
@@ -62,7 +62,6 @@ class Bushing(BetweenBodies, PlanarLoad):
 
     kind = "bushing"
     formula = bushing
-    called = "bushing"
 
     stiffness: Annotated[tuple[NotNegative, NotNegative], Quantity("force/length")] = (0.0, 0.0)
     damping: Annotated[tuple[NotNegative, NotNegative], Quantity("force time/length")] = (0.0, 0.0)

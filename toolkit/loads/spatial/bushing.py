@@ -8,8 +8,8 @@ from toolkit.description.description import NotNegative
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
 from toolkit.loads.kernels.measured_spring import add_measured_spring
+from toolkit.loads.places import BetweenBodies
 from toolkit.loads.spatial.load import SpatialLoad
-from toolkit.loads.springs import BetweenBodies
 from toolkit.markers.component import Skeleton
 
 Three = tuple[NotNegative, NotNegative, NotNegative]
@@ -97,7 +97,6 @@ class SpatialBushing(BetweenBodies, SpatialLoad):
 
     kind = "bushing"
     formula = spatial_bushing
-    called = "bushing"
 
     stiffness: Annotated[Three, Quantity("force/length")] = (0.0, 0.0, 0.0)
     damping: Annotated[Three, Quantity("force time/length")] = (0.0, 0.0, 0.0)

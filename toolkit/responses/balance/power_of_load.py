@@ -28,29 +28,33 @@ def power_of_load(solution: Solution, name: str) -> Callable[[int], Partials]:
     load, k = named_loads(system.scene)[name], list(named_loads(system.scene)).index(name)
     motion, curve = MarkerMotion.of(system, grips_of(f"loads.{name}", load)), loads.curve[k]
     curves, curves_x = system.curves(solution.times)
-    own = slice(loads.design_start[k], loads.design_start[k + 1])
+    designs = slice(loads.design_start[k], loads.design_start[k + 1])
     active = (system.plan.curve_index == curve) & (curve >= 0)
 
     def look(step: int) -> Partials:
         a, b = motion.at(solution, step)
-        size, w = len(a.y), np.concatenate([a.rate, b.rate])
-        force, f_z, f_w = _law(system, load, k, (a, b), curves[step, curve, 0] if curve >= 0 else 1.0)
+        size, w = len(a.y), np.concatenate([a.rate, b.rate, [0.0]])  # no work is done on a state
+        own = solution.q[step, loads.state[k]] if loads.state[k] >= 0 else 0.0
+        force, f_z, f_w = _law(system, load, k, (a, b), own, curves[step, curve, 0] if curve >= 0 else 1.0)
         by_z, by_w = (w @ f_z)[None], (force + w @ f_w)[None]
         design = np.zeros((1, system.n_x))
-        by_parameter = np.real(by_z[0, 2 * size + loads.design_parameter[own]]) * loads.design_value[own]
-        np.add.at(design[0], loads.design_variable[own], by_parameter)
+        by_parameter = np.real(by_z[0, 2 * size + loads.design_parameter[designs]]) * loads.design_value[designs]
+        np.add.at(design[0], loads.design_variable[designs], by_parameter)
         np.add.at(design[0], system.plan.curve_variable[active], np.real(by_z[0, -1]) * curves_x[step, active, 0])
         sides = [Motion(by_z[:, side], by_w[:, side]) for side in (slice(0, size), slice(size, 2 * size))]
-        return one_of(motion.partials(np.array([force @ w]), sides, design), 0, solution, step)
+        found = one_of(motion.partials(np.array([force @ w]), sides, design), 0, solution, step)
+        if loads.state[k] >= 0 and found.q is not None:
+            found.q[loads.state[k]] += w @ f_w[:, -1]
+        return found
 
     return look
 
 
-def _law(system: System, load: Load, k: int, motions: tuple[Motion, Motion], scale: Any) -> tuple[np.ndarray, ...]:
-    """f (w,), f_z (w, z) and f_w (w, w) of load number k at poses and rates z and w of its markers."""
+def _law(system: System, load: Load, k: int, motions: tuple[Motion, Motion], own: Any, scale: Any) -> tuple[np.ndarray, ...]:
+    """f (w,), f_z (w, z) and f_w (w, w) of load number k at poses and rates z and w of its markers, and at its `own` state."""
     a, b = motions
     z: np.ndarray = np.concatenate([a.y, b.y, system.plan.loads.parameter[k], [scale]]).astype(system.dtype)
-    w: np.ndarray = np.concatenate([a.rate, b.rate]).astype(system.dtype)
+    w: np.ndarray = np.concatenate([a.rate, b.rate, [own]]).astype(system.dtype)
     shapes = (len(w), (len(w), len(z)), (len(w), len(w)))
     found: tuple[np.ndarray, ...] = tuple(np.zeros(shape, system.dtype) for shape in shapes)
     system.run(load.law(), z, w, *found)

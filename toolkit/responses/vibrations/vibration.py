@@ -16,6 +16,7 @@ from typing import Any, Literal
 import numpy as np
 from pydantic import Field
 
+from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of
 from toolkit.responses.vibrations.roots import SAME, find_vibration
@@ -66,13 +67,20 @@ class OfVibration(Response):
         Raises
         ------
         InputError
-            There are not so many; or it is a motion that does not end in an equilibrium.
+            There are not so many; or it is a motion that does not end in an equilibrium; or a load has an integral over time, which
+            undamped vibrations do not have.
         SingularSystemError
             The joints leave no motion.
         """
         if solution.spins or solution.steps:
             return self._of_a_state_that_moves(solution)
-        system, pencil = solution.system, pencil_of(solution)
+        system, damped = solution.system, bool(np.any(self.counted(np.ones((1, 1)))))
+        if len(system.numbering.states) and not damped:
+            raise InputError(
+                f"{system.numbering.names[system.n_b]} is an integral over time, which undamped vibrations do not have. Ask for "
+                "the response damping-ratio instead, or leave the integral out."
+            )
+        pencil = pencil_of(solution)
         real = Pencil(*(np.real(each) for each in pencil))
         found = find_vibration(system, real._replace(damping=self.counted(real.damping)), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
@@ -81,7 +89,7 @@ class OfVibration(Response):
         step = Pencil(*(np.imag(each) for each in pencil))
         moved = s * s * step.mass + s * self.counted(step.damping) + step.stiffness
         value = self.of(s) + 1j * self.slope(s, -(w @ moved @ u) / found.scale)
-        changes = pencil_change(solution, s, u, w, damped=bool(np.any(self.counted(np.ones((1, 1))))))
+        changes = pencil_change(solution, s, u, w, damped=damped)
         by_z, design = (self.slope(s, -each / found.scale) for each in changes)
         n_q = system.n_q
         return Partials(value.real if system.compiled else value, q=by_z[None, :n_q], multipliers=by_z[None, n_q:], design=design)

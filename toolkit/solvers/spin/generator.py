@@ -53,6 +53,9 @@ def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generato
         kept = size - len(offset)
         blocks.append(block_diag(matrix, np.zeros((kept, kept))) if size else np.zeros((0, 0)))
         offsets.append(np.append(offset, np.zeros(kept)))
+    states = np.zeros(len(system.numbering.states))  # of loads, which stay what they are
+    blocks.append(np.diag(states))
+    offsets.append(states)
     return Generator(block_diag(*blocks), np.concatenate(offsets))
 
 

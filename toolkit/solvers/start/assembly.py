@@ -59,7 +59,7 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
     if not system.n_x:
         return q, dgiven
     terms = _evaluate(system, q, acc, time)
-    change = np.where(is_q[:, None], terms.I_x - system.matrix(terms.I_acc) @ dgiven, terms.A_x)
+    change = np.where(is_q[:, None], terms.I_x - system.matrix(terms.I_acc + system.unit_of_states) @ dgiven, terms.A_x)
     return q, np.where(is_q[:, None], solve_linear(system, _matrix(system, terms), -change, WHERE), 0)
 
 
@@ -78,4 +78,4 @@ def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Te
 def _matrix(system: System, terms: Terms) -> np.ndarray:
     """Derivative by [q; mu] of the equations, values on the pattern."""
     below = np.repeat(np.arange(system.n), np.diff(system.plan.indptr)) >= system.n_q
-    return terms.I_acc + np.where(below, terms.A_q, terms.I_q)
+    return terms.I_acc + system.unit_of_states + np.where(below, terms.A_q, terms.I_q)

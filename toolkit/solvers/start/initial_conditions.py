@@ -68,6 +68,7 @@ def with_accelerations(
     system: System, levels: np.ndarray, q: np.ndarray, v: np.ndarray, dq: np.ndarray, dv: np.ndarray, time: float = 0.0
 ) -> State:
     """The state of coordinates and velocities (n,) that satisfy every joint, with their design derivatives (n, n_x)."""
+    v, dv = rates_of_states(system, q, dq, v, dv, time)
     acc, dacc = initial_accelerations(system, q, v, dq, dv, levels, time)
     return State(q, v, acc, dq, dv, dacc)
 
@@ -103,6 +104,20 @@ def _velocities(
     found, dfound = project_velocities(system, q, given, dq, np.zeros_like(dq), time)
     refuse_own_velocities(system, given, found)
     return found, dfound
+
+
+def rates_of_states(
+    system: System, q: np.ndarray, dq: np.ndarray, v: np.ndarray, dv: np.ndarray, time: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """The velocities with those of the loads' own states x, which follow from their laws, and the design derivatives (n, n_x)."""
+    states = system.numbering.states
+    if not len(states):
+        return v, dv
+    terms = system.evaluate(system.inputs(time, np.zeros(3)), q, v, np.zeros_like(q), design=True)
+    v, dv, change = v.copy(), dv.copy(), total_change(system, terms, dq, dv)
+    v[states] -= terms.applied[states]
+    dv[states] -= np.real(change[states])
+    return v, dv
 
 
 def _padded(system: System, given: np.ndarray) -> np.ndarray:
@@ -144,6 +159,8 @@ def initial_accelerations(
 ) -> tuple[np.ndarray, np.ndarray]:
     """[a; lam] of the equations at the start, which are linear in them, (n,), and their design derivatives, (n, n_x).
 
+    States of loads have no mass, and start without acceleration: the first step's error of that is of the order of the scheme.
+
     Raises
     ------
     SingularSystemError
@@ -151,11 +168,14 @@ def initial_accelerations(
     """
     inputs = system.inputs(time, levels)
     terms = system.evaluate(inputs, q, v, np.zeros_like(q))
-    acc = solve_linear(system, terms.I_acc, -(terms.inertial + terms.applied), "initial accelerations")
+    mass = terms.I_acc + system.unit_of_states
+    acc = solve_linear(system, mass, -(terms.inertial + terms.applied), "initial accelerations")
     if not system.n_x:
         return acc, np.zeros_like(dq)
     terms = system.evaluate(inputs, q, v, acc, design=True)
-    dacc = solve_linear(system, terms.I_acc, -total_change(system, terms, dq, dv), "initial accelerations")
+    dacc = solve_linear(
+        system, terms.I_acc + system.unit_of_states, -total_change(system, terms, dq, dv), "initial accelerations"
+    )
     return acc, dacc
 
 

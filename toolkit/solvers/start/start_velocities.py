@@ -97,7 +97,7 @@ def _total(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.n
 
 def _matrix(system: System, terms: Terms) -> np.ndarray:
     """[[A, phi_q^T], [phi_q, 0]], values on the pattern."""
-    return terms.I_acc + np.where(_rows(system) >= system.n_q, terms.A_v, 0)
+    return terms.I_acc + system.unit_of_states + np.where(_rows(system) >= system.n_q, terms.A_v, 0)
 
 
 def _rows(system: System) -> np.ndarray:

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs
-from toolkit.solvers.static.equilibrium import LEVELS, inputs_at
+from toolkit.solvers.static.equilibrium import LEVELS, inputs_at, leading_curves
 from toolkit.system.system import System
 
 
@@ -26,10 +26,11 @@ class Acting(Protocol):
 
 
 class GrowingLoads:
-    """Loads and gravity scaled by the factor, drivers between their first and last value."""
+    """Loads and gravity scaled by the factor, drivers and set values between their first and last value."""
 
     def __init__(self, system: System, options: RunOptions) -> None:
         self._none, self._full = (inputs_at(system, options, factor) for factor in (0.0, 1.0))
+        self._leading = leading_curves(system)
 
     def at(self, factor: float) -> Inputs:
         """What acts at a factor."""
@@ -39,7 +40,9 @@ class GrowingLoads:
     def more(self, factor: float) -> Inputs:
         """All loads once more."""
         found = self.at(factor)
-        return found._replace(scale=found.scale + 1.0)
+        curves = found.curves.copy()
+        curves[self._leading] += (self._full.curves - self._none.curves)[self._leading]
+        return found._replace(curves=curves, scale=found.scale + 1.0)
 
     def driven(self, _factor: float) -> np.ndarray:
         """The way of the drivers."""

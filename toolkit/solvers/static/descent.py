@@ -40,20 +40,21 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     SingularSystemError
         Something is free to move, or joints are redundant.
     """
-    rest, n_q, inputs = np.zeros_like(q), system.n_q, inputs_at(system, options, factor)
+    rest, n_b, inputs = np.zeros_like(q), system.n_b, inputs_at(system, options, factor)
+    number = np.arange(system.n)
     for step in range(MOST):
         terms = system.evaluate(inputs, q, rest, acc)
         shift = _shift(system, terms)
         matrix = static_matrix(system, terms) + shift * _metric(system)
         correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
-        size = (system.weights[:n_q] * np.abs(np.real(correction[:n_q]))).max(initial=0)
+        size = (system.weights[:n_b] * np.abs(np.real(correction[:n_b]))).max(initial=0)
         if shift == 0 and size <= NEAR:
             found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEAR)
             return found, count + step
         if not np.isfinite(size) or size <= STANDSTILL:
             break
-        part = np.where(np.arange(system.n) < n_q, min(1.0, LONGEST / size), 0)
-        q, acc = q - part * correction, acc - np.where(np.arange(system.n) < n_q, 0, correction)
+        part = np.where(number < n_b, min(1.0, LONGEST / size), number < system.n_q)
+        q, acc = q - part * correction, acc - np.where(number < system.n_q, 0, correction)
     worst = system.most_moved(correction)
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
@@ -64,17 +65,17 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
 
 def _moving(system: System, correction: np.ndarray) -> np.ndarray:
     """Coordinates that a correction moves about as much as any."""
-    moved = system.weights[: system.n_q] * np.abs(np.real(correction[: system.n_q]))
+    moved = system.weights[: system.n_b] * np.abs(np.real(correction[: system.n_b]))
     return np.flatnonzero(moved > 0.1 * moved.max(initial=0))
 
 
 def _shift(system: System, terms) -> float:
     """0 where K is positive definite on the motions that the joints allow, or where nothing pulls along a motion that is free."""
-    n_q = system.n_q
+    n_b = system.n_b
     if _plainly_stable(system, terms):
         return 0.0
-    stiffness = np.real(system.matrix(terms.I_q + terms.A_q).toarray())[:n_q, :n_q]
-    free = free_motions(np.real(system.matrix(terms.I_acc).toarray())[:n_q, n_q:].T, system.weights[:n_q])
+    matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
+    stiffness, free = matrix[:n_b, :n_b], free_motions(matrix[:n_b, n_b:].T, system.weights[:n_b])
     if not free.shape[1]:
         return 0.0
     stiffness = free.T @ stiffness @ free
@@ -83,7 +84,7 @@ def _shift(system: System, terms) -> float:
             "the stiffness of the given positions is not finite. Look for a number that is orders of magnitude off."
         )
     lowest = eigvalsh((stiffness + stiffness.T) / 2, subset_by_index=[0, 0])[0]
-    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_q]).max() / LONGEST
+    pull = np.abs(free.T @ np.real(terms.inertial + terms.applied)[:n_b]).max() / LONGEST
     if lowest > ROUND_OFF * max(np.abs(stiffness).max(), pull):
         return 0.0
     return max(-2.0 * lowest, pull)
@@ -91,20 +92,20 @@ def _shift(system: System, terms) -> float:
 
 def _plainly_stable(system: System, terms: Terms) -> bool:
     """Whether K is positive definite by so much that no closer look is needed."""
-    n_q, residual = system.n_q, np.real(terms.inertial + terms.applied)[: system.n_q]
+    n_b, residual = system.n_b, np.real(terms.inertial + terms.applied)[: system.n_b]
     matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
     try:
         saddle = factorised(system, matrix)
     except SingularSystemError:
         return False
-    soft = softest(saddle, free_count(system), n_q).values
-    largest = np.abs(matrix[:n_q, :n_q] * saddle.scale[:n_q] * saddle.scale[:n_q, None]).max(initial=0)
-    pull = np.linalg.norm(residual * saddle.scale[:n_q]) / LONGEST
+    soft = softest(saddle, free_count(system), n_b).values
+    largest = np.abs(matrix[:n_b, :n_b] * saddle.scale[:n_b] * saddle.scale[:n_b, None]).max(initial=0)
+    pull = np.linalg.norm(residual * saddle.scale[:n_b]) / LONGEST
     return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > PLAIN * ROUND_OFF * max(largest, pull))
 
 
 def _metric(system: System) -> np.ndarray:
-    """W on the pattern: weights squared on the diagonal of the coordinates."""
+    """W on the pattern: weights squared on the diagonal of the bodies' coordinates."""
     rows = np.repeat(np.arange(system.n), np.diff(system.plan.indptr))
-    diagonal = (rows == system.plan.indices) & (rows < system.n_q)
+    diagonal = (rows == system.plan.indices) & (rows < system.n_b)
     return np.where(diagonal, system.weights[rows] ** 2, 0.0)

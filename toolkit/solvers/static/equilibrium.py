@@ -31,11 +31,18 @@ class Equilibrium(NamedTuple):
     tangent: np.ndarray
 
 
+def leading_curves(system: System) -> np.ndarray:
+    """Time curves of loads that lead, as those of drivers do: set values of controllers."""
+    loads = system.plan.loads
+    found: np.ndarray = loads.curve[(loads.scaled == 0) & (loads.curve >= 0)]
+    return found
+
+
 def inputs_at(system: System, options: RunOptions, factor: float) -> Inputs:
-    """What acts at a load factor: loads scaled by it, drivers between their first and last value."""
+    """What acts at a load factor: loads scaled by it, drivers and set values between their first and last value."""
     first, last = (system.inputs(time, LEVELS) for time in (0.0, options.end_time))
     curves, curves_x = last.curves.copy(), last.curves_x.copy()
-    driven = [c for c in system.plan.joints.curve if c >= 0]
+    driven = np.concatenate([leading_curves(system), system.plan.joints.curve[system.plan.joints.curve >= 0]])
     curves[driven] = first.curves[driven] + factor * (last.curves[driven] - first.curves[driven])
     pairs = np.isin(system.plan.curve_index, driven)
     curves_x[pairs] = first.curves_x[pairs] + factor * (last.curves_x[pairs] - first.curves_x[pairs])
@@ -64,8 +71,8 @@ def find_equilibrium(
         The equations have no unique solution.
     """
     inputs, rest, n_q = inputs_at(system, options, factor), np.zeros_like(q), system.n_q
-    moved, size = np.zeros_like(q), np.inf
-    far = (system.weights * np.abs(np.real(q)))[:n_q].max(initial=0)
+    n_b, moved, size = system.n_b, np.zeros_like(q), np.inf
+    far = (system.weights * np.abs(np.real(q)))[:n_b].max(initial=0)
     reachable = max(options.tolerance, ROUND_OFF, FAR * ROUND_OFF * far)
     for iteration in range(options.max_iterations):
         terms = system.evaluate(inputs, q + moved, rest, acc)
@@ -73,9 +80,9 @@ def find_equilibrium(
         correction = solve_linear(system, static_matrix(system, terms), residual, f"statics at load factor {factor:g}")
         moved[:n_q] -= correction[:n_q]
         acc = acc - np.where(np.arange(system.n) < n_q, 0, correction)
-        weighted = system.weights[:n_q] * np.abs(np.real(correction[:n_q]))
+        weighted = system.weights[:n_b] * np.abs(np.real(correction[:n_b]))
         before, size = size, weighted.max(initial=0)
-        strayed = (system.weights * np.abs(np.real(moved)))[:n_q].max(initial=0)
+        strayed = (system.weights * np.abs(np.real(moved)))[:n_b].max(initial=0)
         if not np.isfinite(size) or strayed > allowed:
             raise ConvergenceError(f"Newton strays from the path at {system.most_moved(correction)}")
         if (size <= reachable and size > 0.5 * before) or size <= ROUND_OFF:

@@ -56,7 +56,7 @@ def _is_damped(system: System, z: np.ndarray) -> bool:
 
 def _unsure(system: System, times: np.ndarray, z: np.ndarray) -> np.ndarray:
     """Steps (n_t - 1,) whose end does not follow from the three states before, nor their beginning from the three after."""
-    q = system.weights[: system.n_q] * z[:, : system.n_q]
+    q = system.weights[: system.n_b] * z[:, : system.n_b]
     extent = np.maximum.accumulate(q) - np.minimum.accumulate(q)
     follows, precedes = _off(times, q), _off(times[::-1], q[::-1])[::-1]
     error = np.minimum(parts(follows[1:], extent[1:]), parts(precedes[:-1], extent[1:]))
@@ -80,7 +80,7 @@ def _off(times: np.ndarray, q: np.ndarray) -> np.ndarray:
 
 def _follow(system: System, options: RunOptions, times: np.ndarray, z: np.ndarray) -> None:
     """The path from the last state but one to the last, of those so far (n_t, n)."""
-    equations, n_q = PathEquations(system, options, PassingTime(system, *times)), system.n_q
+    equations, n_b = PathEquations(system, options, PassingTime(system, *times)), system.n_b
     begin, span = times[0], times[1] - times[0]
     for arc in islice(_path(equations, z[-2], begin), options.path_steps):
         limit = limit_point(equations, arc)
@@ -90,9 +90,9 @@ def _follow(system: System, options: RunOptions, times: np.ndarray, z: np.ndarra
             raise _unstable(begin + span * arc.begin.factor)
         if arc.end.factor >= FULL:
             break
-    extent = system.weights[:n_q] * np.ptp(z[:, :n_q], axis=0)
+    extent = system.weights[:n_b] * np.ptp(z[:, :n_b], axis=0)
     off = arc.end.z[:-1] - z[-1]
-    if arc.end.factor < FULL or parts(system.weights[:n_q] * off[:n_q], extent) > SAME:
+    if arc.end.factor < FULL or parts(system.weights[:n_b] * off[:n_b], extent) > SAME:
         raise _passed(times[1], system.most_moved(off))
 
 

@@ -7,7 +7,8 @@ from collections.abc import Iterator
 from toolkit.compilation.frame_hints import floats_with_its_clamp
 from toolkit.foundation.verdict import Caution
 from toolkit.joints.joint import Joint
-from toolkit.loads.springs import BetweenBodies, PointSpring
+from toolkit.loads.friction import Friction
+from toolkit.loads.places import BetweenBodies, BetweenPoints
 from toolkit.scene.scene import Scene
 from toolkit.validity.description.joint_cautions import cautions_of_joints
 from toolkit.validity.description.stale_models import stale_models
@@ -22,7 +23,9 @@ def cautions_of_scene(scene: Scene) -> list[Caution]:
 def _held_by_nothing(scene: Scene) -> Iterator[Caution]:
     """Flexible bodies that no joint and no spring grips, although their model clamps them."""
     holding = [
-        each for each in (*scene.joints.values(), *scene.loads.values()) if isinstance(each, (Joint, PointSpring, BetweenBodies))
+        each
+        for each in (*scene.joints.values(), *scene.loads.values())
+        if isinstance(each, (Joint, BetweenPoints, BetweenBodies)) and not isinstance(each, Friction)
     ]
     gripped = {body for each in holding for body in each.bodies}
     for name in scene.bodies:

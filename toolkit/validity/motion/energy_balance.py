@@ -76,6 +76,7 @@ def energy_balance(solution: Solution) -> EnergyBalance:
     states: np.ndarray = np.zeros((3, n_t, system.n), system.dtype)
     q, v, lam = states
     q[:, : system.n_q], v[:, : system.n_q], lam[:, system.n_q :] = solution.q, velocity, solution.multipliers
+    v[:, system.numbering.states] = 0  # integrals, which do no work
     lam[:, ~_driven(plan)] = 0  # other joints do no work: what they do while they drift is the scheme's doing
     out: np.ndarray = np.zeros((n_t, 2), system.dtype)
     curves, curves_x = system.curves(solution.times)

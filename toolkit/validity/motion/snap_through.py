@@ -45,7 +45,8 @@ def snap_through(solution: Solution) -> Caution | None:
 
 def _places(solution: Solution) -> list[float]:
     """Numbers of states, with fractions for what lies between, in the order of time."""
-    q = solution.q * solution.system.weights[: solution.system.n_q]
+    n_b = solution.system.n_b
+    q = solution.q[:, :n_b] * solution.system.weights[:n_b]
     jumps = ((q[1:] - q[:-1]) ** 2).sum(axis=1)
     largest = np.argsort(jumps, kind="stable")[-JUMPS:]
     between = [n + part for n in largest if jumps[n] > 0 for part in BETWEEN]
@@ -66,16 +67,16 @@ def _different(q: np.ndarray) -> list[int]:
 def _begins_at_rest(solution: Solution) -> bool:
     """Whether the run begins slowly, near an equilibrium that is stable by a stiffness of its own."""
     system = solution.system
-    weights = system.weights[: system.n_q]
-    if (weights * np.abs(solution.v[0])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
+    n_b, weights = system.n_b, system.weights[: system.n_b]
+    if (weights * np.abs(solution.v[0, :n_b])).max() * (solution.times[-1] - solution.times[0]) > SLOW:
         return False
     residual, matrix, _ = _static(solution, 0.0)
     try:
         saddle = factorised(system, matrix)
     except SingularSystemError:
         return False
-    largest = np.abs(matrix[: system.n_q, : system.n_q] / weights / weights[:, None]).max()
-    away = (weights * np.abs(saddle.solve(residual)[: system.n_q])).max()
+    largest = np.abs(matrix[:n_b, :n_b] / weights / weights[:, None]).max()
+    away = (weights * np.abs(saddle.solve(residual)[:n_b])).max()
     return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
 
 

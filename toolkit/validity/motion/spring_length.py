@@ -7,6 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
+from toolkit.loads.controllers import DistanceControlled
 from toolkit.loads.springs import PointSpring
 from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
@@ -16,14 +17,18 @@ LOOKED_AT = 500
 
 
 def springs_through_zero(solution: Solution) -> Iterator[Caution]:
-    """A doubt for every spring with a relaxed length whose ends change sides within one step.
+    """A doubt for every spring with a relaxed length, and every controller of a distance, whose ends change sides within one step.
 
     Its force jumps by 2 k l_0 there. Values follow the jump to first order in the step; derivatives hold it at its time, and miss how the
     design moves it.
     """
     scene, last = solution.system.scene, len(solution.times) - 1
-    springs = {name: load for name, load in scene.loads.items() if isinstance(load, PointSpring) and load.stiffness}
-    springs = {name: load for name, load in springs.items() if np.real(load.parameters(scene)[2]) > 0}
+    springs = {
+        name: load
+        for name, load in scene.loads.items()
+        if isinstance(load, DistanceControlled)
+        or (isinstance(load, PointSpring) and load.stiffness and np.real(load.parameters(scene)[2]) > 0)
+    }
     if not springs:
         return
     some = np.unique(np.linspace(0, last, min(LOOKED_AT, last + 1)).round().astype(int))
@@ -39,7 +44,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def _turns(solution: Solution, springs: list[PointSpring], steps: np.ndarray) -> list[np.ndarray]:
+def _turns(solution: Solution, springs: list[PointSpring | DistanceControlled], steps: np.ndarray) -> list[np.ndarray]:
     """For each spring the places in `steps` after which the vector from end to end points against what it was before."""
     system = solution.system
     ends = np.array([[system.numbering.marker(grip) for grip in each.grips] for each in springs])

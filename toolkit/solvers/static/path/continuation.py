@@ -138,10 +138,10 @@ def _end_of_path(limit: LimitPoint) -> LimitPointError:
 
 def _turns_here(equations: PathEquations, trail: Trail, state: Equilibrium) -> bool:
     """Whether the load grows by nothing but round-off along the path, compared with the way so far."""
-    points, n_q = np.array(trail.points)[:, : equations.n_q], equations.n_q
-    way = np.real(np.ptp([*points, np.real(state.q[:n_q])], axis=0))
-    weights = equations.system.weights[:n_q]
-    return bool(LEVEL * parts(weights * np.real(state.tangent[:n_q]), weights * way) >= 1)
+    n_b = equations.system.n_b
+    way = np.real(np.ptp([*np.array(trail.points)[:, :n_b], np.real(state.q[:n_b])], axis=0))
+    weights = equations.system.weights[:n_b]
+    return bool(LEVEL * parts(weights * np.real(state.tangent[:n_b]), weights * way) >= 1)
 
 
 def _critical_full_load(system: System, place: Place, error: Exception | str) -> CriticalPointError:

@@ -72,10 +72,10 @@ def first_point(equations: PathEquations, z: np.ndarray) -> PathPoint:
 
 def complete(equations: PathEquations, border: np.ndarray, found: Corrected, known: PathPoint | None) -> PathPoint:
     """The point with the direction of the path, [K, residual_f; b^T] t = [0; 1], and its stability; `known` is a point near by."""
-    system, n_q = equations.system, equations.n_q
+    system = equations.system
     direction = bordered_solve(equations, found.matrix, found.load, border, np.append(np.zeros(equations.n), 1.0))
     saddle = factorised(system, found.matrix, equations.scale)
-    soft = softest(saddle, free_count(system), n_q, known.soft if known else None)
+    soft = softest(saddle, free_count(system), system.n_b, known.soft if known else None)
     ahead = CLOSE / max(measure(equations, direction), CLOSE)
     difference = equations.linearised(found.z + ahead * direction)[1] - equations.linearised(found.z)[1]
     return PathPoint(found.z, direction, saddle.negative, soft, soft.change(difference) / ahead)
@@ -105,5 +105,6 @@ def bordered_solve(
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:
     """Largest change of a coordinate or of the load factor in [q; lam; factor], in parts of the scene's size, rad, or the load."""
-    moved = np.abs(equations.system.weights[: equations.n_q] * change[: equations.n_q])
+    n_b = equations.system.n_b
+    moved = np.abs(equations.system.weights[:n_b] * change[:n_b])
     return max(float(moved.max(initial=0)), abs(float(change[-1])))

@@ -99,7 +99,7 @@ def arcs(equations: PathEquations, start: PathPoint, most: float) -> Iterator[Ar
     ConvergenceError
         The path ends: something moves or grows beyond all bounds, or branches meet.
     """
-    last, length, empty = None, np.inf, Box.around(start.z, equations.system.weights[: equations.n_q])
+    last, length, empty = None, np.inf, Box.around(start.z, equations.system.weights[: equations.system.n_b])
     while last is None:
         first = _step(equations, empty, start, None, most, length)
         box = empty.with_point(first.end.z)

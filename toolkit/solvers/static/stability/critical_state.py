@@ -38,12 +38,12 @@ def has_negative_stiffness(system: System, matrix: np.ndarray, acc: np.ndarray) 
             return False
     except SingularSystemError:
         pass  # a stiffness that is zero to round-off is not negative
-    n_q = system.n_q
-    weights, phi_q = system.weights[:n_q], matrix[:n_q, n_q:].T
+    n_b, forces = system.n_b, np.append(np.zeros(len(system.numbering.states)), acc[system.n_q :])
+    weights, phi_q = system.weights[:n_b], matrix[:n_b, n_b:].T
     free = free_motions(phi_q, weights)
     if not free.shape[1]:
         return False
-    stiffness, largest = free.T @ matrix[:n_q, :n_q] @ free, made_of(matrix[:n_q, :n_q], phi_q, acc[n_q:], weights, free).max()
+    stiffness, largest = free.T @ matrix[:n_b, :n_b] @ free, made_of(matrix[:n_b, :n_b], phi_q, forces, weights, free).max()
     if is_symmetric(stiffness, largest):
         return bool(eigvalsh((stiffness + stiffness.T) / 2)[0] <= -ROUND_OFF * largest)
     values = eigvals(stiffness)
@@ -75,10 +75,10 @@ def load_to_critical(system: System, options: RunOptions, state: Equilibrium) ->
 
     Before a limit point k goes as the root of the distance, so that it is half of this; before a bifurcation it is this.
     """
-    n_q = system.n_q
-    if 2 * n_q <= system.n:
+    n_q, n_b = system.n_q, system.n_b
+    if 2 * n_b <= system.n:
         return np.inf, np.zeros(system.n)  # the joints leave no motion
-    moved = system.weights[:n_q] * np.abs(np.real(state.tangent[:n_q]))
+    moved = system.weights[:n_b] * np.abs(np.real(state.tangent[:n_b]))
     step = REACH / max(moved.max(initial=0), REACH)  # at most the whole load
     here, motion = softest_motion(system, _matrix(system, options, state.q, state.acc, 1.0))
     of_q = np.arange(system.n) < n_q
@@ -101,12 +101,12 @@ def softest_motion(system: System, matrix: np.ndarray | csc_array) -> tuple[floa
     Then a shift that no digit of the motion feels makes it regular, unless joints repeat each other.
     """
     matrix = csc_array(matrix)
-    metric = np.where(np.arange(system.n) < system.n_q, system.weights**2, 0.0)
+    metric = np.where(np.arange(system.n) < system.n_b, system.weights**2, 0.0)
     motion = np.random.default_rng(0).normal(size=system.n) / system.weights
     try:
         factors, singular = splu(matrix), False
     except RuntimeError:
-        shift = SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_q].max() * metric
+        shift = SHIFT * np.abs(matrix.diagonal() / system.weights**2)[: system.n_b].max() * metric
         try:
             factors, singular = splu(csc_array(matrix + diags_array(shift))), True
         except RuntimeError:

@@ -40,12 +40,12 @@ class Saddle(NamedTuple):
 
 def balance(system: System, matrix: np.ndarray) -> np.ndarray:
     """The diagonal of D (n,)."""
-    n_q, scale = system.n_q, np.ones(system.n)
-    scale[:n_q] = 1 / system.weights[:n_q]
-    stiffness = np.abs(matrix[:n_q, :n_q] * scale[:n_q] * scale[:n_q, None]).max(initial=0)
-    ties = np.abs(matrix[:n_q, n_q:] * scale[:n_q, None]).max(initial=0)
+    n_b, scale = system.n_b, np.ones(system.n)
+    scale[:n_b] = 1 / system.weights[:n_b]
+    stiffness = np.abs(matrix[:n_b, :n_b] * scale[:n_b] * scale[:n_b, None]).max(initial=0)
+    ties = np.abs(matrix[:n_b, n_b:] * scale[:n_b, None]).max(initial=0)
     if stiffness > 0 and ties > 0:
-        scale[n_q:] = stiffness / ties
+        scale[n_b:] = stiffness / ties
     return scale
 
 
@@ -54,7 +54,7 @@ def balanced(system: System, matrix: np.ndarray, scale: np.ndarray) -> np.ndarra
     found: np.ndarray = matrix * scale
     found *= scale[:, None]
     for row in system.plan.dropped:
-        found[: system.n_q, row], found[row, row] = 0.0, -1.0
+        found[: system.n_b, row], found[row, row] = 0.0, -1.0
     return found
 
 
@@ -75,10 +75,10 @@ def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = No
     symmetric = bool(max(skew.max(initial=0), -skew.min(initial=0)) <= SYMMETRIC * largest)
     if symmetric:
         factors, pivots, info = lapack.dsytrf(scaled, lower=1)
-        negative = _negative_pivots(factors, pivots) - (system.n - system.n_q)
+        negative = _negative_pivots(factors, pivots) - (system.n - system.n_b)
     else:
         factors, pivots, info = lapack.dgetrf(scaled)
-        negative = _negative_eigenvalues(system.n_q, scaled)
+        negative = _negative_eigenvalues(system.n_b, scaled)
     if info:
         raise SingularSystemError("the static equations have no unique solution")
     return Saddle(scale, factors, pivots, symmetric, negative)
@@ -86,7 +86,7 @@ def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = No
 
 def free_count(system: System) -> int:
     """How many independent motions the joints allow."""
-    return 2 * system.n_q + len(system.plan.dropped) - system.n
+    return 2 * system.n_b + len(system.plan.dropped) - system.n
 
 
 def _negative_pivots(factors: np.ndarray, pivots: np.ndarray) -> int:
@@ -95,15 +95,15 @@ def _negative_pivots(factors: np.ndarray, pivots: np.ndarray) -> int:
     return int(np.count_nonzero(factors.diagonal()[single] < 0) + np.count_nonzero(~single) // 2)
 
 
-def _negative_eigenvalues(n_q: int, scaled: np.ndarray) -> int:
+def _negative_eigenvalues(n_b: int, scaled: np.ndarray) -> int:
     """Real negative eigenvalues of Z^T K Z with an orthonormal basis Z of the motions that the joints allow.
 
     There are none where the symmetric part is positive definite. Complex ones (flutter) are no matter of statics.
     """
-    ties = scaled[:n_q, n_q:]
+    ties = scaled[:n_b, n_b:]
     ties = ties[:, np.any(ties != 0, axis=0)]
-    free = qr(ties)[0][:, ties.shape[1] :] if ties.size else np.eye(n_q)
-    stiffness = free.T @ scaled[:n_q, :n_q] @ free
+    free = qr(ties)[0][:, ties.shape[1] :] if ties.size else np.eye(n_b)
+    stiffness = free.T @ scaled[:n_b, :n_b] @ free
     if lapack.dpotrf((stiffness + stiffness.T) / 2)[1] == 0:
         return 0
     values = eigvals(stiffness)

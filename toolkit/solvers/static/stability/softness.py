@@ -32,22 +32,22 @@ class Softness(NamedTuple):
         return found
 
 
-def softest(saddle: Saddle, n_free: int, n_q: int, known: Softness | None = None) -> Softness:
+def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None) -> Softness:
     """By inverse iteration of a block with Rayleigh's quotients, from those of a point near by if it has as many; none if the matrix is
     not symmetric."""
     n, count = len(saddle.scale), min(COUNT, n_free) if saddle.symmetric else 0
     nothing = Softness(np.zeros(0), np.zeros((n, 0)))
     if not count:
         return nothing
-    scale, forces = saddle.scale[:n_q, None], np.zeros((n - n_q, count))
-    near = None if known is None or len(known.values) != count else known.motions[:n_q] / scale
-    block = np.random.default_rng(0).normal(size=(n_q, count)) if near is None else near
+    scale, forces = saddle.scale[:n_b, None], np.zeros((n - n_b, count))
+    near = None if known is None or len(known.values) != count else known.motions[:n_b] / scale
+    block = np.random.default_rng(0).normal(size=(n_b, count)) if near is None else near
     for _ in range(ITERATIONS if near is None else AGAIN):
         block = qr(block, mode="economic")[0]
         solved = saddle.solve(np.vstack([block / scale, forces]))
-        flexibility, turn = eigh(block.T @ (solved[:n_q] / scale))
+        flexibility, turn = eigh(block.T @ (solved[:n_b] / scale))
         if not np.all(flexibility):
             return nothing  # round-off has swallowed a motion of a scene whose sizes differ by too much
         solved = solved @ turn / flexibility
-        block = solved[:n_q] / scale
+        block = solved[:n_b] / scale
     return Softness(1 / flexibility, solved / np.sqrt((block**2).sum(axis=0)))

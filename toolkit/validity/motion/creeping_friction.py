@@ -1,0 +1,74 @@
+"""What the regularisation of friction did to a result: below its width it does not hold, but lets creep."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from toolkit.compilation.numbering import grips_of
+from toolkit.compilation.quantities import named_loads
+from toolkit.foundation.kernel import plain
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.loads.friction import Friction
+from toolkit.responses.kinematics.marker_motion import MarkerMotion
+from toolkit.system.solution import Solution
+
+LOOKED_AT = 2000
+"""Instants, evenly spread over the motion."""
+STILL = 1e-9
+"""Part of what the width itself would creep that is round-off of a scene at rest."""
+
+
+def creeping_friction(solution: Solution) -> Iterator[Caution]:
+    """A remark for every friction: its width, for how much of the time the motion was slower, and how far it crept meanwhile."""
+    scene = solution.system.scene
+    for k, (name, load) in enumerate(named_loads(scene).items()):
+        if not isinstance(load, Friction):
+            continue
+        steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).round().astype(int))
+        rates, times, width = np.abs(_rates(solution, name, k, steps)), solution.times[steps], float(np.real(load.width))
+        slow = rates < width
+        part = _integral(times, slow.astype(float)) / (times[-1] - times[0])
+        label, crept = unit(scene.units, load.rate), _integral(times, np.where(slow, rates, 0))
+        crept = crept if crept > STILL * width * (times[-1] - times[0]) else 0.0
+        way = f"{crept:.3g} {label.partition('/')[0]}"
+        said = f"; slower than that it does not hold but lets creep: {part:.0%} of the time, by {way}. Narrow the width if that matters"
+        yield Caution(
+            "friction-width",
+            f"loads.{name} is friction regularised by velocity, with a width of {width:g} {label}"
+            f"{said if np.any(slow) else ', and nothing was slower than that at any time'}.",
+            doubt=False,
+        )
+
+
+def friction_at_rest(solution: Solution) -> Iterator[Caution]:
+    """A remark for every friction in an equilibrium, where it is zero and in truth may hold."""
+    for name, load in solution.system.scene.loads.items():
+        if isinstance(load, Friction) and load.level:
+            yield Caution(
+                "friction-at-rest",
+                f"loads.{name} is friction regularised by velocity, which holds nothing in an equilibrium: this is the one without it, of "
+                "which true friction would hold the scene somewhere short, and vibrations feel a damper of level / width. Take a "
+                "motion that comes to rest where that matters.",
+                doubt=False,
+            )
+
+
+def _rates(solution: Solution, name: str, k: int, steps: np.ndarray) -> np.ndarray:
+    """g' at some steps, (n_steps,)."""
+    system, load, found = solution.system, named_loads(solution.system.scene)[name], np.zeros(len(steps))
+    motion, numbers = MarkerMotion.of(system, grips_of(f"loads.{name}", load)), np.real(system.plan.loads.parameter[k])
+    assert isinstance(load, Friction)
+    for n, step in enumerate(steps):
+        a, b = motion.at(solution, int(step))
+        w = np.real(np.concatenate([a.rate, b.rate]))
+        slope, bend = np.zeros(len(w)), np.zeros((len(w), len(w)))
+        plain(load.measured())(np.real(np.concatenate([a.y, b.y, numbers])), slope, bend)
+        found[n] = slope @ w
+    return found
+
+
+def _integral(times: np.ndarray, values: np.ndarray) -> float:
+    return float(np.sum(np.diff(times) * (values[1:] + values[:-1]) / 2))
