@@ -175,17 +175,7 @@ def test_kept_factors_lead_to_the_same_motion_in_fewer_factorizations():
     )
     # Newton's tolerance is 1e-10 of the scene's size, which is 80 mm
     np.testing.assert_allclose(modified.q, full.q, atol=1e-7)
-    assert modified.newton_iterations != full.newton_iterations  # it did keep them
-
-
-def test_factors_of_a_step_serve_its_later_iterations_without_changing_what_it_finds():
-    """With design variables every iteration has a Jacobian of its own; without them one serves several, once they are close."""
-    for changes in (WING_CHANGES, {**WING_CHANGES, "solver.scheme": "arnold-bruels", "solver.formulation": "index-3"}):
-        scene = read_scene(WING, changes)
-        exact, kept = (solve(prepare(scene, names), "transient") for names in (["t_w"], []))
-        # what both leave is less than round-off, 1e-16 of 80 mm, over the condition of the thin skin
-        np.testing.assert_allclose(kept.q, exact.q, atol=1e-10)
-        assert kept.newton_iterations != exact.newton_iterations
+    assert modified.newton_iterations > full.newton_iterations  # linear instead of quadratic convergence: it did keep them
 
 
 def damped_slider(curve, **solver) -> Scene:

@@ -18,10 +18,6 @@ STAGNATED = 1e-7
 """Correction below which Newton is content when round-off keeps it from shrinking further."""
 SLOW = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
-NEAR = 1e-3
-"""Correction below which the factors of a step's Jacobian serve its next iterations: they contract by about as much."""
-SQUARED = 1e-6
-"""Part of the tolerance that further iterations with these factors may leave: as little as one with the exact Jacobian does."""
 ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
 
@@ -31,8 +27,7 @@ class Control(NamedTuple):
 
     tolerance: float
     most: int  # iterations
-    modified: bool  # whether factors are kept from step to step, as long as they contract well
-    again: bool  # whether the factors of a step's Jacobian serve its later iterations
+    modified: bool  # whether factors are kept as long as they contract well
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
@@ -98,16 +93,12 @@ def left_over(kept, iteration, before, size):
 def allowed(control, scheme, kept):
     """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
 
-    So do the factors of the step's own Jacobian in further iterations, see SQUARED.
-
-    What factors of earlier steps leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which
-    moves bodies by (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but
-    forces are stiffness times e: left is that e.
+    What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
+    (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
+    times e: left is that e.
     """
     if not kept:
         return control.tolerance
-    if not control.modified:
-        return SQUARED * control.tolerance
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
@@ -119,7 +110,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     """
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
-    trusted, kept, again = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True, control.again
+    trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
         memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
@@ -144,12 +135,10 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if ggl is not None:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
-        if again and not kept:
-            trusted = size <= NEAR
         if kept and iteration > 0 and not size <= SLOW * before:
             if STILL * before < size <= ROUND_OFF:
                 return CONVERGED
-            trusted = again = False  # for the rest of this step
+            trusted = False  # for the rest of this step
             if not size <= before:
                 copy(memory.guess, acc)
                 if ggl is not None:
@@ -159,8 +148,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if not np.isfinite(size):
             return NOT_FINITE
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
-        done = left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)
-        if stagnated or (done and (size <= control.tolerance or control.modified)):
+        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
             return CONVERGED
     return NOT_CONVERGED
 

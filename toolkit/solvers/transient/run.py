@@ -48,11 +48,7 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     options = options or system.scene.solver
     times = time_grid(options)
     lengths = step_lengths(times)
-    again = system.n_x == 0 and system.dtype is float  # derivatives are those of the last iteration's Jacobian
-    again = again and options.formulation != "ggl" and not options.quasi_static  # that end as exactly as their last iteration
-    control = Control(
-        options.tolerance, options.max_iterations, options.newton == "modified", again, left_by_kept(options), np.inf, 0.0
-    )
+    control = Control(options.tolerance, options.max_iterations, options.newton == "modified", left_by_kept(options), np.inf, 0.0)
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
     outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
