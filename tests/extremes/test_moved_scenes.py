@@ -16,6 +16,7 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import Point
 from toolkit.kinematics.planar import rotation
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.responses.forces.joint_force import JointForce
@@ -49,10 +50,21 @@ def folder(tmp_path_factory) -> Path:
 
 def scene_of(name: str, folder: Path, formulation: str = "index-1") -> Scene:
     if name in SCENES:
-        scene = SCENES[name](folder)
+        scene = alike_along_all_axes(SCENES[name](folder))
     else:
         scene = hanging_skin() if name == "hanging skin" else read_scene(WING, {"solver.scheme": "arnold-bruels"})
     return scene.model_copy(update={"solver": scene.solver.model_copy(update={"formulation": formulation})})
+
+
+def alike_along_all_axes(scene: Scene) -> Scene:
+    """The scene with bushings that are as stiff along x as along y: their axes do not turn with the scene."""
+    loads = {
+        name: load.model_copy(update={"stiffness": load.stiffness[:1] * 2, "damping": load.damping[:1] * 2})
+        if isinstance(load, Bushing)
+        else load
+        for name, load in scene.loads.items()
+    }
+    return scene.model_copy(update={"loads": loads})
 
 
 def metre(scene: Scene) -> float:

@@ -63,7 +63,7 @@ def compare(path: Path) -> int:
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.parent.name)
 def test_shipped_models_are_read_as_by_the_library(path):
-    assert compare(path) > 70
+    assert compare(path) > 60
 
 
 @pytest.mark.parametrize("kind", PREPARED)

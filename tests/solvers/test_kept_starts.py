@@ -27,10 +27,12 @@ from toolkit.results.results_file import load_results, save_results
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.certificate import certify
+from toolkit.sensitivity.certificate.fresh_models import fresh_gradients
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.methods import gradients_by
 from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.start.continued import continued_start
+from toolkit.studies.stability.catalogue import unit_map
 from toolkit.studies.stability.physics_maps import speed_map
 
 HALF, STEP = 0.6, 0.01
@@ -243,6 +245,18 @@ def test_gradients_that_would_miss_the_kept_run_are_refused(folder):
 def test_a_map_over_the_speed_is_refused_where_a_file_sets_it(folder):
     with pytest.raises(InputError, match=r"the speed at the start is that of a results file \(solver\.start\)"):
         speed_map(further(pendulum(folder, 2)))
+    with pytest.raises(
+        InputError, match=r"it starts in a results file \(solver\.start\), whose numbers are in units of their own"
+    ):
+        unit_map(further(pendulum(folder, 2)), folder)
+
+
+def test_a_certificate_leaves_out_models_built_afresh_which_the_kept_run_does_not_know(folder):
+    scene, path = pendulum(folder, 2), "bodies.arm.thickness"
+    kept(scene, folder, [path])
+    found = fresh_gradients(further(scene), [path], "transient", lambda *_: None)
+    assert found.slopes == {}
+    assert list(found.left_out) == [path]
 
 
 def renamed(scene: Scene, folder: Path) -> Scene:

@@ -6,6 +6,7 @@ import pytest
 
 from tests.spinning.scenes import governor, motor, table
 from toolkit.curves.kinds.constant import Constant
+from toolkit.curves.kinds.polynomial import Polynomial
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.door.model import compile_model
@@ -86,6 +87,16 @@ def test_a_spring_on_the_axis_is_no_matter_and_works_as_it_should():
     state = solve(prepare(with_parts(table(), loads={"tie": tie})), "static")
     x, y = state.q[0, state.coordinates("block")][:2] - [0.5, 0.2]
     assert (x**2 + y**2) ** 0.5 == pytest.approx(2 * 80.0 / (80.0 - 18.0), rel=1e-11)
+
+
+def test_a_driver_that_does_not_keep_its_rate():
+    """Bodies lag behind it by forces that no steady state shows; at a rate of 20 rad/s it would be a frequency with exit code 0."""
+    (name, motor), *_ = [(name, each) for name, each in table().joints.items() if each.kind == "angle-driver"]
+    hurried = motor.model_copy(update={"curve": Polynomial(coefficients=(0.0, 2.0, 3.0))})
+    refused(
+        with_parts(table(), joints={name: hurried}),
+        r"turns with .* but does not keep that rate: it changes by 6 per unit of time",
+    )
 
 
 def test_what_is_free_in_the_frame_that_spins():

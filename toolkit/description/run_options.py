@@ -67,7 +67,7 @@ class RunOptions(Description):
         act at time 0, with the velocities that the scene writes, or with `equilibrium` = "spinning" in the steady spin that its driver
         asks for then; or "wing.h5", in the last state of the run that this results file keeps,
         whose positions, shapes and velocities replace the written ones; it is sought from the scene's folder. Time begins at 0 again,
-        and so do curves (give those that go on a negative `start`) and counted turns. Gradients know how an equilibrium depends on
+        and so do curves (give those that go on a negative `start`) and in space counted turns. Gradients know how an equilibrium depends on
         the design, and how a kept state does if the file holds its derivatives (`ffrf sensitivity --method direct --output`); without
         them, gradients by numbers that the kept run had too are refused.
     local_error

@@ -139,7 +139,7 @@ def _item(
 ) -> Any:
     """One component of the scene; `others` are the kinds that scenes of the other dimension have."""
     if not isinstance(value, dict) or "type" not in value:
-        problems.append(f"{where} needs a `type`, one of: {', '.join(kinds)}.")
+        problems.append(f"{where} needs a `type`, one of: {', '.join(sorted(kinds))}.")
         return None
     wanted = value["type"]
     kind = kinds.get(wanted) if isinstance(wanted, str) else None
@@ -148,7 +148,7 @@ def _item(
         if isinstance(wanted, str) and wanted in others:
             other = others[wanted].dimension
             hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
-        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(kinds)}.{hint}")
+        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(sorted(kinds))}.{hint}")
         return None
     return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
 

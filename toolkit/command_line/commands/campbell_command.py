@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 def campbell(
     scene: SceneFile,
     speeds: Annotated[
-        str, typer.Option(metavar="FIRST:LAST:COUNT", help="Speeds in rad/s, for example 0:100:21; or a list, 10,20,50.")
+        str, typer.Option(metavar="FIRST:LAST:COUNT", help="Speeds in rad/s, for example 0:60:13; or a list, 10,20,50.")
     ],
     count: Annotated[int, typer.Option(min=1, help="How many frequencies, from the lowest.")] = 6,
     output: Annotated[

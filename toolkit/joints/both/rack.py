@@ -29,7 +29,8 @@ class OnRack(AtPoints, Joint):
     points
         Names of the centre of the wheel and of a point of the line, on the side where the line is.
     radius
-        R of the wheel; by default the distance of its centre from the line through the second point, which follows when a point moves.
+        R of the wheel; by default the distance of its centre from the line through the second point, which follows when a point moves. One
+        that is given counts alone: the line of a rack may run anywhere beside the wheel.
     """
 
     radius: Annotated[Positive | None, Quantity("length")] = None

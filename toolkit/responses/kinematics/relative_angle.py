@@ -31,7 +31,8 @@ class RelativeAngle(Instant):
 
         angle = atan2(u_2 . w_1 - u_1 . w_2, u_1 . w_1 + u_2 . w_2) + 2 pi turns
 
-    Turns are counted from the start of the run: from step to step the angle changes by what its rate at both ends says, to the nearest
+    In the plane the angle has all turns, also those of a kept run that it starts from. In space they are counted from the start of the run:
+    from step to step the angle changes by what its rate at both ends says, to the nearest
     turn. An equilibrium has no turns.
 
     Attributes

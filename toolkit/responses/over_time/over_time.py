@@ -108,7 +108,7 @@ class OfTable(OverTime):
             return _over_all_times(value)
         kind = value.get("type") if isinstance(value, dict) else None
         if not isinstance(kind, str) or kind not in Instant.kinds:
-            raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(Instant.kinds)}")
+            raise ValueError(f"`of` needs a table with a `type`, one of: {', '.join(sorted(Instant.kinds))}")
         found = Instant.kinds[kind](**{key: item for key, item in value.items() if key != "type"})
         assert isinstance(found, Instant)
         return _over_all_times(found)

@@ -19,6 +19,10 @@ SKEW = 1e-9
 """Sine of the angle, and part of the scene's size, by which an axis may be off another one."""
 
 
+STEADY = 1e-6
+"""Part of the square of the rate by which it may change: a force of that part of the centrifugal ones."""
+
+
 class Spin(NamedTuple):
     """What the driver asks for: angular velocity omega (1,), in space (3,), centre (d,), their derivatives (..., n_x); its time curve."""
 
@@ -84,6 +88,23 @@ def spin_of(system: System, options: RunOptions, inputs: Inputs) -> Spin:
     found = Spin(rate * axis, centre, np.real(axis[:, None] * drate + rate * daxis), dcentre, curve)
     _refuse_what_cannot_turn(system, found, name)
     return found
+
+
+def refuse_acceleration(spin: Spin, inputs: Inputs, options: RunOptions) -> None:
+    """Refuse a driver whose rate changes at the end time: bodies then lag behind it, which no steady state shows.
+
+    Raises
+    ------
+    InputError
+        Names the rate and how fast it changes.
+    """
+    _, rate, change = np.real(inputs.curves[spin.curve])
+    if abs(change) > STEADY * rate * rate:
+        raise InputError(
+            f"the driver turns with {rate:.6g} rad per unit of time at t = {options.end_time:g}, but does not keep that rate: it changes "
+            f"by {change:.6g} per unit of time. A steady spin has a constant one: give the driver a curve that ends with one, for example "
+            f'{{ type = "polynomial", coefficients = [0.0, {rate:.6g}] }}, or run the motion.'
+        )
 
 
 def _drivers(system: System) -> list[tuple[int, str]]:

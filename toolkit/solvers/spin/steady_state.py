@@ -15,7 +15,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
 from toolkit.foundation.near_ties import first_largest
-from toolkit.solvers.spin.axis import Spin, spin_of
+from toolkit.solvers.spin.axis import Spin, refuse_acceleration, spin_of
 from toolkit.solvers.spin.generator import Generator
 from toolkit.solvers.spin.state import balancing, linearised, moved
 from toolkit.solvers.static.equilibrium import FAR, LEVELS, ROUND_OFF
@@ -61,12 +61,14 @@ def steady_state(
     Raises
     ------
     InputError
-        No driver says the speed, or joints do not let the scene turn as a whole.
+        No driver says the speed, it changes then, or joints do not let the scene turn as a whole.
     ConvergenceError, SingularSystemError
         There is no steady state that Newton finds, or something is free to move in the frame that turns.
     """
     inputs = system.inputs(options.end_time, LEVELS)
     spin = spin_of(system, options, inputs)
+    if speed is None:
+        refuse_acceleration(spin, inputs, options)
     factor = 1.0 if speed is None else speed / spin.speed
     motion, begin = spin.generator(system).times(factor), _turned_start(system, inputs, spin)
     _refuse_before(system, inputs, spin)

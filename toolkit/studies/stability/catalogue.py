@@ -17,7 +17,15 @@ MAPS = ("step", "baumgarte", *PHYSICS, "units")
 
 
 def unit_map(scene: Scene, directory: Path) -> Map:
-    """The scene in every unit system; converted reduced models are written to a folder."""
+    """The scene in every unit system; converted reduced models are written to a folder.
+
+    Raises
+    ------
+    InputError
+        The scene starts in a results file, whose numbers are in units of their own.
+    """
+    if scene.start_file is not None:
+        raise InputError("it starts in a results file (solver.start), whose numbers are in units of their own")
     units = (scene.units, *(name for name in UNIT_SYSTEMS if name != scene.units))
     axis = Axis("units", units, 0)
     scenes: dict[tuple[int, ...], Scene] = {
