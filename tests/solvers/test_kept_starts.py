@@ -256,7 +256,7 @@ def test_a_certificate_leaves_out_models_built_afresh_which_the_kept_run_does_no
     kept(scene, folder, [path])
     found = fresh_gradients(further(scene), [path], "transient", lambda *_: None)
     assert found.slopes == {}
-    assert list(found.left_out) == [path]
+    assert "the run starts in a results file" in found.left_out[path]
 
 
 def renamed(scene: Scene, folder: Path) -> Scene:

@@ -145,13 +145,13 @@ def _parameter(scene: Scene, path: str) -> tuple[str, str]:
 
 def _hindrance(scene: Scene, part: Part) -> str:
     """Why there are no fresh models of a parameter; empty if there are."""
+    if scene.start_file is not None:
+        return "the run starts in a results file (solver.start), which is that of the model as it is"
     skin = source(scene, part.body)
     if not skin.is_file():
         return f"there is no {skin.name} beside the reduced model to build it from"
     if not is_built_from(scene, part.body, skin):
         return f"the reduced model was not built from the {skin.name} beside it"
-    if scene.start_file is not None:
-        return "the run starts in a results file (solver.start), which is that of the model as it is"
     if part.value == 0 and "damping" in part.parameter:
         return "damping is zero and cannot be less"
     return ""
