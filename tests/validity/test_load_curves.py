@@ -25,7 +25,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.result import Result
-from toolkit.validity.motion.load_curves import LOST, loss_of
+from toolkit.validity.curves.load_curves import LOST, loss_of
 
 MODELS = Path(__file__).parents[2] / "models"
 SLED = """

@@ -9,14 +9,14 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
+from toolkit.validity.curves.curve_overshoot import overshooting_tables
+from toolkit.validity.curves.idle_curves import idle_curves
+from toolkit.validity.curves.load_curves import unseen_curves
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.bushing_turns import bushings_turned_far
 from toolkit.validity.motion.creeping_friction import creeping_friction, friction_at_rest
-from toolkit.validity.motion.curve_overshoot import overshooting_tables
-from toolkit.validity.motion.idle_curves import idle_curves
 from toolkit.validity.motion.left_out import left_out
-from toolkit.validity.motion.load_curves import unseen_curves
 from toolkit.validity.motion.motion import coarse_steps, left_over, measured, unbalanced_energy
 from toolkit.validity.motion.noisy_forces import noisy_forces
 from toolkit.validity.motion.open_profiles import opened_profiles
