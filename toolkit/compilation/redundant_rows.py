@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.foundation.errors import SingularSystemError
+
 REPEATS, ALMOST = 1e-9, 1e-5
 """Part of a row, of length one, that is independent of the rows before it, below which it repeats them, and below which it nearly does:
 such a joint jams, because points or axes do not fit."""
@@ -57,5 +59,11 @@ def null_vectors(jacobian: np.ndarray, kept: np.ndarray, repeating: np.ndarray) 
     found: np.ndarray = np.zeros((len(jacobian), len(repeating)), jacobian.dtype)
     own = jacobian[kept]
     found[repeating, np.arange(len(repeating))] = 1
-    found[kept] = -np.linalg.solve(own @ own.T, own @ jacobian[repeating].T)
+    try:
+        found[kept] = -np.linalg.solve(own @ own.T, own @ jacobian[repeating].T)
+    except np.linalg.LinAlgError as error:
+        raise SingularSystemError(
+            "the joints cannot be told apart: their lengths differ so much that round-off decides which of them repeat others. "
+            "Check the points and their units."
+        ) from error
     return found
