@@ -26,9 +26,14 @@ def kernel(function: Callable) -> CPUDispatcher:
     """Decorator of a formula that Python calls: compiled on first use, kept on disk, callable by other kernels too.
 
     Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
-    the step loop and halves the time to compile it.
+    the step loop and halves the time to compile it. Other kernels take it as an inner formula: code that Python can enter is made for
+    those alone that Python enters.
     """
-    return _compiled(function)
+    entrance = _compiled(function, no_cfunc_wrapper=True)
+    if isinstance(entrance, CPUDispatcher):
+        within: Any = _inner(function)
+        entrance.__dict__.update(get_call_template=within.get_call_template, get_overload=within.get_overload)
+    return entrance
 
 
 def inner(function: Callable) -> CPUDispatcher:
