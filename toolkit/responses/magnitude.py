@@ -37,7 +37,9 @@ def largest_magnitude(response: Response, solution: Solution, value: Any) -> flo
 @largest_magnitude.register
 def _(response: Instant, solution: Solution, value: Any) -> float:
     look = response.instants(solution)
-    return max(abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in spread(solution.steps, INSTANTS)))
+    return max(
+        abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in spread(len(solution.times) - 1, INSTANTS))
+    )
 
 
 @largest_magnitude.register
@@ -57,7 +59,7 @@ def _(response: Instant, solution: Solution) -> np.ndarray:
         return np.zeros(0)
     look = response.instants(solution)
     return np.nan_to_num(
-        np.max([np.abs(_slope(look(step), solution, step)) for step in spread(solution.steps, INSTANTS)], axis=0)
+        np.max([np.abs(_slope(look(step), solution, step)) for step in spread(len(solution.times) - 1, INSTANTS)], axis=0)
     )
 
 

@@ -75,7 +75,7 @@ class SpatialLook:
 
 def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) -> SpatialLook:
     """Look of the pictures at the given steps, wide enough for the whole motion."""
-    some = spread(solution.steps, MOST_MOMENTS)
+    some = spread(len(solution.times) - 1, MOST_MOMENTS)
     moments = [SpatialConfiguration(solution, step) for step in sorted({*some, *steps})]
     scene = solution.system.scene
     bodies = tuple(name for name in moments[0].flexible() if has_shape(scene, name))

@@ -28,7 +28,7 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
     for k, (name, load) in enumerate(named_loads(scene).items()):
         if not isinstance(load, Friction):
             continue
-        steps = np.array(spread(solution.steps, LOOKED_AT))
+        steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))
         rates, times, width = np.abs(_rates(solution, name, k, steps)), solution.times[steps], float(np.real(load.width))
         slow = rates < width
         part = _integral(times, slow.astype(float)) / (times[-1] - times[0])
