@@ -11,7 +11,7 @@ from toolkit.compilation.dependence import GROUPS, affected_by
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import derivatives, evaluate_quantities
+from toolkit.compilation.quantities import derivatives, seen_quantities
 from toolkit.description.design import Design
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
@@ -47,10 +47,12 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     check_numbers(scene)
     numbering = system.numbering
     affected = affected_by(scene, numbering.markers, paths, numbering.users)
-    old = [system.values, *system.derivatives]
-    new = [evaluate_quantities(scene, numbering, affected), *derivatives(scene, numbering, system.design, affected)]
+    new, seen = seen_quantities(scene, numbering, affected)
+    rates = derivatives(scene, numbering, system.design, seen, affected)
     try:
-        pairs = [renew(*pair, entries=system.values) for pair in zip(old, new, strict=True)]
+        pairs = [renew(system.values, new, system.values)]
+        for before, after in zip(system.derivatives, rates, strict=True):
+            pairs.append(renew(before, after.rates, system.values, after.still))
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))

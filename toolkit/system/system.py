@@ -18,7 +18,7 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_of, seen_quantities
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.kernel import call, first_class, plain, slots
@@ -211,8 +211,8 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values = evaluate_quantities(scene, numbering)
-    changes = derivatives(scene, numbering, variables)
+    values, seen = seen_quantities(scene, numbering)
+    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)
