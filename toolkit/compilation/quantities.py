@@ -207,7 +207,7 @@ def derivatives(
         affected = affected_by(scene, numbering.markers, list(variable.paths), numbering.users)
         moved = scene.moved(variable, 1j * STEP)
         parts = _parts(moved, numbering, affected if among is None else affected & among)
-        placed = Remembered(moved)
+        placed = Remembered(moved, seen.placed)
         stirred = _stirred(seen, placed)
         groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
         rates = _quantities({name: {k: part.make(placed) for k, part in each.items()} for name, each in groups.items()}, moved)

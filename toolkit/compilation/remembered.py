@@ -33,10 +33,13 @@ class Remembered:
     ----------
     scene
         The scene, at real or complex numbers.
+    beside
+        The same scene at other numbers, which has asked for the same models.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, beside: Remembered | None = None) -> None:
         self._scene = scene
+        self._models: dict[Any, ReducedModel] = {} if beside is None else beside._models
         self._kept: dict[Any, Any] = {}
         self._asked: set[Any] | None = None
 
@@ -81,7 +84,12 @@ class Remembered:
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model of that file."""
-        return self._once(("model", path, *parts), lambda: self._scene.model(path, *parts))
+        return self._once(("model", path, *parts), lambda: self._read(path, *parts))
+
+    def _read(self, path: str, *parts: str) -> ReducedModel:
+        if (path, parts) not in self._models:
+            self._models[path, parts] = self._scene.model(path, *parts)
+        return self._models[path, parts]
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it."""

@@ -11,7 +11,7 @@ from pydantic import Field, model_validator
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.description import Description, Registered, numbers_below
+from toolkit.description.description import Description, Registered, number_at, numbers_below
 from toolkit.description.design import Design, DesignEntry, DesignVariable
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
@@ -203,9 +203,9 @@ class Scene(Description):
             There is no number at the path; lists all paths.
         """
         path = self.path_of(path)
-        written = self._numbers_near(path)
-        if path in written:
-            return written[path]
+        written = self._written(path)
+        if written is not None:
+            return written
         nominal = self.model_parameters()
         if path not in nominal:
             raise InputError(
@@ -219,6 +219,12 @@ class Scene(Description):
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
+
+    def _written(self, path: str) -> Any | None:
+        """The number at a path, if the scene writes one there."""
+        group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
+        items = getattr(self, group) if group in type(self).model_fields else None
+        return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
@@ -260,7 +266,7 @@ class Scene(Description):
             There is no number at the path.
         """
         path = self.path_of(path)
-        if path not in self._numbers_near(path):
+        if self._written(path) is None:
             self.number(path)
             group, name, key = path.split(".")
             owner = getattr(self, group)

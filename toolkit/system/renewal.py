@@ -13,6 +13,7 @@ from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
 from toolkit.compilation.quantities import derivatives, seen_quantities
 from toolkit.description.design import Design
+from toolkit.joints.row_checks import check_rows
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 
@@ -48,6 +49,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     numbering = system.numbering
     affected = affected_by(scene, numbering.markers, paths, numbering.users)
     new, seen = seen_quantities(scene, numbering, affected)
+    for j, part in seen.parts["joints"].items():
+        check_rows(part.written[0], seen.placed, numbering.forms.rows[j])  # type: ignore[arg-type]
     rates = derivatives(scene, numbering, system.design, seen, affected)
     try:
         pairs = [renew(system.values, new, system.values)]
