@@ -76,15 +76,15 @@ class Remembered:
 
     def interface(self, point: str) -> Any:
         """The point as it was written."""
-        return self._once(("interface", point), lambda: self._scene.interface(point))
+        return self.once(("interface", point), lambda: self._scene.interface(point))
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, (d,)."""
-        return self._once(("position", point), lambda: position_in(self, point))
+        return self.once(("position", point), lambda: position_in(self, point))
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model of that file."""
-        return self._once(("model", path, *parts), lambda: self._read(path, *parts))
+        return self.once(("model", path, *parts), lambda: self._read(path, *parts))
 
     def _read(self, path: str, *parts: str) -> ReducedModel:
         if (path, parts) not in self._models:
@@ -93,14 +93,15 @@ class Remembered:
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it."""
-        return self._once(("arc lengths", _Itself(body)), lambda: self._scene.arc_lengths(body))
+        return self.once(("arc lengths", _Itself(body)), lambda: self._scene.arc_lengths(body))
 
     @property
     def size(self) -> float:
         """The length that displacements are compared with, see `Scene.size`."""
-        return self._once(("size",), lambda: size_of(self))
+        return self.once(("size",), lambda: size_of(self))
 
-    def _once(self, key: Hashable, make: Callable[[], T]) -> T:
+    def once(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What is made when it is first asked for under this key."""
         outer, self._asked = self._asked, None  # what answers a question asks others, which the answer speaks for
         if outer is not None:
             outer.add(key)

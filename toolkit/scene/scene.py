@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self
@@ -141,8 +142,11 @@ class Scene(Description):
         ModelFileError
             The file cannot be used, see `toolkit.reduced_model.file.load`.
         """
-        full = self.directory / path
-        changed = full.stat().st_mtime_ns if full.exists() else 0
+        full = os.path.join(self.directory, path)  # noqa: PTH118  a Path takes as long as all else here
+        try:
+            changed = os.stat(full).st_mtime_ns  # noqa: PTH116
+        except OSError:
+            changed = 0
         model = _load(full, ("interfaces", *parts), changed)
         if model.units != self.units:
             raise InputError(
@@ -337,15 +341,15 @@ def forget_models() -> None:
 
 
 @lru_cache(maxsize=32)
-def _read_before(_path: Path, _changed: int) -> dict[Path, ReducedModel]:
+def _read_before(_path: str, _changed: int) -> dict[str, ReducedModel]:
     """Where the parts of a file that were read stay, as long as the file is the same."""
     return {}
 
 
-def _load(path: Path, parts: tuple[str, ...], changed: int) -> ReducedModel:
+def _load(path: str, parts: tuple[str, ...], changed: int) -> ReducedModel:
     """At least these parts; what was read before is not read again."""
     shelf = _read_before(path, changed)
     known = shelf.get(path)
     if known is None or not known.bytes_read.keys() >= set(parts):
-        shelf[path] = known = load(path, parts, known)
+        shelf[path] = known = load(Path(path), parts, known)
     return known
