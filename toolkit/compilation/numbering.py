@@ -141,13 +141,13 @@ def _with_state(scene: Scene) -> dict[str, Load]:
     return {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load) and load.state is not None}
 
 
-def weights(scene: Scene) -> np.ndarray:
+def weights(scene: Scene, remembered: Remembered | None = None) -> np.ndarray:
     """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
     which all systems of units count in seconds.
     """
-    placed: Any = Remembered(scene)
+    placed: Any = remembered or Remembered(scene)
     states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
     lengths = np.concatenate([*(body.coordinate_lengths(placed) for body in scene.all_bodies().values()), states])
     rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]

@@ -77,9 +77,12 @@ def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected |
     return seen_quantities(scene, numbering, affected)[0]
 
 
-def seen_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> tuple[Quantities, Seen]:
+def seen_quantities(
+    scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
+) -> tuple[Quantities, Seen]:
     """The same, and how they came about."""
-    placed, parts, asked = Remembered(scene), _parts(scene, numbering, affected), dict[tuple[str, int], frozenset[Any]]()
+    placed, parts = remembered or Remembered(scene), _parts(scene, numbering, affected)
+    asked: dict[tuple[str, int], frozenset[Any]] = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
         for owner, part in owners.items():

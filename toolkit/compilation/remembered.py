@@ -95,6 +95,21 @@ class Remembered:
         """Interface points of a body that the scene puts elsewhere along it."""
         return self.once(("arc lengths", _Itself(body)), lambda: self._scene.arc_lengths(body))
 
+    def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
+        """What is made of one of its bodies, once. Its questions count each time, as if it were made each time."""
+        key, outer = (what, _Itself(body)), self._asked
+        if key not in self._kept:
+            self._asked = set()
+            try:
+                self._kept[key] = make(), self._asked
+            finally:
+                self._asked = outer
+        found, asked = self._kept[key]
+        if outer is not None:
+            outer |= asked
+        made: T = found
+        return made
+
     @property
     def size(self) -> float:
         """The length that displacements are compared with, see `Scene.size`."""

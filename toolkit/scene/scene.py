@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -27,6 +28,8 @@ from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.names import check_dimension, check_names, known
 from toolkit.scene.space import SPACES, Space
+
+T = TypeVar("T")
 
 
 class Scene(Description):
@@ -180,6 +183,10 @@ class Scene(Description):
                     )
                 found[point.interface] = point.arc_length
         return found
+
+    def of_body(self, _body: Any, _what: str, make: Callable[[], T]) -> T:
+        """What is made of a body, each time anew: see `compilation.remembered`."""
+        return make()
 
     def extrapolated(self) -> dict[str, list[str]]:
         """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
