@@ -31,6 +31,11 @@ def kernel(function: Callable) -> CPUDispatcher:
     return _compiled(function)
 
 
+def loop(function: Callable) -> CPUDispatcher:
+    """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
+    return _compiled(function, nogil=True)
+
+
 def inner(function: Callable) -> CPUDispatcher:
     """Decorator of a formula that only other kernels call; without an entrance from Python it compiles faster."""
     return _inner(function)
