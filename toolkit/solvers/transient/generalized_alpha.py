@@ -5,7 +5,8 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import copy, inner, kernel
+from toolkit.foundation.kernel import inner, kernel
+from toolkit.solvers.transient.extrapolation import BEND, ORDER, UNCHECKED, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -19,6 +20,7 @@ from toolkit.solvers.transient.step_memory import (
     LAST,
     LAST_ERROR,
     LATE_ERROR,
+    REST,
     STATUS,
     STEP,
 )
@@ -37,6 +39,8 @@ FADING = 0.8
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
     memory.span[0] = 0
+    memory.learnt[BEND], memory.learnt[UNCHECKED] = 0, 0
+    forget_trend(memory)
     for i in range(plan.n_q):
         memory.aux[i] = history.acc[0, i]
         for x in range(plan.n_x):
@@ -49,7 +53,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
 
 @inner
 def foresee(plan, scheme, history, step, memory):
-    """Predicted coordinates and velocities, and a first guess of [a; lam]: that of the step before."""
+    """Predicted coordinates and velocities, and a first guess of [a; lam]."""
     ratio = step_ratio(scheme.h, memory.span[0])
     if ratio != 1:
         rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
@@ -57,7 +61,7 @@ def foresee(plan, scheme, history, step, memory):
     memory.span[0] = scheme.h
     q, v, acc = history.q[step], history.v[step], history.acc[step + 1]
     predict(scheme, q, v, history.acc[step], memory.aux, plan.n_q, memory.q_predicted, memory.v_predicted)
-    copy(history.acc[step], acc)
+    guess(plan, ratio, memory, history.acc[step], acc)
     if not scheme.inertia:
         for i in range(plan.n_q):
             acc[i] = v[i] / scheme.h
@@ -138,19 +142,23 @@ def integrate(
         now = with_step(scheme, lengths[step])
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia, False)
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
-        foresee(plan, now, history, step, memory)
         outcome.counts[STEP] = step
-        if ggl is not None:
-            begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
-        outcome.counts[STATUS] = newton(
-            evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
-        )
-        outcome.counts[ALL_ITERATIONS] += outcome.counts[ITERATIONS]
+        while True:
+            foresee(plan, now, history, step, memory)
+            if ggl is not None:
+                begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
+            outcome.counts[STATUS] = newton(
+                evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
+            )
+            outcome.counts[ALL_ITERATIONS] += outcome.counts[ITERATIONS]
+            if outcome.counts[STATUS] == CONVERGED or memory.learnt[ORDER] == 0:
+                break
+            forget_trend(memory)
         if outcome.counts[STATUS] == CONVERGED:
             outcome.counts[STATUS] = judge(plan, now, weights, control, history, step, memory, outcome)
         if outcome.counts[STATUS] != CONVERGED:
             return
-        outcome.correction[LARGEST] = max(outcome.correction[LAST], outcome.correction[LARGEST])
+        outcome.correction[LARGEST] = max(outcome.correction[REST], outcome.correction[LARGEST])
         outcome.correction[LARGEST_ERROR] = max(outcome.correction[LAST_ERROR], outcome.correction[LARGEST_ERROR])
         fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[LAST], memory, ggl)
         if plan.n_x > 0:
@@ -159,6 +167,7 @@ def integrate(
             else:
                 ggl_sensitivity_step(evaluator, plan, functions, inputs, now, history, step, fresh, memory, ggl)
         advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
+        learn_trend(plan, now, weights, history.acc[step], acc, memory)
         if carries(scheme):
             carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])
         outcome.correction[LATE_ERROR] = max(outcome.correction[LAST_ERROR], FADING * outcome.correction[LATE_ERROR])

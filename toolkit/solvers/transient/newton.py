@@ -6,10 +6,11 @@ import numpy as np
 
 from toolkit.foundation.kernel import copy, inner
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
-from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST
+from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
@@ -20,6 +21,15 @@ SLOW = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
 ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
+
+
+NEGLIGIBLE, UNLIKE = 1e-16, 100.0
+"""Part of the scene's size (or rad) that no step feels, a rounding of it; and how many times more than it did when it was last measured a
+correction may leave, for all that is known."""
+MEASURABLE = 1e-14
+"""Correction above which it is that of Newton's method, and not of round-off."""
+OFTEN, SURPRISE = 20, 10.0
+"""Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
 
 
 class Control(NamedTuple):
@@ -103,6 +113,30 @@ def allowed(control, scheme, kept):
 
 
 @inner
+def learn_bend(learnt, before, size):
+    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other."""
+    learnt[UNCHECKED] = 0
+    if size > MEASURABLE:
+        learnt[BEND] = size / (before * before)
+
+
+@inner
+def leaves_nothing(learnt, iteration, size):
+    """Whether the exact Jacobian leaves less than round-off after a correction, by what the last ones left."""
+    known = learnt[BEND] > 0 and learnt[UNCHECKED] < OFTEN
+    if iteration == 0 and size > SURPRISE * learnt[EXPECTED]:
+        return False
+    return known and UNLIKE * learnt[BEND] * size * size <= NEGLIGIBLE
+
+
+@inner
+def expects_one(control, learnt):
+    """Whether one correction will do, if this step is like the last."""
+    size = learnt[EXPECTED]
+    return size > 0 and (size <= control.tolerance or leaves_nothing(learnt, 0, size))
+
+
+@inner
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -111,9 +145,12 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
+    learnt, stiff = memory.learnt, len(plan.constant.stiff_row) > 0
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
-        memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
+        # a first correction is far larger than its round-off, unless it is the last one too
+        rough = stiff and iteration == 0 and not expects_one(control, learnt)
+        memory.work.rough[0] = int(rough)
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
         for i in range(plan.n):
@@ -135,6 +172,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if ggl is not None:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
+        outcome.correction[REST] = size
         if kept and iteration > 0 and not size <= SLOW * before:
             if STILL * before < size <= ROUND_OFF:
                 return CONVERGED
@@ -147,8 +185,14 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
+        if not kept and exact_before:
+            learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
-        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
+        if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
+            return CONVERGED
+        if not kept and not rough and leaves_nothing(learnt, iteration, size):
+            learnt[UNCHECKED] += 1
+            outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
     return NOT_CONVERGED
 
