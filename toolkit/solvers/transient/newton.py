@@ -23,11 +23,8 @@ ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
 
 
-NEGLIGIBLE, UNLIKE = 1e-16, 100.0
-"""Part of the scene's size (or rad) that no step feels, a rounding of it; and how many times more than it did when it was last measured a
-correction may leave, for all that is known."""
-MEASURABLE = 1e-14
-"""Correction above which it is that of Newton's method, and not of round-off."""
+NEGLIGIBLE = 1e-15
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what the last corrections of flexible bodies consist of."""
 OFTEN, SURPRISE = 20, 10.0
 """Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
 
@@ -114,19 +111,22 @@ def allowed(control, scheme, kept):
 
 @inner
 def learn_bend(learnt, before, size):
-    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other."""
+    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
+
+    A second one that is round-off only bounds it, and does not contradict what has been measured.
+    """
+    found = max(size, NEGLIGIBLE) / (before * before)
+    if size > NEGLIGIBLE or learnt[BEND] == 0 or found < learnt[BEND]:
+        learnt[BEND] = found
     learnt[UNCHECKED] = 0
-    if size > MEASURABLE:
-        learnt[BEND] = size / (before * before)
 
 
 @inner
 def leaves_nothing(learnt, iteration, size):
-    """Whether the exact Jacobian leaves less than round-off after a correction, by what the last ones left."""
-    known = learnt[BEND] > 0 and learnt[UNCHECKED] < OFTEN
-    if iteration == 0 and size > SURPRISE * learnt[EXPECTED]:
+    """Whether the exact Jacobian leaves no more than round-off after a correction, by what the last ones left."""
+    if iteration == 0 and (learnt[UNCHECKED] >= OFTEN or size > SURPRISE * learnt[EXPECTED]):
         return False
-    return known and UNLIKE * learnt[BEND] * size * size <= NEGLIGIBLE
+    return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE
 
 
 @inner
@@ -185,7 +185,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
-        if not kept and exact_before:
+        if not kept and exact_before and before > 0:
             learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
         if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
