@@ -5,24 +5,24 @@ smooth motion makes each of them better than the one before by a factor of the s
 order of the next step is the one that would have been best in the last.
 """
 
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined
 from toolkit.solvers.transient.scheme import by_acceleration
 
 ORDER, EXPECTED, BEND, UNCHECKED = range(4)
-"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what `newton`
-knows of the curvature of the equations, and for how many steps it has not looked."""
+"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a correction
+leaves in parts of its square, and for how many steps Newton has not looked, see `newton`."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
 
 
-@inner
+@inlined
 def forget_trend(memory):
     """As at the start of a run, and where the way of the last steps has misled Newton."""
     memory.trend[:] = 0
     memory.learnt[ORDER], memory.learnt[EXPECTED] = 0, 0
 
 
-@inner
+@inlined
 def guess(plan, ratio, memory, before, acc):
     """First guess of [a; lam] in `acc`, from those of the step `before`; `ratio` of the lengths of both steps."""
     trend, order = memory.trend, memory.learnt[ORDER]
@@ -39,7 +39,7 @@ def guess(plan, ratio, memory, before, acc):
             acc[i] += trend[1, i]
 
 
-@inner
+@inlined
 def learn_trend(plan, scheme, weights, before, acc, memory):
     """Differences behind an accepted step, and the order that would have been best for it."""
     (c_q, _), trend = by_acceleration(scheme), memory.trend

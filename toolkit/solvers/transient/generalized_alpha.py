@@ -5,8 +5,8 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import inner, kernel
-from toolkit.solvers.transient.extrapolation import BEND, ORDER, UNCHECKED, forget_trend, guess, learn_trend
+from toolkit.foundation.kernel import inlined, kernel
+from toolkit.solvers.transient.extrapolation import ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -35,11 +35,11 @@ FADING = 0.8
 """Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""
 
 
-@inner
+@inlined
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
     memory.span[0] = 0
-    memory.learnt[BEND], memory.learnt[UNCHECKED] = 0, 0
+    memory.learnt[:] = 0
     forget_trend(memory)
     for i in range(plan.n_q):
         memory.aux[i] = history.acc[0, i]
@@ -51,7 +51,7 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
         carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
 
 
-@inner
+@inlined
 def foresee(plan, scheme, history, step, memory):
     """Predicted coordinates and velocities, and a first guess of [a; lam]."""
     ratio = step_ratio(scheme.h, memory.span[0])
@@ -67,7 +67,7 @@ def foresee(plan, scheme, history, step, memory):
             acc[i] = v[i] / scheme.h
 
 
-@inner
+@inlined
 def local_error(plan, scheme, weights, history, step, memory):
     """Estimated error that one step made in q, a part of the scene's size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
     h, largest, before, after = scheme.h, 0.0, history.acc[step], history.acc[step + 1]
@@ -80,7 +80,7 @@ def local_error(plan, scheme, weights, history, step, memory):
     return abs(scheme.error) * h * h * largest
 
 
-@inner
+@inlined
 def strayed(plan, scheme, weights, history, step):
     """Whether a quasi-static step ends far from where the step before points to."""
     off, way = 0.0, 0.0
@@ -91,7 +91,7 @@ def strayed(plan, scheme, weights, history, step):
     return off > FREE + TRUSTED * way
 
 
-@inner
+@inlined
 def judge(plan, scheme, weights, control, history, step, memory, outcome):
     """Whether a converged step is good enough: CONVERGED, REJECTED or JUMPED."""
     outcome.correction[LAST_ERROR] = local_error(plan, scheme, weights, history, step, memory)
@@ -100,7 +100,7 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
     return CONVERGED if outcome.correction[LAST_ERROR] <= control.largest_error else REJECTED
 
 
-@inner
+@inlined
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import copy, inner
+from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
 from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
@@ -23,8 +23,9 @@ ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
 
 
-NEGLIGIBLE = 1e-15
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what the last corrections of flexible bodies consist of."""
+NEGLIGIBLE, FAR = 1e-15, 1e-6
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of; and
+a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
 OFTEN, SURPRISE = 20, 10.0
 """Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
 
@@ -40,7 +41,7 @@ class Control(NamedTuple):
     easy_error: float  # local error below which the run pauses, to go on with longer steps
 
 
-@inner
+@inlined
 def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = by_acceleration(scheme)
@@ -53,7 +54,7 @@ def newton_matrix(plan, scheme, terms, jacobian):
                 jacobian[e] -= w_i * terms.I_acc[e]
 
 
-@inner
+@inlined
 def is_finite(vector):
     """Whether no entry is infinite or not a number."""
     total = 0.0
@@ -62,7 +63,7 @@ def is_finite(vector):
     return np.isfinite(total)
 
 
-@inner
+@inlined
 def place(scheme, memory, count, acc, q, v):
     """Coordinates and velocities that belong to accelerations."""
     c_q, c_v = by_acceleration(scheme)
@@ -71,7 +72,7 @@ def place(scheme, memory, count, acc, q, v):
         v[i] = memory.v_predicted[i] + c_v * acc[i]
 
 
-@inner
+@inlined
 def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     """Subtract Newton's correction; its size and place go to `outcome`."""
     c_q, c_v = by_acceleration(scheme)
@@ -87,7 +88,7 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     outcome.counts[AT_FAULT], outcome.correction[LAST] = worst, largest
 
 
-@inner
+@inlined
 def left_over(kept, iteration, before, size):
     """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
     if not kept or size == 0:
@@ -96,7 +97,7 @@ def left_over(kept, iteration, before, size):
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 
-@inner
+@inlined
 def allowed(control, scheme, kept):
     """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
 
@@ -109,7 +110,7 @@ def allowed(control, scheme, kept):
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
-@inner
+@inlined
 def learn_bend(learnt, before, size):
     """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
@@ -121,7 +122,7 @@ def learn_bend(learnt, before, size):
     learnt[UNCHECKED] = 0
 
 
-@inner
+@inlined
 def leaves_nothing(learnt, iteration, size):
     """Whether the exact Jacobian leaves no more than round-off after a correction, by what the last ones left."""
     if iteration == 0 and (learnt[UNCHECKED] >= OFTEN or size > SURPRISE * learnt[EXPECTED]):
@@ -129,14 +130,7 @@ def leaves_nothing(learnt, iteration, size):
     return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE
 
 
-@inner
-def expects_one(control, learnt):
-    """Whether one correction will do, if this step is like the last."""
-    size = learnt[EXPECTED]
-    return size > 0 and (size <= control.tolerance or leaves_nothing(learnt, 0, size))
-
-
-@inner
+@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -145,11 +139,12 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
-    learnt, stiff = memory.learnt, len(plan.constant.stiff_row) > 0
+    learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
-        # a first correction is far larger than its round-off, unless it is the last one too
-        rough = stiff and iteration == 0 and not expects_one(control, learnt)
+        rough_before = rough
+        # a first correction that is not the last is far larger than its round-off
+        rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
         memory.work.rough[0] = int(rough)
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
@@ -185,7 +180,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
-        if not kept and exact_before and before > 0:
+        if not kept and exact_before and before > (FAR if rough_before else 0.0):
             learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
         if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
@@ -197,7 +192,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     return NOT_CONVERGED
 
 
-@inner
+@inlined
 def solve(plan, kept, memory):
     """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
     if kept:
@@ -210,7 +205,7 @@ def solve(plan, kept, memory):
     return failed
 
 
-@inner
+@inlined
 def factorize_step(plan, scheme, memory, ggl):
     """Factors of the step's matrix, from the Jacobian; as `factorize`."""
     if ggl is None:
