@@ -26,6 +26,8 @@ ROUND_OFF, STILL = 1e-13, 0.5
 NEGLIGIBLE, FAR = 1e-15, 1e-6
 """Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of; and
 a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+FADES = 0.5
+"""Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
 """Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
 
@@ -114,11 +116,9 @@ def allowed(control, scheme, kept):
 def learn_bend(learnt, before, size):
     """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
-    A second one that is round-off only bounds it, and does not contradict what has been measured.
+    It depends on their direction (by forces of joints on light bodies a thousandfold), so that a smaller one than known is believed by half.
     """
-    found = max(size, NEGLIGIBLE) / (before * before)
-    if size > NEGLIGIBLE or learnt[BEND] == 0 or found < learnt[BEND]:
-        learnt[BEND] = found
+    learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
     learnt[UNCHECKED] = 0
 
 
