@@ -23,6 +23,18 @@ def direction(paths: Iterable[str], seed: int = 0) -> dict[str, float]:
     return dict(zip(names, factors.tolist(), strict=True))
 
 
+def felt_direction(gradients: Mapping[str, Mapping[str, float]], smallest: float, seed: int = 0) -> dict[str, float]:
+    """A factor for each number, with which it moves the response that it matters most to by about that one's largest derivative.
+
+    What differs in one number alone then differs by as much relative to that number's own derivative. A number without an effect, below
+    the `smallest` part of the largest derivative, is moved a hundred times as far as the one that matters most.
+    """
+    largest = {name: max(map(abs, slopes.values())) for name, slopes in gradients.items()}
+    paths = list(next(iter(gradients.values())))
+    share = {path: max(abs(slopes[path]) / largest[name] for name, slopes in gradients.items()) for path in paths}
+    return {path: factor / (share[path] if share[path] > smallest else 1e-2) for path, factor in direction(paths, seed).items()}
+
+
 def derivative_along(
     scene: Scene, factors: Mapping[str, float], kind: Kind, known: Solution | None = None, difference: float | None = None
 ) -> dict[str, float]:
