@@ -81,7 +81,12 @@ def compared(request, folder) -> tuple[tuple[str, str], Scene, list[str], dict[s
     """Gradients of all responses of a scene by all its numbers, direct and adjoint."""
     scene = SCENES[request.param[0]](folder)
     paths = scene.available_paths()
-    return request.param, scene, paths, {m: gradients_by(m, scene, paths, request.param[1]).gradients for m in ("direct", "adjoint")}
+    return (
+        request.param,
+        scene,
+        paths,
+        {m: gradients_by(m, scene, paths, request.param[1]).gradients for m in ("direct", "adjoint")},
+    )
 
 
 def largest(slopes: dict[str, float]) -> float:
