@@ -36,6 +36,11 @@ def kernel(function: Callable) -> CPUDispatcher:
     return entrance
 
 
+def loop(function: Callable) -> CPUDispatcher:
+    """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
+    return _compiled(function, nogil=True)
+
+
 def inner(function: Callable) -> CPUDispatcher:
     """Decorator of a formula that only other kernels call; without an entrance from Python it compiles faster."""
     return _inner(function)

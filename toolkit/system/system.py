@@ -16,7 +16,8 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_of, seen_quantities
+from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
 from toolkit.foundation.compiled.calls import call, formula_for, in_memory
@@ -76,6 +77,11 @@ class System:
     def compiled(self) -> bool:
         """Whether the formulas run compiled."""
         return self.dtype is float
+
+    @cached_property
+    def placed(self) -> Any:
+        """The scene, whose points and models are looked up once: for all that looks at solutions again and again."""
+        return Remembered(self.scene)
 
     def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
@@ -159,13 +165,19 @@ class System:
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
-        curves = [curve.evaluate(times) for curve in self.values.curves.values()]
         pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
         changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
-        return (
-            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *curves], axis=1)[:, 1:], self.dtype),
-            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *changes], axis=1)[:, 1:], float),
-        )
+        found = np.zeros((len(times), len(changes), 3))
+        for d, change in enumerate(changes):
+            found[:, d] = change
+        return self.curve_values(times), found
+
+    def curve_values(self, times: np.ndarray) -> np.ndarray:
+        """The first of these alone."""
+        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+        for c, curve in enumerate(self.values.curves.values()):
+            found[:, c] = curve.evaluate(times)
+        return found
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
@@ -202,8 +214,8 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values = evaluate_quantities(scene, numbering)
-    changes = derivatives(scene, numbering, variables)
+    values, seen = seen_quantities(scene, numbering)
+    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)
