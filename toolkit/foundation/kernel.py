@@ -38,7 +38,7 @@ def kernel(function: Callable) -> CPUDispatcher:
 
 def loop(function: Callable) -> CPUDispatcher:
     """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
-    return _compiled(function, nogil=True)
+    return _compiled(function, nogil=True, no_cfunc_wrapper=True)
 
 
 def inner(function: Callable) -> CPUDispatcher:
@@ -75,8 +75,7 @@ def _compiled(function: Callable, compiler: type = Compiler, **options: bool) ->
 
 
 SLOTS = 8
-"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene, and small,
-because every slot adds 10 us to a call of the loop."""
+"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
 
 
 @inner
