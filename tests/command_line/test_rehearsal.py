@@ -13,6 +13,7 @@ from numba.core import event
 
 from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
+from toolkit.command_line.rehearsal import rehearse, rehearse_others
 from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.clock import repeated
@@ -93,15 +94,22 @@ def pretend_to_compile() -> None:
 def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, capsys):
     said: list[str] = []
 
-    def rehearse(*_) -> None:
+    def pretended(*_) -> None:
         pretend_to_compile()
         said.append(capsys.readouterr().err)
 
-    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", rehearse)
+    others: list[int] = []
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", pretended)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda scene: others.append(scene.dimension))
     monkeypatch.setattr("toolkit.foundation.compiled.compiled_code._TOLD", set())
     scene = read_scene(MODELS / "pendulum" / "scene.toml")
     compile_before(scene, "transient")
-    assert said == [f"compiling the formulas for this machine, once, {announcements.EXPECTED[2]} ...\n"]
+    functions, seconds = announcements.EXPECTED[2]
+    assert said == [
+        f"compiling the formulas for this machine, once for all commands: at most some {functions} functions, some {seconds} s of a free "
+        "core ...\n"
+    ]
+    assert others == [2]
     assert capsys.readouterr().err == "2 functions compiled in 0 s; they are kept on the disk.\n"
     compile_before(scene, "transient", quiet=True)
     assert capsys.readouterr().err == ""
@@ -114,8 +122,28 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
 
 def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", lambda *_: None)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda *_: pytest.fail("compiles for nobody"))
     compile_before(read_scene(MODELS / "pendulum" / "scene.toml"), "transient")
     assert capsys.readouterr().err == ""
+
+
+def test_whoever_watches_is_told_how_far_it_has_come():
+    done: list[int] = []
+    with watched_compilation(on_function=done.append):
+        pretend_to_compile()
+    assert done == [1, 2]
+
+
+def test_a_later_command_finds_its_formulas_whatever_the_first_one_was():
+    """Functions that all other analyses of such a scene load are among those that the rehearsal of the others has loaded."""
+    scene = read_scene(MODELS / "pendulum" / "scene.toml")
+    rehearse_others(scene)
+    for formulation in ("index-1", "index-3", "ggl"):
+        options = scene.solver.model_copy(update={"formulation": formulation, "rho_inf": 0.8})
+        for kind in ("transient", "static"):
+            with watched_compilation() as watch:
+                rehearse(scene.model_copy(update={"solver": options}), kind, backwards=True)
+            assert watch.functions == 0
 
 
 def test_a_repetition_that_compiles_does_not_count(monkeypatch):
