@@ -102,8 +102,9 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are always those of the converged state: its joint forces
-    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
+    always those of the converged state: its joint forces are quiet enough to show the last correction of the accelerations, REUSED over
+    c_q.
     """
     close = not control.modified and correction <= REUSED
     relinearize = plan.n_x > 0 and not close
@@ -119,7 +120,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
             return anew and near
-        elif ggl is not None:
+        if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return close
 
