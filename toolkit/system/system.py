@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import typeof
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
@@ -22,7 +20,8 @@ from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
-from toolkit.foundation.kernel import call, first_class, plain, slots
+from toolkit.foundation.compiled.calls import call, formula_for, in_memory
+from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
 from toolkit.joints.kernels.laws import angle_law
@@ -86,7 +85,15 @@ class System:
 
     def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
-        return call(function, *arguments) if self.compiled else plain(function)(*arguments)
+        if not self.compiled:
+            return plain(function)(*arguments)
+        return call(function, *(self._packed.get(id(each), each) for each in arguments))
+
+    @cached_property
+    def _packed(self) -> dict[int, Any]:
+        """What never changes, as compiled code takes it, by identity."""
+        parts = self.plan, *self.plan, self.functions, *self.functions
+        return {id(part): in_memory(part) for part in parts if isinstance(part, tuple)}
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -103,28 +110,18 @@ class System:
                 np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
             )
             inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        self._evaluation(self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
         return terms
-
-    @cached_property
-    def _evaluation(self) -> Callable:
-        """`evaluate_all` as it is compiled for this plan, without a look at the types of its arguments: that takes four times as long."""
-        if not self.compiled or not isinstance(evaluate_all, CPUDispatcher):
-            return partial(self.run, evaluate_all)
-        if self._signature() is None:
-            (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
-            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
-        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
-        return found
 
     @cached_property
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
-        _ = self._evaluation  # compiled by now
-        return first_class(evaluate_all, self._signature())
+        (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
+        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+        given = self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work
+        return formula_for(evaluate_all, *given)
 
     def refuse_changed_files(self) -> None:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
@@ -133,14 +130,8 @@ class System:
     def compiled_as(self, other: System) -> System:
         """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
         than a short run."""
-        self.__dict__.update(_evaluation=other._evaluation, evaluator=other.evaluator)
+        self.__dict__.update(evaluator=other.evaluator)
         return self
-
-    def _signature(self) -> Any:
-        """The signature that `evaluate_all` is compiled for with this plan; one process may have planar and spatial scenes."""
-        own = typeof(self.plan)
-        found = getattr(evaluate_all, "nopython_signatures", ())
-        return next((signature for signature in reversed(found) if signature.args[0] == own), None)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""

@@ -36,6 +36,19 @@ class SpatialFloatingNumbers(NamedTuple):
     axis: np.ndarray  # (3,) that a turning frame turns about
 
     @property
+    def full(self) -> bool:
+        """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero."""
+        return 2 * len(self.row) >= len(self.moment) ** 2
+
+    @property
+    def whole(self) -> np.ndarray:
+        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b."""
+        n = len(self.moment)
+        rows: np.ndarray = np.zeros((n, 9, n), self.second.dtype)
+        rows[self.row, :, self.column] = self.second
+        return rows.ravel()
+
+    @property
     def entries(self) -> int:
         """Entries of all Q[a, b] and N, and the mass."""
         return self.second.size + self.moment.size + 1
