@@ -87,13 +87,21 @@ class System:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
-        return call(function, *(self._packed.get(id(each), each) for each in arguments))
+        return call(function, *map(self._handed_on, arguments))
+
+    def _handed_on(self, given: Any) -> Any:
+        """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
+        known = id(given)
+        if known not in self._packed:
+            return given
+        if self._packed[known] is None:
+            self._packed[known] = in_memory(given)
+        return self._packed[known]
 
     @cached_property
     def _packed(self) -> dict[int, Any]:
-        """What never changes, as compiled code takes it, by identity."""
-        parts = self.plan, *self.plan, self.functions, *self.functions
-        return {id(part): in_memory(part) for part in parts if isinstance(part, tuple)}
+        """Records of this system by identity, as compiled code takes them; None as long as nobody has asked for one."""
+        return {id(part): None for part in (self.plan, *self.plan, self.functions, *self.functions) if isinstance(part, tuple)}
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:

@@ -217,7 +217,8 @@ def through_accelerations(
     mu = solve_linear(system, (terms.I_acc + system.unit_of_states)[transposition], bar, ACCELERATIONS)
     rows, variables = system.plan.touched_row, system.plan.touched_variable
     change = terms.I_x[rows, variables] + terms.A_x[rows, variables]
-    found = np.column_stack([np.bincount(variables, change * mu[rows, r], system.n_x) for r in range(mu.shape[1])])
+    found = np.zeros((system.n_x, mu.shape[1]))
+    np.add.at(found, variables, change[:, None] * mu[rows])
     if np.any(motion.dq):
         found += motion.dq.T @ (system.matrix(terms.I_q + terms.A_q).T @ mu)
     if np.any(dv):
