@@ -15,8 +15,10 @@ from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.compilation.numbering import number
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
-from toolkit.compilation.quantities import Quantities
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
+from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -126,6 +128,37 @@ def test_numbers_take_their_places_among_the_known_entries_and_ask_for_new_ones_
     np.testing.assert_array_equal(found.markers[0].shape, [[1, 2, 3], [0, 0, 0], [4, 5, 6]])
     with pytest.raises(NewEntryError):
         renew(known, markers(0, 3), known)
+
+
+def test_a_derivative_that_has_become_zero_is_not_kept():
+    known = markers(0, 2)
+    found, changed = renew(known, Quantities({}, {}, {}, {}, {}, {}, {}, np.zeros(2), {}), known, {"markers": {0}})
+    assert (found.markers, changed) == ({}, {"markers"})
+
+
+def imaginary(part: Any) -> bool:
+    """Whether anything of an item's numbers has an imaginary part."""
+    if isinstance(part, tuple):
+        return any(map(imaginary, part))
+    if isinstance(part, Curve):
+        return any(np.imag(value) != 0 for _, value in part.numbers())
+    return bool(np.any(np.imag(part) != 0))
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_formula_that_is_left_out_has_no_derivative(name, folder):
+    scene = EVERY[name](folder)
+    numbering = number(scene)
+    design = scene.design_variables(scene.available_paths())
+    _, seen = seen_quantities(scene, numbering)
+    left_out = 0
+    for variable, change in zip(design, derivatives(scene, numbering, design, seen), strict=True):
+        everything = evaluate_quantities(scene.moved(variable, 1j * STEP), numbering)
+        for group, owners in change.still.items():
+            numbers = getattr(everything, group)
+            assert not any(imaginary(numbers[owner]) for owner in owners if owner in numbers), (variable.name, group)
+            left_out += len(owners)
+    assert left_out
 
 
 def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):

@@ -6,7 +6,7 @@ import pytest
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
-from toolkit.linear.linear_solver import linear_solver, solve_once
+from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
 
 EPS = np.finfo(float).eps
@@ -107,6 +107,35 @@ def test_units_that_are_powers_of_two_change_no_bit():
     row_unit, column_unit = 2.0 ** rng.integers(-30, 30, size=(2, len(matrix)))
     scaled = row_unit[:, None] * matrix * column_unit
     assert np.array_equal(column_unit * solved(scaled, n_q, row_unit * rhs), solved(matrix, n_q, rhs))
+
+
+@pytest.mark.parametrize("columns", [1, 4, 7, 12, 21])
+def test_every_column_of_a_block_is_the_solution_of_its_vector(columns):
+    rng = np.random.default_rng(columns)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=(len(matrix), columns))
+    block = solved(matrix, n_q, rhs)
+    for x in range(columns):
+        assert error(block[:, x], solved(matrix, n_q, rhs[:, x].copy())) < round_off(matrix)
+
+
+def test_a_wide_block_has_the_bits_of_narrow_ones():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=(len(matrix), 16))
+    narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 16, 4)]
+    assert np.array_equal(solved(matrix, n_q, rhs), np.hstack(narrow))
+
+
+def test_multiplications_of_a_factorisation_are_counted():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    indptr, indices, _ = csr(matrix)
+    plan, counted = analyse(indptr, indices, n_q), 0
+    for k in range(len(matrix)):  # the loops of `factor`
+        for _ in range(plan.diagonal[k] + 1, plan.row_start[k + 1]):
+            counted += 1 + (plan.row_start[k + 1] - plan.diagonal[k] - 1)
+    assert updates_of(plan) == counted
 
 
 def test_tiny_mass_beside_stiff_spring_and_constraint_is_not_refused():

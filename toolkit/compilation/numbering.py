@@ -133,7 +133,9 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
     grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
     markers = tuple(dict.fromkeys([*grips, *extra_markers]))
-    return Numbering(first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene), tuple(scene.joints.values()))
+    return Numbering(
+        first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene), tuple(scene.joints.values())
+    )
 
 
 def _with_state(scene: Scene) -> dict[str, Load]:

@@ -187,7 +187,7 @@ WIDE = 12
 
 @kernel
 def solve_block(plan, lu, rhs, work):
-    """Solution of A X = rhs, in place; rhs and work (n, n_x), the design axis contiguous. Every column has the digits of `solve`."""
+    """Solution of A X = rhs, in place; rhs and work (n, n_x), the design axis contiguous."""
     n_x = rhs.shape[1]
     if n_x >= WIDE:
         _solve_rows(plan, lu, rhs, work)
