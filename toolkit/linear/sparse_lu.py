@@ -22,7 +22,7 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.linear.sparse_analysis import TOGETHER
 
 LONG_ROW = 12
@@ -79,7 +79,7 @@ def factor(plan, values, lu, work, tolerance):
     return -1
 
 
-@inner
+@inlined
 def _factor_together(plan, lu, work, tolerance, first):
     """The rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
     for k in range(first, first + TOGETHER):
@@ -99,7 +99,7 @@ def _factor_together(plan, lu, work, tolerance, first):
     return -1
 
 
-@inner
+@inlined
 def _eliminate_together(plan, lu, work, first, update, run):
     """All later rows without TOGETHER pivots, two rows at a time; `update` and `run` count what the pivots before them have used."""
     a, b, c, d = plan.diagonal[first], plan.diagonal[first + 1], plan.diagonal[first + 2], plan.diagonal[first + 3]
@@ -150,7 +150,7 @@ def _load(plan, values, lu, size):
         size[k] = abs(lu[plan.diagonal[k]].real)
 
 
-@inner
+@inlined
 def row_product(values, columns, first, last, x):
     """Sum of values[p] x[columns[p]] over p = first ... last - 1; long ones in four sums, which a processor forms at the same time."""
     total, p = 0.0, first
