@@ -72,7 +72,9 @@ def build_plan(
     makers: dict[str, Callable[[], Any]] = {
         "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
         **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
-        "joints": lambda: joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        "joints": lambda: joint_arrays(
+            scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.joints if kept else None
+        ),
         "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
     }
     parts = {

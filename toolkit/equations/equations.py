@@ -16,6 +16,7 @@ from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, co
 from toolkit.bodies.kernels.inertia import moving_design, moving_linearized, moving_residual
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.kernel import inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
 from toolkit.joints.kernels.records import Joints
@@ -73,6 +74,7 @@ class Work(NamedTuple):
     floating: Any  # of the plan's bodies with a moving frame
 
 
+@by_value
 class Inputs(NamedTuple):
     """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
 

@@ -94,10 +94,9 @@ class SpatialBody(Body):
             raise ValueError("`angular_velocity` of a turning frame is along its axis")
         return self
 
-    def numbers(self) -> Iterator[tuple[str, Any]]:
-        """All numbers that can be design variables: not the axis that defines an angle, and no velocity of a frame that has none."""
-        unused = {"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}
-        return ((path, value) for path, value in super().numbers() if unused.get(path.split(".")[0], 1))
+    def means(self, field: str) -> bool:
+        """Not those of the axis that defines an angle, and of no velocity of a frame that has none."""
+        return bool({"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}.get(field, 1))
 
     @property
     def moves(self) -> int:
