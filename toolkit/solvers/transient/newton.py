@@ -48,8 +48,9 @@ def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = by_acceleration(scheme)
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    I_acc, I_q, A_q, A_v = terms.I_acc, terms.I_q, terms.A_q, terms.A_v  # looked up once, or nothing is done several at a time
     for e in range(len(jacobian)):
-        jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
+        jacobian[e] = w_i * (I_acc[e] + c_q * I_q[e]) + w_a * (c_q * A_q[e] + c_v * A_v[e])
     if not scheme.inertia:
         for e in range(len(jacobian)):
             if plan.indices[e] < plan.n_q:
