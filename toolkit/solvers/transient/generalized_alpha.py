@@ -6,7 +6,7 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inlined, kernel
-from toolkit.solvers.transient.extrapolation import ORDER, forget_trend, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -25,9 +25,10 @@ from toolkit.solvers.transient.step_memory import (
     STEP,
 )
 
-REUSED, SHARP = 1e-13, 1e-7
+REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve: one refinement with the converged Jacobian squares their relative error."""
+least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one refinement
+with the converged Jacobian squares that."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
@@ -115,7 +116,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        if control.modified or correction > SHARP:
+        if control.modified or (correction > CLOSE and not 2 * memory.learnt[BEND] * correction <= SHARP):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
         elif ggl is not None:

@@ -199,7 +199,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
         if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
             return CONVERGED
-        if ggl is None and not kept and not rough and leaves_nothing(learnt, iteration, size):
+        if ggl is None and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
             learnt[UNCHECKED] += 1
             outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
