@@ -5,7 +5,8 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import inlined, loop
+from toolkit.linear.linear_solver import cheaper_anew
 from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
@@ -28,7 +29,7 @@ from toolkit.solvers.transient.step_memory import (
 REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
 least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one refinement
-with the converged Jacobian squares that."""
+with the converged Jacobian squares that. Where new factors cost less than that, they are made, and are as good as the old ones were."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
@@ -105,7 +106,7 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian. With `ggl` derivatives are always those of the converged state: its joint forces
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are always those of the converged state: its joint forces
     are quiet enough to show the last correction of the accelerations, REUSED over c_q.
     """
     close = not control.modified and correction <= REUSED
@@ -116,15 +117,19 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        if control.modified or (correction > CLOSE and not 2 * memory.learnt[BEND] * correction <= SHARP):
+        near = correction <= CLOSE or 2 * memory.learnt[BEND] * correction <= SHARP
+        near = near and not control.modified
+        anew = ggl is None and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)
+        if anew or not near:
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
+            return anew and near
         elif ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return close
 
 
-@kernel
+@loop
 def integrate(
     evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
     ggl, outcome,
