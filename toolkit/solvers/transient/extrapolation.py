@@ -1,20 +1,20 @@
 """First guess of a step's accelerations and multipliers: the way they went in the last steps, continued.
 
-With the backward differences d1, d2 of [a; lam] behind the last step the guesses of order 0, 1 and 2 are a_n, a_n + d1, a_n + d1 + d2. A
-smooth motion makes each of them better than the one before by a factor of the size of the step, a coarse or sudden one makes it worse; so the
-order of the next step is the one that would have been best in the last.
+With the backward differences d1, d2 of [a; lam] behind the last step the guesses of order 0, 1 and 2 are a_n, a_n + d1, a_n + d1 + d2.
+A smooth motion makes each of them better than the one before by a factor of the size of the step, a coarse or sudden one makes it
+worse; so the order of the next step is the one that would have been best in the last.
 """
 
 from toolkit.foundation.kernel import inlined
 from toolkit.solvers.transient.scheme import by_acceleration
 
 ORDER, EXPECTED, BEND, UNCHECKED, QUALITY, UNREFINED = range(6)
-"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a correction
-leaves in parts of its square, and for how many steps Newton has not looked; how far refining has changed a solution, and for how many steps
-none was refined, see `newton`."""
+"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a
+correction leaves in parts of its square, and for how many steps Newton has not looked; how far refining has changed a solution, and for how
+many steps none was refined, see `newton`."""
 SMOOTH = 1e-4
-"""Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several solutions, and
-the one next to the last state is meant."""
+"""Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
+solutions, and the one next to the last state is meant."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
 

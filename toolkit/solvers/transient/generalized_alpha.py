@@ -28,8 +28,8 @@ from toolkit.solvers.transient.step_memory import (
 
 REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one refinement
-with the converged Jacobian squares that. Where new factors cost less than that, they are made, and are as good as the old ones were."""
+least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one
+refinement with the converged Jacobian squares that. Where new factors cost less, they are made, and are as good as the old ones were."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
@@ -106,8 +106,8 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are always those of the converged state: its joint forces
-    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
+    always those of the converged state: its joint forces are quiet enough to show the last correction of accelerations, REUSED over c_q.
     """
     close = not control.modified and correction <= REUSED
     relinearize = plan.n_x > 0 and not close
@@ -117,14 +117,14 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        near = correction <= CLOSE or 2 * memory.learnt[BEND] * correction <= SHARP
-        near = near and not control.modified
+        changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
+        near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
         anew = ggl is None and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)
         if anew or not near:
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
             return anew and near
-        elif ggl is not None:
+        if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return close
 

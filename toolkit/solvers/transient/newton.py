@@ -24,12 +24,13 @@ ROUND_OFF, STILL = 1e-13, 0.5
 
 
 NEGLIGIBLE, FAR = 1e-15, 1e-6
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of; and
-a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of;
+and a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
 FADES = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
-"""Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
+"""Steps after which what a correction leaves is measured anew; and how many times larger than in the last step a first correction has to be
+to be looked into at once."""
 
 
 class Control(NamedTuple):
@@ -38,7 +39,9 @@ class Control(NamedTuple):
     tolerance: float
     most: int  # iterations
     modified: bool  # whether factors are kept as long as they contract well
-    thorough: bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing, and have to settle too
+    thorough: (
+        bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing, and have to settle too
+    )
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
@@ -117,7 +120,7 @@ def allowed(control, scheme, kept):
 def learn_bend(learnt, before, size):
     """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
-    It depends on their direction (by forces of joints on light bodies a thousandfold), so that a smaller one than known is believed by half.
+    It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
     """
     learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
     learnt[UNCHECKED] = 0
@@ -137,7 +140,9 @@ def precise_enough(plan, control, learnt):
 
     Where there are derivatives, refining tells how good the factors are for them.
     """
-    known = plan.n_x == 0 and not control.thorough and 0 < learnt[EXPECTED] and 0 < learnt[QUALITY] and learnt[UNREFINED] < OFTEN
+    if plan.n_x > 0 or control.thorough or learnt[UNREFINED] >= OFTEN:
+        return False
+    known = learnt[EXPECTED] > 0 and learnt[QUALITY] > 0
     return known and SURPRISE * learnt[EXPECTED] * learnt[QUALITY] <= NEGLIGIBLE
 
 
