@@ -39,9 +39,7 @@ class Control(NamedTuple):
     tolerance: float
     most: int  # iterations
     modified: bool  # whether factors are kept as long as they contract well
-    thorough: (
-        bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing, and have to settle too
-    )
+    thorough: bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing but have to settle
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
