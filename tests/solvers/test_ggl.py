@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.models.four_bars import four_bars
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
-from tests.scenes.test_benchmarks import four_bars, slider_crank
+from tests.scenes.test_benchmarks import slider_crank
 from tests.solvers.test_orders import DESIGN, SECOND, driven_pendulum, orders
 from tests.solvers.test_orders import reference as reference
 from tests.solvers.test_orders import system as system
