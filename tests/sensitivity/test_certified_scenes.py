@@ -213,10 +213,10 @@ NOMINAL: dict[str, float] = {"crank": 0.5, "rod": 1.0, "k": 1, "c": 1, "l0": 1, 
 NAMES = {"a": "crank", "L": "rod"}
 
 
-def stepped(parameter: str) -> dict[str, float]:
-    """Derivatives of all responses by one parameter: the geometry, and the whole run, in complex numbers."""
+def stepped(factors: dict[str, float]) -> dict[str, float]:
+    """Derivatives of all responses along a direction of the parameters: the geometry, and the whole run, in complex numbers."""
     scene = benchmark_scene()
-    moved: dict[str, complex] = {**NOMINAL, parameter: NOMINAL[parameter] + 1j * STEP}
+    moved: dict[str, complex] = {x: value + 1j * STEP * factors.get(x, 0.0) for x, value in NOMINAL.items()}
     for path, value in parameters(**moved).items():
         if np.imag(value):
             scene = scene.with_number(path, value)
@@ -233,6 +233,8 @@ def test_sundials_slider_crank_by_all_nine_parameters():
         }
         for method, found in by_path.items()
     }
-    columns = {name: stepped(NAMES.get(name, name)) for name in CHAIN}
-    by["complex-step"] = {response: {name: column[response] for name, column in columns.items()} for response in by["direct"]}
     agree(by)
+    for response, slopes in by["direct"].items():
+        factors = {name: part / abs(slopes[name]) for name, part in direction(CHAIN).items()}
+        judge = stepped({NAMES.get(name, name): factor for name, factor in factors.items()})[response]
+        assert along(slopes, factors) == pytest.approx(judge, rel=0, abs=AGREEMENT), response
