@@ -24,7 +24,7 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m 'not robustness'
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
 
 robustness: $(INSTALLED)
 	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m robustness
