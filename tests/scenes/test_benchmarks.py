@@ -10,11 +10,12 @@ import pytest
 
 from preprocessing.elements.section import Section
 from tests.models.beam_models import save_beam
+from tests.models.four_bars import four_bars
 from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.flexible import Flexible
-from toolkit.bodies.planar.rigid import Rigid, Rod
+from toolkit.bodies.planar.rigid import Rigid
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.joints.both.distance import Distance
@@ -85,20 +86,6 @@ def test_pendulum_and_its_design_derivatives_match_the_elliptic_functions():
 
 
 # --- IFToMM A02: N four-bar linkages in a row -----------------------------------------------------------------------------------
-
-
-def four_bars(count: int) -> Scene:
-    """`count` loops of uniform bars of 1 m and 1 kg, all joints at coordinates (i, 0) and (i, 1); B_0 starts with 1 m/s."""
-    links, couplers = range(count + 1), range(1, count + 1)
-    bar = {"area": 1.0, "density": 1.0}
-    bodies = {f"link{i}": Rod(between=(f"A{i}", f"B{i}"), **bar, velocity=(0.5, 0.0, -1.0)) for i in links}
-    bodies |= {f"coupler{i}": Rod(between=(f"B{i - 1}", f"B{i}"), **bar, velocity=(1.0, 0.0, 0.0)) for i in couplers}
-    joints = {f"A{i}": Revolute(bodies=(f"link{i}", "ground"), point=f"A{i}") for i in links}
-    for i in couplers:
-        joints[f"left{i}"] = Revolute(bodies=(f"link{i - 1}", f"coupler{i}"), point=f"B{i - 1}")
-        joints[f"right{i}"] = Revolute(bodies=(f"link{i}", f"coupler{i}"), point=f"B{i}")
-    points = at(**{f"A{i}": (i, 0) for i in links}, **{f"B{i}": (i, 1) for i in links})
-    return Scene(units="m-kg-s", points=points, bodies=bodies, joints=joints, loads={"gravity": GRAVITY})
 
 
 def four_bar_errors(count: int, step: float) -> tuple[float, float]:

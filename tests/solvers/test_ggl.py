@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from tests.models.directions import check_states
+from tests.models.four_bars import four_bars
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
-from tests.scenes.test_benchmarks import four_bars, slider_crank
+from tests.scenes.test_benchmarks import slider_crank
 from tests.solvers.test_orders import DESIGN, SECOND, driven_pendulum, orders
 from tests.solvers.test_orders import reference as reference
 from tests.solvers.test_orders import system as system
