@@ -15,6 +15,9 @@ from scipy.optimize import nnls
 
 from toolkit.studies.optimization.program import Program, Values
 
+FLOOR = 1e-4
+"""Part of the largest derivative met that is never too small to compare with: an objective can vanish at its optimum."""
+
 
 class Optimality(NamedTuple):
     """What is left of the conditions at a design.
@@ -22,7 +25,8 @@ class Optimality(NamedTuple):
     Attributes
     ----------
     residual
-        Largest entry of what multipliers cannot balance, and of the products of multipliers and constraints, over the largest derivative.
+        Largest entry of what multipliers cannot balance, and of the products of multipliers and constraints, in parts of the objective, or
+        of its largest derivative there if that is more: by less than this part it would change over the whole range of a variable.
     violation
         Largest violation of a constraint, in parts of its size.
     multipliers
@@ -42,7 +46,8 @@ class Optimality(NamedTuple):
 
 
 def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float) -> Optimality:
-    """What is left at z; `largest` is the largest derivative of the objective that the search has met."""
+    """What is left at z; `largest` is the largest derivative of the objective that the search has met, a small part of which counts where the
+    objective and its derivatives vanish."""
     n, identity = len(z), np.eye(len(z))
     constraints = np.concatenate([found.c, z, program.top - z])
     slopes = np.vstack([found.dc, identity, -identity])
@@ -50,7 +55,7 @@ def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float
     wanted = np.concatenate([found.df, np.zeros(len(constraints))])
     multipliers, _ = nnls(matrix, wanted)
     left = np.abs(matrix @ multipliers - wanted)
-    scale = max(largest, float(np.max(np.abs(found.df))), np.finfo(float).tiny)
-    violation = float(np.max(-constraints, initial=0.0))
+    scale = max(abs(found.f), float(np.max(np.abs(found.df))), FLOOR * largest, np.finfo(float).tiny)
+    violation = max(0.0, float(np.max(-constraints)))
     m = len(found.c)
     return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n))

@@ -10,6 +10,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.response import Response
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
@@ -25,6 +26,8 @@ from toolkit.studies.study.store import Store
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
 """Name of the store in the folder of a study."""
+ROUND_OFF = 1e-13
+"""Relative change of a response that nothing has to have brought about."""
 SAME = 1e-3
 """Relative difference of objectives by which two optima are told apart."""
 
@@ -114,12 +117,24 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
     program = Program(problem)
     for lane, design in enumerate((start, elsewhere)):
         found = evaluator(-lane, program.design(program.scaled(design)), warm and not lane)
-        if found.failed or np.any(program.values(found).df):
+        if found.failed or np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
             return
     raise InputError(
-        f"objective: no variable moves {objective_of(Program(problem))[0]}: all its derivatives are zero, by "
+        f"objective: no variable moves {objective_of(Program(problem))[0]}: its derivatives are zero, by "
         f"{', '.join(problem.variables)}. Choose other variables, or another response."
     )
+
+
+def _undecided(problem: Problem, found: Evaluation) -> float:
+    """How much of the objective round-off may decide: of a place or an angle what Newton leaves undecided."""
+    sizes = {"angle": 1.0, "length": problem.scene.size}
+    total = 0.0
+    for k, name in enumerate(problem.responses):
+        response = problem.scene.responses.get(name)
+        size = sizes.get(response.unit_quantity, 0.0) if isinstance(response, Response) else 0.0
+        left = ROUND_OFF * float(np.max(np.abs(found.values[:, k]))) + problem.scene.solver.tolerance * size
+        total += abs(problem.study.objective.weights.get(name, 0.0)) * left
+    return total
 
 
 def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) -> None:
@@ -160,7 +175,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     if not left.met(options.optimality, options.feasibility):
         yield Caution(
             "not-optimal",
-            f"the KKT residual is {left.residual:.1e} of the largest slope, and {options.optimality:.1e} is wanted: {found.ended}. Give "
+            f"the KKT residual is {left.residual:.1e} of the objective or its slope, and {options.optimality:.1e} is wanted: {found.ended}. Give "
             "more evaluations, more starts, or the other method.",
         )
     if dependent(found.program, found.best, left):

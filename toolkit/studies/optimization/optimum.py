@@ -80,7 +80,7 @@ class Optimum:
 
     @property
     def optimality(self) -> float:
-        """KKT residual in parts of the largest derivative of the objective."""
+        """KKT residual in parts of the objective, or of its largest derivative."""
         assert self.search.optimality is not None
         return self.search.optimality.residual
 
@@ -156,6 +156,9 @@ class Optimum:
         """Whether it is an optimum: feasible, stationary, and found again along the path from the unloaded state."""
         return not set(self.verdict.codes) & {"not-optimal", "infeasible", "not-found-again"}
 
+    def _wall_of(self, search: Found) -> float:
+        return sum(each.wall for each in self.solved if each.lane == search.lane)
+
     def check(self) -> None:
         """Raise what is to be said if it is no optimum.
 
@@ -188,7 +191,7 @@ class Optimum:
             "evaluations": self.evaluations,
             "failed": self.failed,
             "wall_s": self.wall,
-            "searches": [_search_record(self.problem, each) for each in self.searches],
+            "searches": [{**_search_record(self.problem, each), "wall_s": self._wall_of(each)} for each in self.searches],
             **self.verdict.record(),
         }
 

@@ -110,8 +110,7 @@ class Search:
         for _ in range(1 if back is None else 4):
             found = self._evaluated(self.program.design(z))
             if not found.failed:
-                values = self.program.values(found)
-                size = float(np.max(np.abs(values.df)))
+                size = float(np.max(np.abs(self.program.values(found).df)))
                 self.program = replace(self.program, unit=size / FIRST_SLOPE if size > 0 else 1.0)
                 self._visited(z)
                 return z

@@ -26,7 +26,8 @@ class Search(Description):
     evaluations
         Most designs that one search may solve.
     optimality
-        The search ends where the KKT residual is below this part of the largest gradient of the objective.
+        The search ends where the KKT residual is below this part of the objective, or of its largest derivative there: so much would
+        be gained, at most, over the whole range of a variable.
     feasibility
         By how much of its scale a constraint may be violated.
     warm_starts
