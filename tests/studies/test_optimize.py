@@ -43,7 +43,7 @@ load_margin = {{ above = 1.25 }}
 """
 """The largest drop with a quarter of the limit load in reserve: softest springs do not help, since load and limit load go together, so that
 only the load times 1/stiffness counts; the load's own bound decides between them."""
-QUICK = "\n[search]\ncertify = false\n"
+QUICK = "\n[search]\ncertify = false\nwarm_starts = true\n"
 
 
 def study(folder: Path, text: str, **scene: str) -> Problem:
@@ -56,25 +56,24 @@ def only_load(folder: Path, rest: str = "", objective: str = 'minimize = "rise"'
     return study(folder, text + rest)
 
 
-@pytest.mark.parametrize("method", ["slsqp", "trust-constr"])
-def test_the_drop_that_keeps_a_load_margin_and_its_price_are_those_of_the_closed_form(tmp_path, method):
+@pytest.mark.parametrize(("method", "optimality", "close"), [("slsqp", 1e-7, 1e-5), ("trust-constr", 1e-4, 1e-3)])
+def test_the_drop_that_keeps_a_load_margin_and_its_price_are_those_of_the_closed_form(tmp_path, method, optimality, close):
+    """What the residual leaves of the limit's slack is some ten times itself; the slope of the drop grows towards the limit point."""
     problem = only_load(
         tmp_path,
-        f'[constraints]\nload_margin = {{ above = 1.25 }}\n[search]\nmethod = "{method}"\noptimality = 1e-7\ncertify = false\n',
+        f'[constraints]\nload_margin = {{ above = 1.25 }}\n[search]\nmethod = "{method}"\noptimality = {optimality}\ncertify = false\n',
     )
     found = optimized(problem)
     wanted = limit_load() / 1.25
     y = height(wanted)
     assert found.success, found.verdict
-    assert -found.variables["loads.push.force.y"] == pytest.approx(wanted, rel=1e-5)  # the search ends within 1e-6 of the limit
-    assert found.values["rise"] == pytest.approx(y - 0.5, rel=1e-4)
-    assert found.values["load_margin"] == pytest.approx(1.25, rel=1e-5)
+    assert -found.variables["loads.push.force.y"] == pytest.approx(wanted, rel=close)
+    assert found.values["rise"] == pytest.approx(y - 0.5, rel=10 * close)
+    assert found.values["load_margin"] == pytest.approx(1.25, rel=close)
     price = next(each for each in found.prices if each.name == "load_margin")
     exact = -limit_load() / 1.25**2 / force_slope(y)  # drise/dload dload/dmargin
     assert price.active
-    assert price.price == pytest.approx(
-        abs(exact), rel=1e-3
-    )  # the slope grows towards the limit point, as 1/sqrt of the distance
+    assert price.price == pytest.approx(abs(exact), rel=20 * close)
     assert (price.unit, found.again.margins[""][1]) == ("m", True)
     assert found.evaluations < 40
 
@@ -227,7 +226,7 @@ ffrf.optimize(sys.argv[1], output=sys.argv[2], progress=lambda done, total: os.k
 
 
 def test_a_killed_study_goes_on_to_the_same_bits_and_solves_nothing_twice(tmp_path):
-    text = DROP + "[search]\ncertify = false\nstarts = 2\n"
+    text = DROP + "[search]\ncertify = false\nstarts = 2\nwarm_starts = true\n"
     path, folder = write_truss(tmp_path, text), tmp_path / "kept"
     run = subprocess.run([sys.executable, "-c", KILLED, path, folder], env=os.environ, cwd=Path(__file__).parents[2], check=False)
     assert run.returncode == -signal.SIGKILL

@@ -46,8 +46,8 @@ class Optimality(NamedTuple):
 
 
 def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float) -> Optimality:
-    """What is left at z; `largest` is the largest derivative of the objective that the search has met, a small part of which counts where the
-    objective and its derivatives vanish."""
+    """What is left at z; `largest` is the largest derivative of the objective that the search has met, a small part of which counts where
+    the objective and its derivatives vanish."""
     n, identity = len(z), np.eye(len(z))
     constraints = np.concatenate([found.c, z, program.top - z])
     slopes = np.vstack([found.dc, identity, -identity])

@@ -28,6 +28,8 @@ STORE = "study.h5"
 """Name of the store in the folder of a study."""
 ROUND_OFF = 1e-13
 """Relative change of a response that nothing has to have brought about."""
+ASIDE = (0.0, 0.9, 0.3, 0.05)
+"""Parts of the way from the start to the middle of the bounds where an objective is looked at that nothing seems to move."""
 SAME = 1e-3
 """Relative difference of objectives by which two optima are told apart."""
 
@@ -112,13 +114,16 @@ def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callab
 
 def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.ndarray) -> None:
     """Refuse an objective that no variable moves, here or elsewhere."""
-    warm = problem.study.search.warm_starts
-    elsewhere = problem.bounds[0] + 0.4375 * (problem.bounds[1] - problem.bounds[0])
-    program = Program(problem)
-    for lane, design in enumerate((start, elsewhere)):
-        found = evaluator(-lane, program.design(program.scaled(design)), warm and not lane)
-        if found.failed or np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
+    program, solved = Program(problem), 0
+    middle = (problem.bounds[0] + problem.bounds[1]) / 2
+    for part in ASIDE:
+        lane, warm = (-1, False) if part else (0, problem.study.search.warm_starts)
+        found = evaluator(lane, program.design(program.scaled(start + part * (middle - start))), warm)
+        solved += not found.failed
+        if not found.failed and np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
             return
+    if solved < 2:
+        return  # the start is stationary or cannot be solved, and nothing else could be
     raise InputError(
         f"objective: no variable moves {objective_of(Program(problem))[0]}: its derivatives are zero, by "
         f"{', '.join(problem.variables)}. Choose other variables, or another response."
@@ -175,7 +180,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     if not left.met(options.optimality, options.feasibility):
         yield Caution(
             "not-optimal",
-            f"the KKT residual is {left.residual:.1e} of the objective or its slope, and {options.optimality:.1e} is wanted: {found.ended}. Give "
+            f"the KKT residual is {left.residual:.1e} of the objective, and {options.optimality:.1e} is wanted: {found.ended}. Give "
             "more evaluations, more starts, or the other method.",
         )
     if dependent(found.program, found.best, left):

@@ -31,8 +31,9 @@ class Search(Description):
     feasibility
         By how much of its scale a constraint may be violated.
     warm_starts
-        Whether statics begins in the equilibrium of the nearest design that was solved before. An optimum is always solved again along the
-        path from the unloaded state; if it is not found there, the search is repeated without warm starts.
+        Whether statics begins in the equilibrium of the nearest design that was solved before, which halves its time, but can lead a search
+        to equilibria beyond a snap-through. An optimum is always solved again along the path from the unloaded state; if it is not found
+        there, the search is repeated without warm starts.
     failures
         What to do where a design cannot be solved: "step-back", search on from the last design in a box that leaves out the failed one;
         or "stop", end the search there.
@@ -49,7 +50,7 @@ class Search(Description):
     evaluations: Count = 100
     optimality: Part = 1e-4
     feasibility: Part = 1e-6
-    warm_starts: bool = True
+    warm_starts: bool = False
     failures: Literal["step-back", "stop"] = "step-back"
     most_failures: Count = 20
     gradients: Literal["direct", "adjoint"] = "direct"
