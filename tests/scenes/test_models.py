@@ -16,7 +16,9 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from preprocessing import build
+from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
+from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
 from toolkit.curves.kinds.cycloid import Cycloid
 from toolkit.door.model import compile_model
@@ -24,7 +26,7 @@ from toolkit.foundation.errors import ConvergenceError, LimitPointError, Singula
 from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare
 from toolkit.sensitivity.result import Result
 from toolkit.system.system import compile_scene
 from toolkit.validity.description.frame_choice import frame_choices
@@ -54,7 +56,7 @@ def test_the_models_are_those_that_are_checked_here():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_of_every_model_are_those_of_the_complex_step(name):
-    """By all variables that the scene declares, over its first steps, for the complex step is slow; of responses at their end."""
+    """By all variables that the scene declares at once, over its first steps, for the complex step is slow; of responses at their end."""
     scene = read_scene(MODELS / name / "scene.toml")
     asked = {
         key: each.model_copy(update={"time": None}) if getattr(each, "time", None) else each
@@ -63,13 +65,12 @@ def test_gradients_of_every_model_are_those_of_the_complex_step(name):
     first = scene.solver.model_copy(update={"end_time": 5 * scene.solver.step})
     short = scene.model_copy(update={"solver": first, "responses": asked})
     ours = direct(short, list(scene.design), "transient").gradients
-    judge = numerical(short, list(scene.design), "transient", "complex-step").gradients
-    for response, slopes in ours.items():
-        largest = max(abs(slope * scene.value_of(x)) for x, slope in slopes.items())
-        for x, slope in slopes.items():
-            # both are exact up to the Newton tolerance of 1e-10, relative to moves and forces that have just begun to grow from zero
-            error = abs(slope - judge[response][x]) * abs(scene.value_of(x))
-            assert error <= 1e-6 * largest + 1e-15 * scene.size, (response, x)
+    factors = {x: part * abs(scene.value_of(x)) for x, part in directions.direction(scene.design).items()}
+    for response, judge in directions.derivative_along(short, factors, "transient", start_at_rest(prepare(short), first)).items():
+        slopes = ours[response]
+        largest = max(abs(slope * factors[x]) for x, slope in slopes.items())
+        # both are exact up to the Newton tolerance of 1e-10, relative to moves and forces that have just begun to grow from zero
+        assert directions.along(slopes, factors) == pytest.approx(judge, rel=0, abs=1e-6 * largest + 1e-15 * scene.size), response
 
 
 def test_wing_meets_the_values_stated_with_the_scene():

@@ -131,7 +131,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         The joints came apart, also those left out as redundant; names joint, time and remedy.
     """
     system, options, times = run.system, run.options, run.times[first : first + len(q)]
-    found, curves = np.zeros(4), system.curves(times)[0]
+    found, curves = np.zeros(4), system.curve_values(times)
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),

@@ -15,10 +15,10 @@ import numba
 from numba.core.compiler import Compiler
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
-from numba.core.types.function_type import CompileResultWAP
 
 from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.inner_code import InnerCompiler
+from toolkit.foundation.compiled.packed import Formula
 from toolkit.foundation.errors import InputError
 
 
@@ -29,6 +29,11 @@ def kernel(function: Callable) -> CPUDispatcher:
     the step loop and halves the time to compile it.
     """
     return _compiled(function)
+
+
+def loop(function: Callable) -> CPUDispatcher:
+    """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
+    return _compiled(function, nogil=True)
 
 
 def inner(function: Callable) -> CPUDispatcher:
@@ -100,14 +105,7 @@ def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         function.compile(signature)
-        return CompileResultWAP(function.get_compile_result(signature))
-
-
-def call(function: Callable, *arguments: Any) -> Any:
-    """Call a kernel with `slots` among its arguments, without numba's note that such arguments are experimental."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        return function(*arguments)
+        return Formula(function.get_compile_result(signature))
 
 
 @cache

@@ -115,12 +115,11 @@ class DesignPoint:
 
     def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
-        if not self._steps:
+        told = self.model.derivatives is not None and self.model.affine is not None
+        if not self._steps or (told and not self.moves(item)):
             return nominal
         by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
         self._check(item, by_tangent)
-        if not any(self._depends(item, k) for k in self._steps):
-            return nominal
         polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
         flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
         for k in by_tangent:

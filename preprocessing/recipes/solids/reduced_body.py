@@ -54,6 +54,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "nominal": nominal,
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         **found._asdict(),
+        "writers": {} if shapes.system is None else shapes.system.writers,
         **_boundary_parts(body, z),
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),

@@ -37,6 +37,19 @@ class SpatialFloatingNumbers(NamedTuple):
     axis: np.ndarray  # (3,) that a turning frame turns about
 
     @property
+    def full(self) -> bool:
+        """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero."""
+        return 2 * len(self.row) >= len(self.moment) ** 2
+
+    @property
+    def whole(self) -> np.ndarray:
+        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b."""
+        n = len(self.moment)
+        rows: np.ndarray = np.zeros((n, 9, n), self.second.dtype)
+        rows[self.row, :, self.column] = self.second
+        return rows.ravel()
+
+    @property
     def entries(self) -> int:
         """Entries of all Q[a, b] and N, and the mass."""
         return self.second.size + self.moment.size + 1
@@ -81,10 +94,9 @@ class SpatialBody(Body):
             raise ValueError("`angular_velocity` of a turning frame is along its axis")
         return self
 
-    def numbers(self) -> Iterator[tuple[str, Any]]:
-        """All numbers that can be design variables: not the axis that defines an angle, and no velocity of a frame that has none."""
-        unused = {"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}
-        return ((path, value) for path, value in super().numbers() if unused.get(path.split(".")[0], 1))
+    def means(self, field: str) -> bool:
+        """Not those of the axis that defines an angle, and of no velocity of a frame that has none."""
+        return bool({"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}.get(field, 1))
 
     @property
     def moves(self) -> int:

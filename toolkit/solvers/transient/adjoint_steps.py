@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.newton import newton_matrix
@@ -137,7 +137,7 @@ def step_back(plan, scheme, ratio, memory):
                 bars.q[i, r], bars.v[i, r], bars.aux[i, r], bars.acc[i, r] = 0.0, 0.0, 0.0, 0.0
 
 
-@kernel
+@loop
 def integrate_backwards(
     evaluator, plan, functions, curves, curves_x, lengths, ratios, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v,
     by_acc, memory, gradient,

@@ -4,12 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import copy, inner
+from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
-from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST
+from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
@@ -20,6 +21,15 @@ SLOW = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
 ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
+
+
+NEGLIGIBLE, FAR = 1e-15, 1e-6
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of; and
+a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+FADES = 0.5
+"""Part of what a correction is known to leave that is believed at least when it has left less."""
+OFTEN, SURPRISE = 20, 10.0
+"""Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
 
 
 class Control(NamedTuple):
@@ -33,7 +43,7 @@ class Control(NamedTuple):
     easy_error: float  # local error below which the run pauses, to go on with longer steps
 
 
-@inner
+@inlined
 def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = by_acceleration(scheme)
@@ -46,7 +56,7 @@ def newton_matrix(plan, scheme, terms, jacobian):
                 jacobian[e] -= w_i * terms.I_acc[e]
 
 
-@inner
+@inlined
 def is_finite(vector):
     """Whether no entry is infinite or not a number."""
     total = 0.0
@@ -55,7 +65,7 @@ def is_finite(vector):
     return np.isfinite(total)
 
 
-@inner
+@inlined
 def place(scheme, memory, count, acc, q, v):
     """Coordinates and velocities that belong to accelerations."""
     c_q, c_v = by_acceleration(scheme)
@@ -64,7 +74,7 @@ def place(scheme, memory, count, acc, q, v):
         v[i] = memory.v_predicted[i] + c_v * acc[i]
 
 
-@inner
+@inlined
 def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     """Subtract Newton's correction; its size and place go to `outcome`."""
     c_q, c_v = by_acceleration(scheme)
@@ -80,7 +90,7 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     outcome.counts[AT_FAULT], outcome.correction[LAST] = worst, largest
 
 
-@inner
+@inlined
 def left_over(kept, iteration, before, size):
     """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
     if not kept or size == 0:
@@ -89,7 +99,7 @@ def left_over(kept, iteration, before, size):
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 
-@inner
+@inlined
 def allowed(control, scheme, kept):
     """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
 
@@ -102,7 +112,25 @@ def allowed(control, scheme, kept):
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
-@inner
+@inlined
+def learn_bend(learnt, before, size):
+    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
+
+    It depends on their direction (by forces of joints on light bodies a thousandfold), so that a smaller one than known is believed by half.
+    """
+    learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
+    learnt[UNCHECKED] = 0
+
+
+@inlined
+def leaves_nothing(learnt, iteration, size):
+    """Whether the exact Jacobian leaves no more than round-off after a correction, by what the last ones left."""
+    if iteration == 0 and (learnt[UNCHECKED] >= OFTEN or size > SURPRISE * learnt[EXPECTED]):
+        return False
+    return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE
+
+
+@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -111,9 +139,13 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
+    learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
-        memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
+        rough_before = rough
+        # a first correction that is not the last is far larger than its round-off
+        rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
+        memory.work.rough[0] = int(rough)
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
         for i in range(plan.n):
@@ -135,6 +167,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if ggl is not None:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
+        outcome.correction[REST] = size
         if kept and iteration > 0 and not size <= SLOW * before:
             if STILL * before < size <= ROUND_OFF:
                 return CONVERGED
@@ -147,13 +180,19 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
+        if not kept and exact_before and before > (FAR if rough_before else 0.0):
+            learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
-        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
+        if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
+            return CONVERGED
+        if not kept and not rough and leaves_nothing(learnt, iteration, size):
+            learnt[UNCHECKED] += 1
+            outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
     return NOT_CONVERGED
 
 
-@inner
+@inlined
 def solve(plan, kept, memory):
     """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
     if kept:
@@ -166,7 +205,7 @@ def solve(plan, kept, memory):
     return failed
 
 
-@inner
+@inlined
 def factorize_step(plan, scheme, memory, ggl):
     """Factors of the step's matrix, from the Jacobian; as `factorize`."""
     if ggl is None:
