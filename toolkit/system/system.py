@@ -88,13 +88,21 @@ class System:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
-        return call(function, *(self._packed.get(id(each), each) for each in arguments))
+        return call(function, *map(self._handed_on, arguments))
+
+    def _handed_on(self, given: Any) -> Any:
+        """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
+        known = id(given)
+        if known not in self._packed:
+            return given
+        if self._packed[known] is None:
+            self._packed[known] = in_memory(given)
+        return self._packed[known]
 
     @cached_property
     def _packed(self) -> dict[int, Any]:
-        """What never changes, as compiled code takes it, by identity."""
-        parts = self.plan, *self.plan, self.functions, *self.functions
-        return {id(part): in_memory(part) for part in parts if isinstance(part, tuple)}
+        """Records of this system by identity, as compiled code takes them; None as long as nobody has asked for one."""
+        return {id(part): None for part in (self.plan, *self.plan, self.functions, *self.functions) if isinstance(part, tuple)}
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -167,16 +175,29 @@ class System:
 
     def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates where every body is in its place and none is deformed, padded to n, and their design derivatives (n, n_x)."""
-        q, _, dq, _ = self.start()
-        for b, name in enumerate(self.scene.all_bodies()):
-            first = self.numbering.first[name]
-            elastic = slice(first + self.scene.body(name).frame_size, first + len(self.values.start[b][0]))
-            q[elastic], dq[elastic] = 0, 0
-        return q, dq
+        q, dq = self._undeformed
+        return q.copy(), dq
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x)."""
+        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x), which nobody can write to."""
+        q, v, dq, dv = self._start
+        return q.copy(), v.copy(), dq, dv
 
+    @cached_property
+    def _undeformed(self) -> tuple[np.ndarray, np.ndarray]:
+        q, _, dq, _ = self.start()
+        dq = dq.copy() if np.any(dq) else dq
+        for b, (name, body) in enumerate(self.scene.all_bodies().items()):
+            first = self.numbering.first[name]
+            elastic = slice(first + body.frame_size, first + len(self.values.start[b][0]))
+            q[elastic] = 0
+            if dq.flags.writeable:
+                dq[elastic] = 0
+        dq.flags.writeable = False
+        return q, dq
+
+    @cached_property
+    def _start(self) -> tuple[np.ndarray, ...]:
         first = list(self.numbering.first.values())
         states: np.ndarray = np.zeros((2, self.n), self.dtype)
         changes = np.zeros((2, self.n, self.n_x))
@@ -185,6 +206,7 @@ class System:
         for x, derivative in enumerate(self.derivatives):
             for b, of_body in derivative.start.items():
                 changes[:, first[b] : first[b] + len(of_body[0]), x] = of_body
+        changes.flags.writeable = False
         return states[0], states[1], changes[0], changes[1]
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
