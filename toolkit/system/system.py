@@ -111,7 +111,7 @@ class System:
 
     def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
         """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
-        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+        terms, work = allocate_terms(self.plan, self.dtype), self._scratch if self.compiled else allocate_work(self.plan, self.dtype)
         if self.compiled:  # exactly what the kernel is compiled for
             q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
             curves, curves_x, levels = (
@@ -120,6 +120,13 @@ class System:
             inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
         self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
         return terms
+
+    @cached_property
+    def _scratch(self) -> Any:
+        """Memory of compiled evaluations, of which one is done at a time, whatever the threads: they do not leave Python to others."""
+        found = allocate_work(self.plan, self.dtype)
+        self._packed[id(found)] = None
+        return found
 
     @cached_property
     def evaluator(self) -> Any:
