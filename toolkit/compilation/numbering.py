@@ -66,7 +66,11 @@ class Numbering:
 
     def marker(self, grip: tuple[str, ...]) -> int:
         """Number of the marker of a body at a point."""
-        return self.markers.index(grip)
+        return self._numbers[grip]
+
+    @cached_property
+    def _numbers(self) -> dict[tuple[str, ...], int]:
+        return {grip: m for m, grip in enumerate(self.markers)}
 
     @property
     def states(self) -> np.ndarray:

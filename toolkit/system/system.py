@@ -29,6 +29,7 @@ from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
 from toolkit.scene.scene import Scene
+from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
@@ -109,24 +110,28 @@ class System:
         rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
-    def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
-        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
-        terms, work = allocate_terms(self.plan, self.dtype), self._scratch if self.compiled else allocate_work(self.plan, self.dtype)
-        if self.compiled:  # exactly what the kernel is compiled for
-            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
-            curves, curves_x, levels = (
-                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
-            )
-            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
-        return terms
+    def evaluate(
+        self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False, linearize: bool = True
+    ) -> Terms:
+        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,).
+
+        Without `linearize` the derivatives by the state are left zero.
+        """
+        design = bool(design and self.n_x > 0)
+        if not self.compiled:
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
+            return terms
+        q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))  # exactly what the kernel is compiled for
+        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
+        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        memory = self._memory
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, memory.terms, memory.work)
+        return memory.found(linearize, design)
 
     @cached_property
-    def _scratch(self) -> Any:
-        """Memory of compiled evaluations, of which one is done at a time, whatever the threads: they do not leave Python to others."""
-        found = allocate_work(self.plan, self.dtype)
-        self._packed[id(found)] = None
-        return found
+    def _memory(self) -> EvaluationMemory:
+        return EvaluationMemory(self.plan)
 
     @cached_property
     def evaluator(self) -> Any:
@@ -151,6 +156,18 @@ class System:
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
+
+    def dense(self, values: np.ndarray) -> np.ndarray:
+        """The same as an array (n, n)."""
+        found: np.ndarray = np.zeros(self.n * self.n, values.dtype)
+        found[self._places] = values
+        return found.reshape(self.n, self.n)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Where the entries of the common pattern are in an array (n n,)."""
+        found: np.ndarray = np.repeat(np.arange(self.n), np.diff(self.plan.indptr)) * self.n + self.plan.indices
+        return found
 
     def most_moved(self, change: np.ndarray) -> str:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""

@@ -5,9 +5,9 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import copy, inlined, loop
+from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
-from toolkit.solvers.transient.extrapolation import ORDER, forget_trend, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -26,10 +26,10 @@ from toolkit.solvers.transient.step_memory import (
     STEP,
 )
 
-REUSED, SHARP = 1e-13, 1e-7
+REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve: one refinement with the converged Jacobian squares their relative error. Where new factors cost less than
-that, they are made."""
+least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one
+refinement with the converged Jacobian squares that. Where new factors cost less, they are made."""
 ALIKE = 1e-4
 """Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
@@ -110,8 +110,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
     Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
-    always those of the converged state: its joint forces are quiet enough to show the last correction of the accelerations, REUSED over
-    c_q.
+    always those of the converged state: its joint forces are quiet enough to show the last correction of accelerations, REUSED over c_q.
     """
     close = not control.modified and correction <= REUSED
     relinearize = plan.n_x > 0 and not close
@@ -121,8 +120,10 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
+        changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
+        near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
         known = ggl is None and not control.modified and memory.solver.mode[0] == 0
-        if control.modified or correction > SHARP or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
+        if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
             return known and correction <= ALIKE
