@@ -48,8 +48,9 @@ class SkinFile(Table):
         whole = self.dimension == 2 and self.basis.kind == "full" and self.basis.chord is None
         if self.skin.elements > MOST_REDUCED and not whole:
             raise ValueError(
-                f"skin.elements: {self.skin.elements} are more than {MOST_REDUCED}, for which modes are found with dense matrices, and a skin "
-                f'in space is kept; take {MOST_REDUCED} at most, or up to {MOST_ELEMENTS} in the plane with all coordinates (kind = "full")'
+                f"skin.elements: {self.skin.elements} are more than {MOST_REDUCED}, the most of a skin in space, on a chord or with fewer "
+                'coordinates, whose matrices are dense; take fewer, or in the plane all coordinates (kind = "full"), '
+                f"of up to {MOST_ELEMENTS} elements"
             )
         return self
 

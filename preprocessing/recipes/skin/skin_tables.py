@@ -33,10 +33,10 @@ class Airfoil(Table):
     y_scale: Positive = 1.0  # by which the y of both files are multiplied
 
 
-MOST_ELEMENTS, MOST_REDUCED = 800, 500
-"""Of a skin in the plane with all coordinates, whose arrays are zero nearly everywhere: from some 1000 on round-off of the stiffness, which
-grows with the fourth power of their number, makes the run go on with dense factors. And of any other skin: in space there are six arrays with
-the square of twice as many coordinates, and modes are those of dense matrices, with the third power."""
+MOST_ELEMENTS, MOST_REDUCED = 600, 500
+"""Of a skin in the plane with all coordinates, whose arrays are zero nearly everywhere: at 800 and more round-off of the stiffness,
+which grows with the fourth power of their number, makes the run go on with dense factors. And of any other skin: in space there are six
+arrays with the square of twice as many coordinates, and modes are those of dense matrices, with the third power."""
 
 
 class ContourPoint(Table):
