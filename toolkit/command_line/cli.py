@@ -31,6 +31,7 @@ from toolkit.command_line.commands.deformation_check import check_deformation
 from toolkit.command_line.commands.export import export
 from toolkit.command_line.commands.inspection import describe, describe_scene, print_file
 from toolkit.command_line.commands.new_project import app as new_project
+from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
 from toolkit.command_line.commands.tradeoff import tradeoff
@@ -258,6 +259,7 @@ app.command()(campbell)
 app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)
+app.command()(optimize)
 app.command()(report)
 app.command()(stability)
 app.command()(tradeoff)

@@ -124,6 +124,12 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     return scene
 
 
+def responses_from_table(table: Any, problems: list[str]) -> dict[str, Response]:
+    """Responses from a table of names as it stands in a scene file; what is wrong with them is added to the problems."""
+    items = _group(table, "responses", problems)
+    return {name: _item(item, Response.kinds, {}, f"responses.{name}", problems) for name, item in items.items()}
+
+
 def _dimension(table: Mapping[str, Any], path: Path) -> int:
     """What decides what all the rest may be.
 
