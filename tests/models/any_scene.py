@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tests.models.directions import combined, direction
 from toolkit.conformance.comparison import STEP, TOLERANCE
-from toolkit.conformance.residual import design_paths, inputs, plain_terms, random_state
+from toolkit.conformance.residual import check_design_derivatives, check_state_derivatives, inputs, plain_terms, random_state
 from toolkit.system.system import compile_scene
 
 
@@ -15,41 +14,11 @@ def close(ours: np.ndarray, reference: np.ndarray, tolerance: float = TOLERANCE)
 
 
 def test_state_derivatives_are_the_complex_step_of_the_residual(scene):
-    """Along one direction of all accelerations and multipliers, of all q, and of all v: a wrong entry shows in its row."""
-    system = compile_scene(scene)
-    state, n_q = random_state(system), system.n_q
-    terms = system.evaluate(inputs(system), *state)
-    I_acc, I_q, A_q, A_v = (system.matrix(values).toarray() for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v))
-    zero = np.zeros_like(I_acc)
-    for which, count, inertial, applied in ((2, system.n, I_acc, zero), (0, n_q, I_q, A_q), (1, n_q, zero, A_v)):
-        factors = np.zeros(system.n)
-        factors[:count] = list(direction(map(str, range(count))).values())
-        moved = [item + 1j * STEP * factors if k == which else item for k, item in enumerate(state)]
-        judge = plain_terms(system, inputs(system), *moved)
-        for ours, exact in ((inertial, judge.inertial), (applied, judge.applied)):
-            largest = np.abs(ours).max(initial=1e-300)
-            np.testing.assert_allclose(ours @ factors, exact.imag / STEP, rtol=0, atol=TOLERANCE * largest)
-            assert not ours[:, count:].any()  # multipliers are no coordinates: nothing depends on their q and v
+    check_state_derivatives(scene)
 
 
 def test_design_derivatives_are_the_complex_step_of_the_residual(scene):
-    """Along two directions of all numbers, in which each moves its largest inertial or its largest applied entry by about one.
-
-    Entries that cancel to zero leave round-off, so that a number without effect moves by its own size alone.
-    """
-    paths = design_paths(scene)
-    system = compile_scene(scene, paths)
-    state = random_state(system)
-    terms = system.evaluate(inputs(system), *state, design=True)
-    residual = max(np.abs(terms.inertial).max(initial=0), np.abs(terms.applied).max(initial=0))
-    whole = np.array([residual / max(abs(scene.number(path)), 1.0) for path in paths])
-    for group, ours in (("inertial", terms.I_x), ("applied", terms.A_x)):
-        largest = np.abs(ours).max(axis=0, initial=0)
-        factors = list(direction(paths).values()) / np.where(largest > 1e-4 * whole, largest, whole)
-        other = compile_scene(scene.moved(combined(scene, dict(zip(paths, factors, strict=True))), 1j * STEP))
-        exact = getattr(plain_terms(other, inputs(other), *state), group).imag / STEP
-        size = np.abs(exact).max(initial=1.0)
-        np.testing.assert_allclose(ours @ factors, exact, rtol=0, atol=TOLERANCE * size, err_msg=group)
+    check_design_derivatives(scene)
 
 
 def test_compiled_formulas_equal_the_plain_ones(scene):

@@ -9,10 +9,11 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
+from toolkit.analyses.transient import simulate
 from toolkit.description.design import DesignVariable
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.numerical import derivative
-from toolkit.sensitivity.preparation import Kind
+from toolkit.sensitivity.preparation import Kind, frozen, prepare
 from toolkit.system.solution import Solution
 
 
@@ -63,3 +64,19 @@ def combined(scene: Scene, factors: Mapping[str, float]) -> DesignVariable:
 def along(slopes: Mapping[str, float], factors: Mapping[str, float]) -> float:
     """The same from the derivatives by the single numbers."""
     return sum(factor * slopes[path] for path, factor in factors.items())
+
+
+def check_states(scene: Scene, run: Solution, tolerance: float) -> None:
+    """All derivatives of all states of a run against complex steps of all its variables through the same accepted steps.
+
+    Once the variables move the multipliers alike, once the places, so that what is wrong by one of them shows beside the others.
+    """
+    names = [variable.name for variable in run.system.design]
+    for by in (run.dmultipliers, run.dq):
+        sizes = np.abs(by).max(axis=(0, 1))
+        factors = np.array(list(direction(names).values())) / np.maximum(sizes, 1e-3 * sizes.max())
+        step = combined(scene, dict(zip(names, factors.tolist(), strict=True)))
+        stepped = simulate(prepare(frozen(scene, run).moved(step, 1e-30j)))
+        for name in ("q", "v", "a", "multipliers"):
+            exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}") @ factors
+            np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * np.abs(exact).max(), err_msg=name)

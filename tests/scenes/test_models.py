@@ -375,12 +375,14 @@ GOVERNOR = {"m": 1.0, "M": 2.0, "J": 0.02, "k": 100.0, "c": 20.0, "torque": 0.8,
 def governor(m: Any, M: Any, J: Any, k: Any, c: Any, torque: Any, omega: Any) -> dict[str, Any]:
     """Lift of the sleeve at 0.5, 1.5 and 6 s and the speed at the end, by Lagrange's equations of the angle a of the arms.
 
+    The numbers may be arrays, of several governors that move at once.
+
     T = m (l^2 a'^2 + r^2 w^2) + I (a'^2 + w^2) + M (2 l sin(a) a')^2 / 2 + J w^2 / 2
     V = - 2 (m + M) g l cos(a) + k (2 l cos(a) - L)^2 / 2,   damping c (2 l sin(a) a')^2 / 2
     """
 
-    def rates(t: float, y: np.ndarray) -> list[Any]:
-        angle, rate, momentum = y
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        angle, rate, momentum = y.reshape(3, -1)
         sine, cosine = np.sin(angle), np.cos(angle)
         r = PIVOT + ARM * sine
         spin = momentum / (2 * m * r**2 + J + SPINNING)
@@ -389,15 +391,18 @@ def governor(m: Any, M: Any, J: Any, k: Any, c: Any, torque: Any, omega: Any) ->
         push = 2 * m * r * ARM * cosine * spin**2 - 2 * (m + M) * GRAVITY * ARM * sine + 2 * ARM * sine * spring
         motor = Cycloid(height=1.0, start=0.5, duration=0.5), Cycloid(height=-1.0, start=1.5, duration=0.5)
         pulse = sum(each.evaluate(np.array([t]))[0, 0] for each in motor)
-        return [rate, (push - 4 * M * ARM**2 * sine * cosine * rate**2) / inertia, torque * pulse]
+        acceleration = (push - 4 * M * ARM**2 * sine * cosine * rate**2) / inertia
+        return np.concatenate([rate, acceleration, pulse * torque + 0 * rate])
 
-    y, lift = np.array([np.arcsin(0.6), 0.0, (2 * m * 0.2**2 + J + SPINNING) * omega], complex), {}
+    start = np.broadcast_arrays(np.arcsin(0.6), 0.0, (2 * m * 0.2**2 + J + SPINNING) * np.atleast_1d(omega))
+    y, lift = np.concatenate(start).astype(complex), {}
     for begin, end in pairwise((0.0, 0.5, 1.0, 1.5, 2.0, 6.0)):  # where the torque has corners
         y = solve_ivp(rates, (begin, end), y, method="DOP853", rtol=1e-10, atol=1e-13, max_step=0.01).y[
             :, -1
         ]  # of a derivative too
-        lift[end] = RELAXED - 2 * ARM * np.cos(y[0])
-    speed = y[2] / (2 * m * (PIVOT + ARM * np.sin(y[0])) ** 2 + J + SPINNING)
+        angle, _, momentum = y.reshape(3, -1)
+        lift[end] = RELAXED - 2 * ARM * np.cos(angle)
+    speed = momentum / (2 * m * (PIVOT + ARM * np.sin(angle)) ** 2 + J + SPINNING)
     return {"rest": lift[0.5], "rise": lift[1.5], "lift": lift[6.0], "speed": speed}
 
 
@@ -420,16 +425,18 @@ def test_governor_runs_steadily_in_closed_form_and_moves_as_lagrange_says():
     first = (2 * 0.2**2 + 0.02 + SPINNING) * GOVERNOR["omega"]
     assert steady(first) == pytest.approx((0.0, GOVERNOR["omega"]), abs=1e-12)  # what the scene starts with
     lift, speed = steady(first + 0.8)  # the motor's impulse; nothing else acts about the axis
-    exact = governor(**GOVERNOR)
+    # the governor, and one for each number with a complex step of it
+    steps = 1j * h * np.eye(len(GOVERNOR) + 1)[1:]
+    every = governor(**{x: value + step for (x, value), step in zip(GOVERNOR.items(), steps, strict=True)})
+    exact = {name: values[0] for name, values in every.items()}
     assert (np.real(exact["lift"]), np.real(exact["speed"])) == pytest.approx(
         (lift, speed), rel=1e-8
     )  # of the judge: it has settled
     size = abs(lift)
     for name, value in exact.items():  # second order: (w h)^2 is 5e-5
         assert found.values[name] == pytest.approx(np.real(value), rel=5e-5, abs=5e-5 * size), name
-    slopes = {x: governor(**{key: each + 1j * h * (key == x) for key, each in GOVERNOR.items()}) for x in GOVERNOR}
-    for name in exact:
-        effects = {x: np.imag(stepped[name]) / h * GOVERNOR[x] for x, stepped in slopes.items()}
+    for name, values in every.items():
+        effects = {x: slope * GOVERNOR[x] for x, slope in zip(GOVERNOR, values[1:].imag / h, strict=True)}
         ours = {x: slope * GOVERNOR[x] for x, slope in found.gradients[name].items()}
         assert ours == pytest.approx(effects, rel=0, abs=1e-4 * max(map(abs, effects.values()))), name
     assert found.verdict.trusted

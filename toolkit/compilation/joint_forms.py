@@ -116,8 +116,8 @@ def joint_forms(joints: Sequence[Joint]) -> JointForms:
     forms = [(i, f) for each in rows for i, row in enumerate(each) for f in range(len(row.forms))]
     for (i, f), (first, pairs), own in zip(forms, start, terms, strict=False):
         for slot in own.slots:
-            at, v, sign = _place(first, pairs, slot)
-            owner.append((i, f, slot[0], int(at), v))
+            term, v, sign = _place(first, pairs, slot)
+            owner.append((i, f, slot[0], int(term), v))
             signs.append(sign)
     counts = [sum(len(form.numbers) for form in forms_of(each)) for each in rows]
     at = ints([[term + v for *_, term, v in owner]])

@@ -66,7 +66,11 @@ class Numbering:
 
     def marker(self, grip: tuple[str, ...]) -> int:
         """Number of the marker of a body at a point."""
-        return self.markers.index(grip)
+        return self._numbers[grip]
+
+    @cached_property
+    def _numbers(self) -> dict[tuple[str, ...], int]:
+        return {grip: m for m, grip in enumerate(self.markers)}
 
     @property
     def states(self) -> np.ndarray:
@@ -133,7 +137,9 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
     grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
     markers = tuple(dict.fromkeys([*grips, *extra_markers]))
-    return Numbering(first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene), tuple(scene.joints.values()))
+    return Numbering(
+        first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene), tuple(scene.joints.values())
+    )
 
 
 def _with_state(scene: Scene) -> dict[str, Load]:

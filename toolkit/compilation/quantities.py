@@ -197,9 +197,7 @@ def _parameters(component: Component, width: int, placed: Any) -> np.ndarray:
     return np.array([*row, *[0.0] * (width - len(row))])
 
 
-def derivatives(
-    scene: Scene, numbering: Numbering, design: Design, seen: Seen, among: Affected | None = None
-) -> list[Change]:
+def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen, among: Affected | None = None) -> list[Change]:
     """Derivative of all numbers, or of those `among` some, by each design variable; curves stay complex, they are differentiated where
     they are evaluated.
 

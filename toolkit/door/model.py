@@ -318,7 +318,9 @@ class Model:
             if isinstance(count, bool) or not isinstance(count, int) or count < 1:
                 raise InputError(f"{word} = {count!r}: give a whole number, at least 1.")
         if processes > 1 and threads > 1:
-            raise InputError("designs are analysed in several processes or in several threads. Leave out one of processes and threads.")
+            raise InputError(
+                "designs are analysed in several processes or in several threads. Leave out one of processes and threads."
+            )
         check_method(gradients)
         return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, threads, progress)
 

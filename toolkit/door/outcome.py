@@ -89,7 +89,9 @@ def outcomes(
     return [outcome for k in starts for outcome in found[k]]
 
 
-def _here(work: Callable[[Mapping[str, float]], Outcome], designs: Sequence[Mapping[str, float]], threads: int) -> Iterator[Outcome]:
+def _here(
+    work: Callable[[Mapping[str, float]], Outcome], designs: Sequence[Mapping[str, float]], threads: int
+) -> Iterator[Outcome]:
     """Outcomes in this process: the first one alone, which compiles what all need, then so many at once as there are threads.
 
     A step loop leaves Python to the other threads while it runs. No thread writes what another one reads: every design has its own plan and

@@ -68,7 +68,7 @@ def cheaper_anew(solver, entries, n_x):
 
     Measured, one multiplication of the factorisation, whose places are looked up, takes as long as two of the refinement.
     """
-    return solver.mode[0] == 0 and 2 * solver.updates < n_x * (len(solver.lu) + entries)
+    return 2 * solver.updates < n_x * (len(solver.lu) + entries)
 
 
 @inner

@@ -22,11 +22,8 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.linear.sparse_analysis import TOGETHER
-
-LONG_ROW = 12
-"""Entries from which a row is summed in four parts."""
 
 
 @kernel
@@ -79,7 +76,7 @@ def factor(plan, values, lu, work, tolerance):
     return -1
 
 
-@inner
+@inlined
 def _factor_together(plan, lu, work, tolerance, first):
     """The rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
     for k in range(first, first + TOGETHER):
@@ -99,42 +96,49 @@ def _factor_together(plan, lu, work, tolerance, first):
     return -1
 
 
-@inner
+@inlined
 def _eliminate_together(plan, lu, work, first, update, run):
     """All later rows without TOGETHER pivots, two rows at a time; `update` and `run` count what the pivots before them have used."""
     a, b, c, d = plan.diagonal[first], plan.diagonal[first + 1], plan.diagonal[first + 2], plan.diagonal[first + 3]
     behind, count = plan.row_start[first + 4] - d - 1, plan.together[first]
     row_a, row_b, row_c, row_d = lu[a + 4 :], lu[b + 3 :], lu[c + 2 :], lu[d + 1 :]
+    mirror, column = plan.mirror[a + 4 : a + 4 + behind], plan.column[a + 4 : a + 4 + behind]
+    run_first, run_length = plan.run_first[run : run + count], plan.run_length[run : run + count]
+    destination = plan.destination[update : update + count * behind]
+    p_a, p_b, p_c, p_d = lu[a], lu[b], lu[c], lu[d]
+    ab, ac, ad, bc, bd, cd = lu[a + 1], lu[a + 2], lu[a + 3], lu[b + 1], lu[b + 2], lu[c + 1]
     for r in range(behind):
-        at = plan.mirror[a + 4 + r]
-        m_a = lu[at] * lu[a]
-        m_b = (lu[at + 1] - m_a * lu[a + 1]) * lu[b]
-        m_c = (lu[at + 2] - m_a * lu[a + 2] - m_b * lu[b + 1]) * lu[c]
-        m_d = (lu[at + 3] - m_a * lu[a + 3] - m_b * lu[b + 2] - m_c * lu[c + 1]) * lu[d]
-        lu[at], lu[at + 1], lu[at + 2], lu[at + 3] = m_a, m_b, m_c, m_d
+        left = lu[mirror[r] : mirror[r] + 4]
+        m_a = left[0] * p_a
+        m_b = (left[1] - m_a * ab) * p_b
+        m_c = (left[2] - m_a * ac - m_b * bc) * p_c
+        m_d = (left[3] - m_a * ad - m_b * bd - m_c * cd) * p_d
+        left[0], left[1], left[2], left[3] = m_a, m_b, m_c, m_d
         size = abs((m_a * row_a[r]).real) + abs((m_b * row_b[r]).real) + abs((m_c * row_c[r]).real) + abs((m_d * row_d[r]).real)
-        work[plan.column[a + 4 + r]] += size
-    for r in range(0, behind - 1, 2):
-        at, other = plan.mirror[a + 4 + r], plan.mirror[a + 5 + r]
-        m_a, m_b, m_c, m_d = lu[at], lu[at + 1], lu[at + 2], lu[at + 3]
-        n_a, n_b, n_c, n_d = lu[other], lu[other + 1], lu[other + 2], lu[other + 3]
-        for k in range(run, run + count):
-            start, length = plan.run_first[k], plan.run_length[k]
-            target, next_one = lu[plan.destination[update] :], lu[plan.destination[update + count] :]
+        work[column[r]] += size
+    at, r = 0, 0
+    while r + 2 <= behind:
+        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + 1] : mirror[r + 1] + 4]
+        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
+        n_a, n_b, n_c, n_d = other[0], other[1], other[2], other[3]
+        for k in range(count):
+            start, length = run_first[k], run_length[k]
+            target, next_one = lu[destination[at] :], lu[destination[at + count] :]
             u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            update += 1
+            at += 1
             for s in range(length):
                 target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
                 next_one[s] -= n_a * u_a[s] + n_b * u_b[s] + n_c * u_c[s] + n_d * u_d[s]
-        update += count
-    if behind % 2 == 1:
-        at = plan.mirror[a + 3 + behind]
-        m_a, m_b, m_c, m_d = lu[at], lu[at + 1], lu[at + 2], lu[at + 3]
-        for k in range(run, run + count):
-            start, length = plan.run_first[k], plan.run_length[k]
-            target = lu[plan.destination[update] :]
+        at += count
+        r += 2
+    if r < behind:
+        left = lu[mirror[r] : mirror[r] + 4]
+        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
+        for k in range(count):
+            start, length = run_first[k], run_length[k]
+            target = lu[destination[at] :]
             u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
-            update += 1
+            at += 1
             for s in range(length):
                 target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
 
@@ -150,34 +154,20 @@ def _load(plan, values, lu, size):
         size[k] = abs(lu[plan.diagonal[k]].real)
 
 
-@inner
-def row_product(values, columns, first, last, x):
-    """Sum of values[p] x[columns[p]] over p = first ... last - 1; long ones in four sums, which a processor forms at the same time."""
-    total, p = 0.0, first
-    if last - first >= LONG_ROW:
-        a, b, c, d = 0.0, 0.0, 0.0, 0.0
-        while p + 4 <= last:
-            a += values[p] * x[columns[p]]
-            b += values[p + 1] * x[columns[p + 1]]
-            c += values[p + 2] * x[columns[p + 2]]
-            d += values[p + 3] * x[columns[p + 3]]
-            p += 4
-        total = (a + b) + (c + d)
-    while p < last:
-        total += values[p] * x[columns[p]]
-        p += 1
-    return total
-
-
 @kernel
 def solve(plan, lu, rhs, work):
     """Solution of A x = rhs, in place; rhs and work (n,)."""
     n = plan.order.size
     for i in range(n):
-        work[i] = rhs[plan.order[i]] - row_product(lu, plan.column, plan.row_start[i], plan.diagonal[i], work)
+        total = rhs[plan.order[i]]
+        for p in range(plan.row_start[i], plan.diagonal[i]):
+            total -= lu[p] * work[plan.column[p]]
+        work[i] = total
     for i in range(n - 1, -1, -1):
-        rest = row_product(lu, plan.column, plan.diagonal[i] + 1, plan.row_start[i + 1], work)
-        work[i] = (work[i] - rest) * lu[plan.diagonal[i]]
+        total = work[i]
+        for p in range(plan.diagonal[i] + 1, plan.row_start[i + 1]):
+            total -= lu[p] * work[plan.column[p]]
+        work[i] = total * lu[plan.diagonal[i]]
         rhs[plan.order[i]] = work[i]
 
 
@@ -187,7 +177,7 @@ WIDE = 12
 
 @kernel
 def solve_block(plan, lu, rhs, work):
-    """Solution of A X = rhs, in place; rhs and work (n, n_x), the design axis contiguous. Every column has the digits of `solve`."""
+    """Solution of A X = rhs, in place; rhs and work (n, n_x), the design axis contiguous."""
     n_x = rhs.shape[1]
     if n_x >= WIDE:
         _solve_rows(plan, lu, rhs, work)
@@ -254,4 +244,7 @@ def _solve_four(plan, lu, rhs, work):
 def multiply(indptr, indices, values, x, y):
     """y = A x for a CSR matrix; x and y (n,)."""
     for i in range(y.size):
-        y[i] = row_product(values, indices, indptr[i], indptr[i + 1], x)
+        total = 0.0 * x[0]
+        for p in range(indptr[i], indptr[i + 1]):
+            total += values[p] * x[indices[p]]
+        y[i] = total

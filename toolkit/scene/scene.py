@@ -145,9 +145,9 @@ class Scene(Description):
         ModelFileError
             The file cannot be used, see `toolkit.reduced_model.file.load`.
         """
-        full = os.path.join(self.directory, path)  # noqa: PTH118  a Path takes as long as all else here
+        full = os.path.join(self.directory, path)
         try:
-            changed = os.stat(full).st_mtime_ns  # noqa: PTH116
+            changed = os.stat(full).st_mtime_ns
         except OSError:
             changed = 0
         model = _load(full, ("interfaces", *parts), changed)

@@ -29,6 +29,7 @@ from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
 from toolkit.scene.scene import Scene
+from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
@@ -87,13 +88,21 @@ class System:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
         if not self.compiled:
             return plain(function)(*arguments)
-        return call(function, *(self._packed.get(id(each), each) for each in arguments))
+        return call(function, *map(self._handed_on, arguments))
+
+    def _handed_on(self, given: Any) -> Any:
+        """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
+        known = id(given)
+        if known not in self._packed:
+            return given
+        if self._packed[known] is None:
+            self._packed[known] = in_memory(given)
+        return self._packed[known]
 
     @cached_property
     def _packed(self) -> dict[int, Any]:
-        """What never changes, as compiled code takes it, by identity."""
-        parts = self.plan, *self.plan, self.functions, *self.functions
-        return {id(part): in_memory(part) for part in parts if isinstance(part, tuple)}
+        """Records of this system by identity, as compiled code takes them; None as long as nobody has asked for one."""
+        return {id(part): None for part in (self.plan, *self.plan, self.functions, *self.functions) if isinstance(part, tuple)}
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -101,17 +110,28 @@ class System:
         rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
-    def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
-        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
-        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-        if self.compiled:  # exactly what the kernel is compiled for
-            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
-            curves, curves_x, levels = (
-                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
-            )
-            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
-        return terms
+    def evaluate(
+        self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False, linearize: bool = True
+    ) -> Terms:
+        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,).
+
+        Without `linearize` the derivatives by the state are left zero.
+        """
+        design = bool(design and self.n_x > 0)
+        if not self.compiled:
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
+            return terms
+        q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))  # exactly what the kernel is compiled for
+        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
+        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        memory = self._memory
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, memory.terms, memory.work)
+        return memory.found(linearize, design)
+
+    @cached_property
+    def _memory(self) -> EvaluationMemory:
+        return EvaluationMemory(self.plan)
 
     @cached_property
     def evaluator(self) -> Any:
@@ -137,22 +157,47 @@ class System:
         """Values on the common pattern as a sparse matrix (n, n)."""
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
 
+    def dense(self, values: np.ndarray) -> np.ndarray:
+        """The same as an array (n, n)."""
+        found: np.ndarray = np.zeros(self.n * self.n, values.dtype)
+        found[self._places] = values
+        return found.reshape(self.n, self.n)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Where the entries of the common pattern are in an array (n n,)."""
+        found: np.ndarray = np.repeat(np.arange(self.n), np.diff(self.plan.indptr)) * self.n + self.plan.indices
+        return found
+
     def most_moved(self, change: np.ndarray) -> str:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
         return self.numbering.names[first_largest(self.weights[: self.n_q] * np.abs(np.real(change[: self.n_q])))]
 
     def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates where every body is in its place and none is deformed, padded to n, and their design derivatives (n, n_x)."""
-        q, _, dq, _ = self.start()
-        for b, name in enumerate(self.scene.all_bodies()):
-            first = self.numbering.first[name]
-            elastic = slice(first + self.scene.body(name).frame_size, first + len(self.values.start[b][0]))
-            q[elastic], dq[elastic] = 0, 0
-        return q, dq
+        q, dq = self._undeformed
+        return q.copy(), dq
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x)."""
+        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x), which nobody can write to."""
+        q, v, dq, dv = self._start
+        return q.copy(), v.copy(), dq, dv
 
+    @cached_property
+    def _undeformed(self) -> tuple[np.ndarray, np.ndarray]:
+        q, _, dq, _ = self.start()
+        dq = dq.copy() if np.any(dq) else dq
+        for b, (name, body) in enumerate(self.scene.all_bodies().items()):
+            first = self.numbering.first[name]
+            elastic = slice(first + body.frame_size, first + len(self.values.start[b][0]))
+            q[elastic] = 0
+            if dq.flags.writeable:
+                dq[elastic] = 0
+        dq.flags.writeable = False
+        return q, dq
+
+    @cached_property
+    def _start(self) -> tuple[np.ndarray, ...]:
         first = list(self.numbering.first.values())
         states: np.ndarray = np.zeros((2, self.n), self.dtype)
         changes = np.zeros((2, self.n, self.n_x))
@@ -161,6 +206,7 @@ class System:
         for x, derivative in enumerate(self.derivatives):
             for b, of_body in derivative.start.items():
                 changes[:, first[b] : first[b] + len(of_body[0]), x] = of_body
+        changes.flags.writeable = False
         return states[0], states[1], changes[0], changes[1]
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -138,7 +138,7 @@ def _with_interface(
     n_held = m * len(free.rigid)
     averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
-    inner = stiffness[:inside, :inside].tocsr()
+    inner = _first_of(stiffness, inside)
     if turn is not None and not free.rigid:
         inner = supported(inner, [rows[name][:, :inside] for name in averaged])
     system = held_system(inner, border[:, :inside], places[:inside])
@@ -153,11 +153,16 @@ def _with_interface(
     if choice.kind == "static":
         words = _words(choice, rows, None)
         return SolidShapes(static, words, stiffness, system, None, None, n_held, averaged, tuple(rows), all_points, turn)
-    kept, beyond = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
+    kept, beyond = _modes(choice, _first_of(mass, inside), rows, system)
     inside_only = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
     columns = np.column_stack([static, inside_only])
     words = _words(choice, rows, kept)
     return SolidShapes(columns, words, stiffness, system, kept, beyond, n_held, averaged, tuple(rows), all_points, turn)
+
+
+def _first_of(matrix: Any, n: int) -> Any:
+    """The block of the first n coordinates; the sparse matrix itself if these are all."""
+    return matrix if n == matrix.shape[0] else matrix[:n, :n].tocsr()
 
 
 def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> tuple[NormalModes, NormalModes]:

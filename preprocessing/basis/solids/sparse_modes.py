@@ -127,8 +127,11 @@ def mode_rates(system: System, modes: NormalModes, change: BasisChange, beyond: 
     loads = forces(loads)
     along, higher = beyond.shapes.T @ loads, beyond.eigenvalues[:, None]
     begun = beyond.shapes @ (along / (higher - values))
-    left = loads - matrix(begun, np.arange(modes.count))
-    return found + begun + _conjugate_gradients(matrix, nearly, left, (along**2 / higher).sum(axis=0))
+    loads -= matrix(begun, np.arange(modes.count))
+    found += begun
+    del begun  # a large body's arrays are larger than all else here
+    found += _conjugate_gradients(matrix, nearly, loads, (along**2 / higher).sum(axis=0))
+    return found
 
 
 def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.ndarray, solved: np.ndarray) -> np.ndarray:

@@ -36,7 +36,7 @@ def joint_arrays(
     dtype: type,
     kept: Joints | None = None,
 ) -> Joints:
-    """Joints of the scene as forms, with the places of their local entries in the pattern; `kept` are those of the scene at other numbers."""
+    """Joints of the scene as forms, with the places of their local entries in the pattern; `kept` is what they are at other numbers."""
     joints: list[Joint] = list(scene.joints.values())
     for joint in joints if kept is None else ():
         check_rows(joint, scene)
@@ -45,9 +45,10 @@ def joint_arrays(
     ends = starts([len(found) for found in changes])
     if kept is not None:
         of = kept.of.copy()
-        of[:, DESIGNED] = designed(kept.marker, derivatives, changes, kept.curve)
+        of[:, DESIGNED] = designed(list(kept.marker), derivatives, changes, kept.curve)
         of[:, DESIGN], of[:, DESIGN + 1] = ends[:-1], ends[1:]
-        return kept._replace(of=of, value=given["value"], **forms.changes(changes))
+        found = forms.changes(changes)
+        return kept._replace(of=of, value=given["value"], design=found["design"], design_value=found["design_value"])
     rows = forms.rows
     gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
     positions = []

@@ -100,7 +100,9 @@ def key_of(given: Any) -> Any:
     if isinstance(given, np.ndarray):
         flags = given.flags
         return given.dtype.str, given.ndim, flags.c_contiguous, flags.f_contiguous, flags.aligned, flags.writeable
-    if isinstance(given, Packed | Formula):
+    if isinstance(given, Packed):
+        return id(given.kind)  # of which there is one for ever: `_KNOWN`
+    if isinstance(given, Formula):
         return given.kind
     if isinstance(given, tuple):
         return type(given), *map(key_of, given)

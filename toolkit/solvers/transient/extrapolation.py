@@ -1,16 +1,20 @@
 """First guess of a step's accelerations and multipliers: the way they went in the last steps, continued.
 
-With the backward differences d1, d2 of [a; lam] behind the last step the guesses of order 0, 1 and 2 are a_n, a_n + d1, a_n + d1 + d2. A
-smooth motion makes each of them better than the one before by a factor of the size of the step, a coarse or sudden one makes it worse; so the
-order of the next step is the one that would have been best in the last.
+With the backward differences d1, d2 of [a; lam] behind the last step the guesses of order 0, 1 and 2 are a_n, a_n + d1, a_n + d1 + d2.
+A smooth motion makes each of them better than the one before by a factor of the size of the step, a coarse or sudden one makes it
+worse; so the order of the next step is the one that would have been best in the last.
 """
 
 from toolkit.foundation.kernel import inlined
 from toolkit.solvers.transient.scheme import by_acceleration
 
-ORDER, EXPECTED, BEND, UNCHECKED = range(4)
-"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a correction
-leaves in parts of its square, and for how many steps Newton has not looked, see `newton`."""
+ORDER, EXPECTED, BEND, UNCHECKED, QUALITY, UNREFINED = range(6)
+"""Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a
+correction leaves in parts of its square, and for how many steps Newton has not looked; how far refining has changed a solution, and for how
+many steps none was refined, see `newton`."""
+SMOOTH = 1e-4
+"""Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
+solutions, and the one next to the last state is meant."""
 BETTER = 0.5
 """Part of the miss of one order that the next has to undercut: round-off alone is no trend, its differences grow with the order."""
 
@@ -53,9 +57,9 @@ def learn_trend(plan, scheme, weights, before, acc, memory):
             miss_0 = max(miss_0, weights[i] * abs(first.real))
             miss_1 = max(miss_1, weights[i] * abs(second.real))
             miss_2 = max(miss_2, weights[i] * abs(third.real))
-    order, miss = 0, miss_0
-    if miss_1 < BETTER * miss:
-        order, miss = 1, miss_1
-    if miss_2 < BETTER * miss:
-        order, miss = 2, miss_2
-    memory.learnt[ORDER], memory.learnt[EXPECTED] = order, c_q * miss
+    order, miss = 0, c_q * miss_0
+    if c_q * miss_1 < min(BETTER * miss, SMOOTH):
+        order, miss = 1, c_q * miss_1
+    if c_q * miss_2 < min(BETTER * miss, SMOOTH):
+        order, miss = 2, c_q * miss_2
+    memory.learnt[ORDER], memory.learnt[EXPECTED] = order, miss

@@ -5,9 +5,9 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import copy, inlined, loop
+from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
-from toolkit.solvers.transient.extrapolation import ORDER, forget_trend, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -26,10 +26,13 @@ from toolkit.solvers.transient.step_memory import (
     STEP,
 )
 
-REUSED, SHARP = 1e-13, 1e-7
+REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve: one refinement with the converged Jacobian squares their relative error. Where new factors cost less than
-that, they are made, and are as good as the old ones were."""
+least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one
+refinement with the converged Jacobian squares that. Where new factors cost less, they are made."""
+ALIKE = 1e-4
+"""Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
+zero, not the digits of the matrix."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
@@ -106,8 +109,8 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are always those of the converged state: its joint forces
-    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
+    always those of the converged state: its joint forces are quiet enough to show the last correction of accelerations, REUSED over c_q.
     """
     close = not control.modified and correction <= REUSED
     relinearize = plan.n_x > 0 and not close
@@ -117,13 +120,14 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        near = not control.modified and correction <= SHARP
-        anew = ggl is None and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)
-        if anew or not near:
+        changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
+        near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
+        known = ggl is None and not control.modified and memory.solver.mode[0] == 0
+        if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
-            return anew and near
-        elif ggl is not None:
+            return known and correction <= ALIKE
+        if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return close
 

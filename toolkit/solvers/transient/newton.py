@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
+from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, QUALITY, UNCHECKED, UNREFINED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -24,12 +24,13 @@ ROUND_OFF, STILL = 1e-13, 0.5
 
 
 NEGLIGIBLE, FAR = 1e-15, 1e-6
-"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of; and
-a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of;
+and a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
 FADES = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
-"""Steps after which what a correction leaves is measured anew; growth of the first correction from one step to the next at which it is, too."""
+"""Steps after which what a correction leaves is measured anew; and how many times larger than in the last step a first correction has to be
+to be looked into at once."""
 
 
 class Control(NamedTuple):
@@ -38,6 +39,7 @@ class Control(NamedTuple):
     tolerance: float
     most: int  # iterations
     modified: bool  # whether factors are kept as long as they contract well
+    thorough: bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing but have to settle
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
@@ -48,8 +50,9 @@ def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = by_acceleration(scheme)
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    I_acc, I_q, A_q, A_v = terms.I_acc, terms.I_q, terms.A_q, terms.A_v  # looked up once, or nothing is done several at a time
     for e in range(len(jacobian)):
-        jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
+        jacobian[e] = w_i * (I_acc[e] + c_q * I_q[e]) + w_a * (c_q * A_q[e] + c_v * A_v[e])
     if not scheme.inertia:
         for e in range(len(jacobian)):
             if plan.indices[e] < plan.n_q:
@@ -116,7 +119,7 @@ def allowed(control, scheme, kept):
 def learn_bend(learnt, before, size):
     """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
 
-    It depends on their direction (by forces of joints on light bodies a thousandfold), so that a smaller one than known is believed by half.
+    It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
     """
     learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
     learnt[UNCHECKED] = 0
@@ -131,6 +134,18 @@ def leaves_nothing(learnt, iteration, size):
 
 
 @inlined
+def precise_enough(plan, control, learnt):
+    """Whether a first correction like the last needs no refinement: even SURPRISE times as large it is off by less than anyone feels.
+
+    Where there are derivatives, refining tells how good the factors are for them.
+    """
+    if plan.n_x > 0 or control.thorough or learnt[UNREFINED] >= OFTEN:
+        return False
+    known = learnt[EXPECTED] > 0 and learnt[QUALITY] > 0
+    return known and SURPRISE * learnt[EXPECTED] * learnt[QUALITY] <= NEGLIGIBLE
+
+
+@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -139,7 +154,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
-    learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
+    learnt, stiff, rough, once = memory.learnt, len(plan.constant.stiff_row) > 0, False, False
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
         rough_before = rough
@@ -156,7 +171,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
         if ggl is None:
-            failed = solve(plan, kept, memory)
+            once = iteration == 0 and not kept and precise_enough(plan, control, learnt)
+            failed = solve(plan, kept, once, memory)
         else:
             failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
@@ -180,12 +196,14 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
+        if iteration == 0 and (control.thorough or (once and size > SURPRISE * learnt[EXPECTED])):
+            continue
         if not kept and exact_before and before > (FAR if rough_before else 0.0):
             learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
         if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
             return CONVERGED
-        if not kept and not rough and leaves_nothing(learnt, iteration, size):
+        if ggl is None and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
             learnt[UNCHECKED] += 1
             outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
@@ -193,15 +211,24 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
 
 
 @inlined
-def solve(plan, kept, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
+def solve(plan, kept, once, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
+
+    The latter is refined, unless it is to be solved for `once`.
+    """
+    learnt = memory.learnt
     if kept:
         copy(memory.residual, memory.correction)
         apply_inverse(memory.solver, memory.correction)
         return -1
     failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    if failed < 0:
+    if failed < 0 and once:
+        copy(memory.residual, memory.correction)
+        apply_inverse(memory.solver, memory.correction)
+        learnt[UNREFINED] += 1
+    elif failed < 0:
         failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+        learnt[QUALITY], learnt[UNREFINED] = memory.solver.quality[0], 0
     return failed
 
 
