@@ -19,7 +19,7 @@ from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
 from toolkit.studies.optimization.optimality import optimality_of
-from toolkit.studies.optimization.optimize import STORE, optimized
+from toolkit.studies.optimization.optimize import STORE, _other_optima, _rank, optimized
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.optimization.verification import solved_again
@@ -195,6 +195,18 @@ def test_a_search_that_ends_at_a_cliff_is_no_success(tmp_path):
     with pytest.raises(NoOptimumError, match="KKT residual"):
         found.check()
     assert all(each.values.size == 0 for each in found.solved if each.failed)
+
+
+def test_an_optimum_comes_before_a_better_design_that_is_none_and_that_is_said(tmp_path):
+    found = optimized(only_load(tmp_path, QUICK, least=-30.5))
+    assert found.search.arrived
+    better = optimized(only_load(tmp_path, QUICK, least=-36.0)).search
+    unfinished = replace(better, arrived=False)
+    assert _rank(found.search) < _rank(unfinished)
+    assert _rank(better) < _rank(found.search)
+    codes = [each.code for each in _other_optima(found.problem, found.search, [found.search, unfinished])]
+    assert codes == ["better-designs"]
+    assert [each.code for each in _other_optima(found.problem, better, [better, replace(found.search, arrived=False)])] == []
 
 
 def test_a_study_may_stop_at_the_first_failed_design(tmp_path):
