@@ -68,7 +68,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "surface")}
+    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "elements", "surface")}
 
 
 def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
@@ -88,7 +88,8 @@ class _Scales:
         self.model, self.units = model, units
         self.length = factor(LENGTH, model.units, units)
         coordinate = np.where(_moving(model), self.length, 1.0)
-        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate)}
+        local = np.tile([self.length, self.length, 1.0], 2)
+        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate), "l": 1 / local, "w": 1 / np.append(1.0, local)}
 
     def part(self, part: Any, point: bool = False) -> Any:
         """All arrays of one object."""

@@ -51,6 +51,11 @@ class DesignPoint:
             )
 
     @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """What others have made of the model at this design, for as long as the design is remembered."""
+        return {}
+
+    @cached_property
     def _p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 

@@ -16,6 +16,7 @@ from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -39,6 +40,7 @@ PARTS: dict[str, Any] = {
     "shape": Shape,
     "mesh": Mesh,
     "outline": Outline,
+    "elements": Elements,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
 }

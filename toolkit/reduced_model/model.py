@@ -11,6 +11,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 MEAN_AXES = "mean axes (Buckens)"
@@ -175,6 +176,7 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     outline: Outline | None = None
+    elements: Elements | None = None  # of planar bodies that keep all nodal coordinates
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
