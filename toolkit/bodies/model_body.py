@@ -87,6 +87,10 @@ class ModelBody(Body):
                 )
         return design_at(model, {**self.model_values(), **follows}, first_order) if follows else design
 
+    def stress_operator(self, scene: Placed) -> np.ndarray:
+        """Stress per elastic coordinate at the scene's parameter values, (n_s, n_f) or of solids (n_s, 6, n_f)."""
+        return self.design_point(scene).value("stress_operator")
+
     def invariants(self, scene: Placed) -> Any:
         """Invariants at the scene's parameter values."""
         return self.design_point(scene).invariants()

@@ -16,7 +16,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.reduced_model.cut.chain import chain_nodes, place_of
 from toolkit.bodies.model_body import refuse_unknown
-from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
+from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 
 
@@ -148,17 +148,18 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
     return round(found.station)
 
 
+def clamped_nodes(model: ReducedModel) -> list[int]:
+    """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node."""
+    order = None if model.elements is None else chain_nodes(model.elements.connectivity)
+    if model.mesh is None or order is None:
+        return []
+    still = np.all(model.mesh.recovery[:, 1:].reshape(len(model.mesh.nodes), -1) == 0, axis=1)
+    return [k for k, node in enumerate(order) if still[node]]
+
+
 def _clamp(name: str, model: ReducedModel) -> list[int]:
     """Numbers along the chain of the nodes that the model clamps."""
-    if model.mesh is None or model.elements is None or model.reference_condition == MEAN_AXES:
-        raise InputError(
-            f'bodies.{name} is grounded with several frames, and its reduced model does not say where it is clamped. Write frame = "moving" '
-            "and hold the body by joints."
-        )
-    still = np.all(model.mesh.recovery[:, 1:].reshape(len(model.mesh.nodes), -1) == 0, axis=1)
-    order = chain_nodes(model.elements.connectivity)
-    assert order is not None
-    found = [k for k, node in enumerate(order) if still[node]]
+    found = clamped_nodes(model)
     if not found:
         raise InputError(
             f'bodies.{name} is grounded with several frames, but no node of its reduced model is clamped ({model.reference_condition}). Write '

@@ -83,6 +83,25 @@ class CutBody(Flexible):
         found = self.parts(name)[part_name(name, number)].marker(scene, point, name)
         return found._replace(columns=self.first_coordinate(number) + found.columns)
 
+    def stress_operator(self, scene: Placed) -> np.ndarray:
+        """That of all parts, on their elastic coordinates one after the other."""
+        name = next(name for name, body in scene.bodies.items() if body is self)
+        parts = [part.part(scene) for part in self.parts(name).values()]  # type: ignore[attr-defined]
+        operators = [part.invariants.stress_operator for part in parts]
+        size = sum(len(each) for each in operators), sum(each.shape[1] for each in operators)
+        found: np.ndarray = np.zeros(size, np.result_type(*operators))
+        column = 0
+        for part, operator in zip(parts, operators, strict=True):
+            found[part.stress_rows, column : column + operator.shape[1]] = operator
+            column += operator.shape[1]
+        return found
+
+    @property
+    def elastic_places(self) -> np.ndarray:
+        """Where the elastic coordinates of all parts are among those of the body."""
+        spans = [(self.first_coordinate(k), self.first_coordinate(k + 1)) for k in range(len(self.cuts) - 1)]
+        return np.concatenate([np.arange(first + 3, end) for first, end in spans])
+
     def first_coordinate(self, number: int) -> int:
         """Coordinates of the parts before one."""
         return 3 * (self.cuts[number] - self.cuts[0]) + 3 * number
