@@ -17,7 +17,7 @@ from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import all_coordinates, design_point, elastic_coordinates, flexible_body
+from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 
 
@@ -77,7 +77,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
 def moving(solution: Solution, body: str) -> slice:
     """The coordinates that move a body against its target, on the second axis of q."""
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
-        return all_coordinates(solution, body)
+        return solution.coordinates(body)
     found: slice = elastic_coordinates(solution, body)
     return found
 

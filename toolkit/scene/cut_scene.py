@@ -38,9 +38,30 @@ class CutScene(Scene):
         return found[name] if name in found else super().body(name)
 
     @property
+    def written(self) -> Scene:
+        """The scene as the user has written it, at its own numbers."""
+        ties = set(self.ties)
+        fields = dict(self)
+        for group in ("points", "joints"):
+            fields[group] = {name: item for name, item in fields[group].items() if name not in ties}
+        fields["bodies"] = {name: _uncut(body) if isinstance(body, CutBody) else body for name, body in self.bodies.items()}
+        return Scene.model_construct(**fields)
+
+    @property
     def ties(self) -> list[str]:
         """Names of the joints that are no joints of the user."""
         return [name for name, joint in self.joints.items() if isinstance(joint, Tie)]
+
+
+def _uncut(body: CutBody) -> Flexible:
+    written = {**dict(body), **body.model_values()}
+    del written["cuts"]
+    return Flexible.model_construct(**written)
+
+
+def written(scene: Scene) -> Scene:
+    """The scene as the user has written it."""
+    return scene.written if isinstance(scene, CutScene) else scene
 
 
 class Tie(RigidJoint):

@@ -29,20 +29,17 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
     return found
 
 
+def deforming(scene: Scene) -> dict[str, ModelBody]:
+    """The flexible bodies that have coordinates: of a cut body its parts."""
+    return {name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)}
+
+
 def elastic_coordinates(solution: Solution, body: str) -> Any:
     """Where the elastic coordinates of a body are on the second axis of q: a slice, or the numbers of those of all parts of a cut body."""
     if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
         return solution.system.numbering.first[body] + found.elastic_places
     whole = solution.coordinates(body)
     return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
-
-
-def all_coordinates(solution: Solution, body: str) -> slice:
-    """Where all coordinates of a body, and of its parts if it is cut, are on the second axis of q."""
-    if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
-        first = solution.system.numbering.first[body]
-        return slice(first, first + found.first_coordinate(len(found.cuts) - 1))
-    return solution.coordinates(body)
 
 
 def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:

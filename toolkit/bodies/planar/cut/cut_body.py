@@ -45,10 +45,6 @@ class CutBody(Flexible):
         """Empty."""
         return np.zeros(0), np.zeros(0)
 
-    def written_velocities(self) -> dict[int, str]:
-        """Those of its parts."""
-        return {}
-
     def coordinate_lengths(self, scene: Placed) -> np.ndarray:
         """Empty."""
         return np.zeros(0)

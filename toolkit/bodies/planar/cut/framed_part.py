@@ -11,6 +11,7 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.cut.chain import Place, place_of
 from toolkit.reduced_model.cut.part import Part, coordinate_count, part_of
+from toolkit.reduced_model.cut.part_model import part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import Invariants
@@ -40,6 +41,15 @@ class FramedPart(Flexible):
             owners = np.zeros(0, int) if stress is None else stress.element.astype(int)
             design.kept[key] = part_of(elements_at(design), self.first, self.last, owners)
         found: Part = design.kept[key]
+        return found
+
+    def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
+        """The part as a reduced model of its own, which holds at this design alone."""
+        design = whole_design(scene, self.whole)
+        key = (DesignPoint, self.first, self.last)
+        if key not in design.kept:
+            design.kept[key] = DesignPoint(part_model(self.part(scene), design.model))
+        found: DesignPoint = design.kept[key]
         return found
 
     def invariants(self, scene: Placed) -> Invariants:
@@ -76,7 +86,7 @@ class FramedPart(Flexible):
 
 def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
-    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress")
+    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh")
     return design
 
 
