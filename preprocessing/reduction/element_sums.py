@@ -15,7 +15,7 @@ from preprocessing.basis.reduction import undeformed
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
 from preprocessing.elements.block_element import LineElement
 from preprocessing.elements.section import Monomial, monomial
-from preprocessing.reduction.stored_entries import ROUND_OFF, Rates, joined_rates
+from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, Elements
 
@@ -143,7 +143,7 @@ def _significant(arrays: Arrays) -> Arrays:
 
 def _scales(arrays: Arrays) -> Arrays:
     """How large every entry could be, element by element; see `toolkit.reduced_model.entry_scales`."""
-    found = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping", "inertia") if name in arrays}
+    found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping", "inertia") if name in arrays}
     if "inertia" in arrays:
         found["gyroscopic"] = found["inertia"]
         found["mass"] = np.abs(arrays["mass"])

@@ -35,6 +35,8 @@ class Reduced:
     interfaces: dict[str, InterfacePoint]
     stress: StressPoints
     elements: Elements | None = None
+    element_derivatives: dict[str, Derivatives] | None = None
+    element_affine: dict[str, Polynomial] | None = None
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -45,7 +47,8 @@ class Reduced:
             "basis": self.basis.description,
             "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
-            **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress", "elements")},
+            **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
+            **{name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine")},
         }
 
 
@@ -83,16 +86,12 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     )
     if not element_parts(nominal.nodes.shape[1], choice.kind):
         return Reduced(space, basis, *found, interfaces, nominal.stress_points)
-    invariants, derivatives, affine = found
-    sums = element_sums(space, nominal)
-    return Reduced(
-        space, basis, invariants, derivatives | sums.derivatives, affine | sums.affine, interfaces, nominal.stress_points, sums.elements
-    )
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *element_sums(space, nominal))
 
 
 def element_parts(dimension: int, basis: str) -> tuple[str, ...]:
     """Parts of a reduced model that hold its elements one by one: planar ones with all nodal coordinates have them."""
-    return ("elements",) if dimension == 2 and basis == "full" else ()
+    return ("elements", "element_derivatives", "element_affine") if dimension == 2 and basis == "full" else ()
 
 
 def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:

@@ -10,8 +10,8 @@ import numpy as np
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.elements import LOCAL, Elements
+from toolkit.reduced_model.entry_scales import entry_scales
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -55,7 +55,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     Outline: {"position": "p2z", "edges": "e3"},
     Elements: {
         "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
-        "stiffness": "ell", "damping": "ell", "stress_operator": "sl",
+        "stiffness": "euu", "damping": "euu", "stress_operator": "su",
     },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
@@ -64,7 +64,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, l coordinates of one element, w = 1 + l; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u; others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:
@@ -84,7 +84,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "l": LOCAL, "w": 1 + LOCAL}
+    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -160,8 +160,8 @@ def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    for item, derivatives in (model.derivatives or {}).items():
-        place = f"derivatives/{item}"
+    for item, derivatives in {**(model.derivatives or {}), **(model.element_derivatives or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}derivatives/{item}"
         _fit_all(path, place, derivatives, sizes)
         _numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
         _numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
@@ -170,8 +170,8 @@ def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
-    for item, polynomial in (model.affine or {}).items():
-        place = f"affine/{item}"
+    for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}affine/{item}"
         names = [*SHAPES[type(model.invariants)], *(f"elements.{name}" for name in SHAPES[Elements])]
         if item not in names:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")

@@ -126,10 +126,11 @@ class DesignPoint:
         self._check(item, by_tangent)
         if not any(self._depends(item, k) for k in self._steps):
             return nominal
-        polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
+        derivatives, polynomials = self.model.dependence(item)
+        polynomial = (polynomials or {}).get(item)
         flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
         for k in by_tangent:
-            entry, slope = self.model.derivatives[item].by(k)  # type: ignore[index]
+            entry, slope = derivatives[item].by(k)  # type: ignore[index]
             flat = flat + scattered(entry, self._steps[k] * slope, nominal.size)
         if not any(
             np.real(step) for step in self._steps.values()
@@ -150,7 +151,8 @@ class DesignPoint:
             Nothing that was loaded tells a derivative at this design.
         """
         wanted = np.array([numbers.get(name, -1) for name in self.model.parameters])
-        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item, NONE)
+        derivatives, polynomials = self.model.dependence(item)
+        polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
         linear = tangent.renumbered(wanted)
         self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
         return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
@@ -166,17 +168,17 @@ class DesignPoint:
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
 
     def _is_tangent(self, item: str, k: int) -> bool:
-        tangent = (self.model.derivatives or {}).get(item)
+        tangent = (self.model.dependence(item)[0] or {}).get(item)
         return tangent is not None and tangent.depends_on(k)
 
     def _depends(self, item: str, k: int) -> bool:
-        polynomial = (self.model.affine or {}).get(item)
+        polynomial = (self.model.dependence(item)[1] or {}).get(item)
         return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
 
     def _check(self, item: str, by_tangent: list[int]) -> None:
         """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
         names = self.model.parameters
-        if self.model.derivatives is None or self.model.affine is None:
+        if None in self.model.dependence(item):
             first = names[next(iter(self._steps), 0)]
             raise InputError(
                 f"{first!r} has no derivatives in reduced model {self.model.label}: nothing there tells how {item} depends on it. "

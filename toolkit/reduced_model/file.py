@@ -41,11 +41,13 @@ PARTS: dict[str, Any] = {
     "mesh": Mesh,
     "outline": Outline,
     "elements": Elements,
+    "element_derivatives": Derivatives,
+    "element_affine": Polynomial,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
 }
 """Groups of the file; those in `_NAMED` hold several named objects. In space `invariants` are `SpatialInvariants`."""
-_NAMED = ("derivatives", "affine", "interfaces", "surface_loads")
+_NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:

@@ -177,6 +177,8 @@ class ReducedModel:
     mesh: Mesh | None = None
     outline: Outline | None = None
     elements: Elements | None = None  # of planar bodies that keep all nodal coordinates
+    element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
+    element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
@@ -205,6 +207,11 @@ class ReducedModel:
     def label(self) -> str:
         """The file's name, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"
+
+    def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
+        """The derivatives and polynomials that an item's are among; None where they were not loaded."""
+        own = item.startswith("elements.")
+        return (self.element_derivatives, self.element_affine) if own else (self.derivatives, self.affine)
 
     def item(self, name: str) -> np.ndarray:
         """An array at the nominal design, by its item name."""

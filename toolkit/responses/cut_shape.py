@@ -4,8 +4,8 @@ With the frame r, theta of the part that a node is in, and the axes X_0, psi tha
 
     Y = A(psi)^T (r + A(theta) Z [1; q_f] - X_0) + x_0
 
-A grounded body is looked at from where it is placed (x_0 = 0), any other one from the node that its model clamps: X_0 and psi are its place and
-how far it has turned, x_0 its undeformed place.
+A grounded body is looked at from where it is placed (x_0 = 0), any other one from the node that its model clamps: X_0 and psi are its place
+and how far it has turned, x_0 its undeformed place.
 """
 
 from __future__ import annotations
@@ -66,6 +66,17 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
         places[node] = away + origin
         slopes[node] = back @ (seen.place_q - axes.place_q) - np.outer(TILDE @ away, axes.angle_q)
     return places, slopes
+
+
+def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
+    """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
+    body = scene.bodies[name]
+    assert isinstance(body, CutBody)
+    held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
+    if body.frame == "moving" and len(held) != 1:
+        return q[:2], float(q[2]), np.zeros(2)
+    axes, origin = _axes(scene, name, body, _rows(scene, name, body), q)
+    return axes.place, float(axes.angle), origin
 
 
 def _rows(scene: Scene, name: str, body: CutBody) -> list[Rows]:

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.body import Body
+from toolkit.bodies.model_body import refuse_unknown
 from toolkit.bodies.planar.cut.cut_body import CutBody, part_name
 from toolkit.bodies.planar.cut.framed_part import NODE
 from toolkit.bodies.planar.flexible import Flexible
@@ -15,7 +16,6 @@ from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.reduced_model.cut.chain import chain_nodes, place_of
-from toolkit.bodies.model_body import refuse_unknown
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
 
@@ -78,7 +78,7 @@ def with_parts(scene: Scene) -> Scene:
     InputError
         A body cannot be cut so; says where and what would be right.
     """
-    wanted = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.frames != 1}
+    wanted = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.parted}
     if not wanted or isinstance(scene, CutScene):
         return scene
     fields: dict[str, Any] = dict(scene)
@@ -109,8 +109,8 @@ def _model(scene: Scene, name: str, body: Flexible) -> ReducedModel:
     model = scene.model(body.model, "elements", "mesh")
     if model.elements is None:
         raise InputError(
-            f"bodies.{name}.frames = {body.frames}: the reduced model {body.model!r} does not keep its elements one by one, from which parts "
-            "with frames of their own are made. "
+            f"bodies.{name}.frames = {body.frames}: the reduced model {body.model!r} does not keep its elements one by one, from "
+            "which parts with frames of their own are made. "
             + (
                 "Build it again with ffrf-preprocess."
                 if "identity" in model.basis
@@ -136,15 +136,17 @@ def _cuts(scene: Scene, name: str, body: Flexible, model: ReducedModel) -> list[
     if isinstance(body.frames, int):
         if body.frames > count:
             raise InputError(
-                f"bodies.{name}.frames = {body.frames}, but its reduced model {body.model!r} has {count} elements, and a frame needs one at "
-                f"least. Write at most {count}, or build the model with more elements."
+                f"bodies.{name}.frames = {body.frames}, but its reduced model {body.model!r} has {count} elements, and a frame needs one "
+                f"at least. Write at most {count}, or build the model with more elements."
             )
         return [round(k * count / body.frames) for k in range(body.frames + 1)]
     inner = sorted(_node(name, model, place) for place in body.frames)
     for one, other in pairwise([0, *inner, count]):
         if one == other:
             where = "an end of the body" if one in (0, count) else "another cut"
-            raise InputError(f"bodies.{name}.frames cuts at node {one}, where {where} is already. Name every cut once, and no end.")
+            raise InputError(
+                f"bodies.{name}.frames cuts at node {one}, where {where} is already. Name every cut once, and no end."
+            )
     return [0, *inner, count]
 
 
@@ -163,8 +165,8 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
     found = place_of(model.elements, point.here[0][:, 0], f"interface point {place!r}")
     if found.ratio not in (0.0, 1.0):
         raise InputError(
-            f"bodies.{name}.frames cuts at interface point {place!r}, which lies inside element {found.element} and not at a node. Cut at node "
-            f"{found.element} or {found.element + 1}, or put the point at a node in the file that the model is built from."
+            f"bodies.{name}.frames cuts at interface point {place!r}, which lies inside element {found.element} and not at a node. "
+            f"Cut at node {found.element} or {found.element + 1}, or put the point at a node in the file that the model is built from."
         )
     return round(found.station)
 
@@ -183,8 +185,7 @@ def _clamp(name: str, model: ReducedModel) -> list[int]:
     found = clamped_nodes(model)
     if not found:
         raise InputError(
-            f'bodies.{name} is grounded with several frames, but no node of its reduced model is clamped ({model.reference_condition}). Write '
-            'frame = "moving" and hold the body by joints.'
+            f"bodies.{name} is grounded with several frames, but no node of its reduced model is clamped ({model.reference_condition}). "
+            'Write frame = "moving" and hold the body by joints.'
         )
     return found
-

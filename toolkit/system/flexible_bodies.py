@@ -31,7 +31,9 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
 
 def deforming(scene: Scene) -> dict[str, ModelBody]:
     """The flexible bodies that have coordinates: of a cut body its parts."""
-    return {name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)}
+    return {
+        name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
+    }
 
 
 def elastic_coordinates(solution: Solution, body: str) -> Any:

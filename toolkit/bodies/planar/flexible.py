@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
-from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
@@ -74,6 +74,16 @@ class Flexible(ModelBody, StartVelocity):
     def has_frame(self) -> bool:
         """Only a moving frame has coordinates."""
         return self.frame == "moving"
+
+    @property
+    def dependence(self) -> tuple[str, ...]:
+        """Of the elements too, if they make parts."""
+        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
+
+    @property
+    def parted(self) -> bool:
+        """Of more than one frame."""
+        return self.frames != 1
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:

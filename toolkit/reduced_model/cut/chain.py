@@ -50,8 +50,8 @@ def place_of(elements: Elements, position: np.ndarray, what: str) -> Place:
     near = np.flatnonzero(distance <= distance.min() + ON_NODE)
     if near[-1] - near[0] > 1:
         raise InputError(
-            f"{what} lies on elements {near[0]} and {near[-1]} of the body at once, so that nobody knows which of its parts holds the point. "
-            "Leave `frames` out, or move the point."
+            f"{what} lies on elements {near[0]} and {near[-1]} of the body at once, so that nobody knows which of its parts holds the "
+            "point. Leave `frames` out, or move the point."
         )
     element = int(near[0])
     end = round(float(inside[element]))

@@ -1,8 +1,8 @@
 """A part of a chain of elements with a frame of its own, which goes through both of its ends.
 
-The first node of a part stays in its place in the frame, and the last one on the line through both: the chord. The elastic coordinates are the
-rotation of the first node, all coordinates of the nodes between, and of the last node its displacement along the chord and its rotation.
-With the matrix C that gives the nodal coordinates from these, and all sums over the elements of the part,
+The first node of a part stays in its place in the frame, and the last one on the line through both: the chord. The elastic coordinates are
+the rotation of the first node, all coordinates of the nodes between, and of the last node its displacement along the chord and its
+rotation. With the matrix C that gives the nodal coordinates from these, and all sums over the elements of the part,
 
     N = (sum N_e) C,   G = C^T (sum G_e) C,   H = C^T (sum H_e) C,   K = C^T (sum K_e) C,   stress operator = B C
 
@@ -108,13 +108,13 @@ def part_of(elements: Elements, first: int, last: int, stress_elements: np.ndarr
 
 
 def _coordinates(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
-    """Nodal coordinates per elastic coordinate, (3 n_nodes, n_f): rotation of the first node, the nodes between, the last along the chord."""
+    """Nodal coordinates per elastic coordinate, (3 n_nodes, n_f): of the first node, those between, and the last one."""
     chord, sides = nodes[-1] - nodes[0], np.real(np.diff(nodes, axis=0))
     length = np.sqrt(chord @ chord)
     if np.real(length) <= SHORT * np.sqrt((sides * sides).sum(axis=1)).sum():
         raise InputError(
-            f"the part of a flexible body from node {first} to node {last} begins where it ends, so that its frame has no chord to turn with. "
-            "Write other `frames`."
+            f"the part of a flexible body from node {first} to node {last} begins where it ends, so that its frame has no chord to "
+            "turn with. Write other `frames`."
         )
     n = 3 * len(nodes)
     found = np.zeros((n, n - 3), chord.dtype)

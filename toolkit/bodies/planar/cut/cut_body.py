@@ -7,7 +7,14 @@ import numpy as np
 from toolkit.bodies.body import CENTRE, Body, ConstantNumbers, Placed, no_constants
 from toolkit.bodies.model_body import FRAME
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
-from toolkit.bodies.planar.cut.framed_part import FramedPart, elements_at, node_number, place_on, refuse_frame_points, whole_design
+from toolkit.bodies.planar.cut.framed_part import (
+    FramedPart,
+    elements_at,
+    node_number,
+    place_on,
+    refuse_frame_points,
+    whole_design,
+)
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.kinematics.planar import rotation
 
