@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from itertools import pairwise
 from typing import Any
 
@@ -36,6 +37,11 @@ class CutScene(Scene):
         """One body, or part of one."""
         found = self.all_bodies()
         return found[name] if name in found else super().body(name)
+
+    def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
+        """The parts of a cut body in its place."""
+        written = [(name, self.body(name)) for name in super().pieces(names)]
+        return tuple(piece for name, body in written for piece in (body.parts(name) if isinstance(body, CutBody) else [name]))
 
     @property
     def written(self) -> Scene:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.body import Placed
+from toolkit.bodies.body import CENTRE, Placed
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.cut.chain import Place, place_of
@@ -72,7 +72,10 @@ class FramedPart(Flexible):
         return np.zeros((2, coordinate_count(self.first, self.last)))[0], np.zeros(coordinate_count(self.first, self.last))
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Of a point of the whole that lies in this part."""
+        """Of a point of the whole that lies in this part, or its own centre of mass."""
+        if point == CENTRE:
+            inv = self.invariants(scene)
+            return inv.first_moment / inv.mass, np.zeros(inv.first_moment.shape[-1])
         return self.part(scene).at(self.within(place_on(scene, self.whole, point)))
 
     def within(self, place: Place) -> Place:
