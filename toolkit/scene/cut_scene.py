@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
@@ -26,12 +28,7 @@ class CutScene(Scene):
 
     def all_bodies(self) -> dict[str, Body]:
         """The bodies, each with its parts behind it, and the ground."""
-        found: dict[str, Body] = {"ground": self.space.ground}
-        for name, body in self.bodies.items():
-            found[name] = body
-            if isinstance(body, CutBody):
-                found |= body.parts(name)
-        return found
+        return {"ground": self.space.ground, **_with_parts_of(_SameBodies(self.bodies))}
 
     def body(self, name: str) -> Body:
         """One body, or part of one."""
@@ -68,6 +65,30 @@ def _uncut(body: CutBody) -> Flexible:
 def written(scene: Scene) -> Scene:
     """The scene as the user has written it."""
     return scene.written if isinstance(scene, CutScene) else scene
+
+
+@dataclass(frozen=True, eq=False)
+class _SameBodies:
+    """Bodies that equal themselves alone, whatever their numbers are."""
+
+    bodies: dict[str, Body]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _SameBodies) and self.bodies is other.bodies
+
+    def __hash__(self) -> int:
+        return id(self.bodies)
+
+
+@lru_cache(maxsize=8)
+def _with_parts_of(same: _SameBodies) -> dict[str, Body]:
+    """Bodies, each with its parts behind it: many ask for the same ones."""
+    found: dict[str, Body] = {}
+    for name, body in same.bodies.items():
+        found[name] = body
+        if isinstance(body, CutBody):
+            found |= body.parts(name)
+    return found
 
 
 class Tie(RigidJoint):

@@ -48,8 +48,8 @@ class Deflection(Instant):
         found = flexible_body(scene, self.body)
         if found.parted:
             raise InputError(
-                f"the deflection of body {self.body!r} is that in its own frame, and it has several: no frame is that of the whole body. Ask "
-                'for the displacement of the point (type = "displacement"), or leave `frames` out.'
+                f"the deflection of body {self.body!r} is that in its own frame, and it has several: no frame is that of the whole body. "
+                'Ask for the displacement of the point (type = "displacement"), or leave `frames` out.'
             )
         found.point(scene, self.point, self.body)
 
