@@ -12,6 +12,9 @@ import toolkit as ffrf
 from preprocessing import build
 from toolkit.reduced_model.conversion import converted_model
 from toolkit.reduced_model.file import load, save
+from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.responses.cut_shape import cut_positions
 from toolkit.scene.scene import Scene
 
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
@@ -67,7 +70,9 @@ def test_gradients_by_the_geometry_are_those_of_models_built_afresh(runs, tmp_pa
         found.append(ffrf.compile(wing(4, tmp_path)).statics().values)
     for response, slopes in runs[4].gradients.items():
         difference = (found[0][response] - found[1][response]) / (2 * step)
-        assert slopes["bodies.skin.chord"] == pytest.approx(difference, rel=2e-5)  # the step's square, and statics to 1e-10 over it
+        assert slopes["bodies.skin.chord"] == pytest.approx(
+            difference, rel=2e-5
+        )  # the step's square, and statics to 1e-10 over it
 
 
 def test_parts_are_the_same_in_other_units(runs, tmp_path):
@@ -81,3 +86,21 @@ def test_parts_are_the_same_in_other_units(runs, tmp_path):
     v = np.tile([1e-3, 2e-3, 0.3], 2)
     np.testing.assert_allclose([each @ v @ v for each in other.stiffness], np.array(energy) * 1e-3, rtol=1e-12)  # N mm in J
     np.testing.assert_allclose(other.mass, 1e3 * elements.mass, rtol=1e-13)  # t in kg
+
+
+def test_the_verdict_names_a_number_of_frames_that_it_trusts(runs):
+    """One frame leaves more than 5 % of the displacement out; with the number that the warning names, nothing speaks against the run."""
+    doubt = next(each for each in runs[1].verdict.warnings if each.code == "large-deformation")
+    number = int(doubt.text.partition("frames = ")[2].split()[0])
+    assert number == 2
+    assert ffrf.compile(wing(number)).statics().verdict.trusted
+
+
+def test_pictures_show_the_parts_where_their_nodes_are(runs):
+    """The ends of the elements as drawn, and the nodes that the shape error looks at, on a line without steps."""
+    solution = runs[4].solution
+    shape = skin_shape(Configuration(solution, 0), "skin")
+    assert shape is not None
+    places, _ = cut_positions(solution.system.scene, "skin", solution.q[0, solution.coordinates("skin")])
+    np.testing.assert_allclose(shape.line[:, 0], places[:-1], atol=1e-9)  # mm: round-off of two ways to the same place
+    np.testing.assert_allclose(shape.line[:, -1], places[1:], atol=1e-6)  # at a cut the tie closes to 1e-10 of the size

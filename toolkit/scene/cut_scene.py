@@ -126,6 +126,11 @@ def with_parts(scene: Scene) -> Scene:
     return CutScene.model_construct(**fields)
 
 
+def can_be_cut(model: ReducedModel) -> bool:
+    """Whether a reduced model, loaded with its elements, is a chain of beams with all nodal coordinates."""
+    return model.elements is not None and chain_nodes(model.elements.connectivity) is not None
+
+
 def tie_name(body: str, node: int) -> str:
     """Name of the point and of the joint at a node."""
     return f"{body} at node {node}"
