@@ -9,6 +9,9 @@ MODEL := models/morphing_wing
 # gmsh lives on these (Debian, Ubuntu); nothing else needs them.
 LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 
+# Tests start hundreds of commands; where no bytecode is kept each of them compiles the project's text anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: demo test robustness lint lowest docs libraries
 .DEFAULT_GOAL := demo
 
@@ -21,7 +24,7 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m 'not robustness'
+	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
 
 robustness: $(INSTALLED)
 	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m robustness

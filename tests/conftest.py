@@ -19,7 +19,7 @@ LONG = 1000
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Tests in space come last, when their formulas are compiled."""
+    """Tests in space come last, when their formulas are compiled; `make test` gives a file to one worker, for what its tests share."""
     items.sort(key=lambda item: "spatial" in item.nodeid or "space" in item.nodeid)
 
 

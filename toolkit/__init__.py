@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from toolkit.door import extend, plane, space
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
+    from toolkit.door.optimize import optimize
     from toolkit.door.outcome import Outcome
     from toolkit.door.run import Run, load
     from toolkit.foundation.errors import ToolkitError
@@ -27,22 +28,29 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
     from toolkit.scene_file.reader import read_scene
     from toolkit.sensitivity.certificate.certificate import certify
+    from toolkit.studies.optimization.optimum import Optimum
+    from toolkit.studies.study.study_file import Study
+    from toolkit.studies.study.study_reader import read_study
 
 _PLACES = {
     "Caution": "toolkit.foundation.verdict:Caution",
     "Model": "toolkit.door.model:Model",
+    "Optimum": "toolkit.studies.optimization.optimum:Optimum",
     "Outcome": "toolkit.door.outcome:Outcome",
     "Run": "toolkit.door.run:Run",
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
+    "Study": "toolkit.studies.study.study_file:Study",
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
     "extend": "toolkit.door.extend:",
     "load": "toolkit.door.run:load",
+    "optimize": "toolkit.door.optimize:optimize",
     "plane": "toolkit.door.plane:",
     "read_scene": "toolkit.scene_file.reader:read_scene",
+    "read_study": "toolkit.studies.study.study_reader:read_study",
     "space": "toolkit.door.space:",
 }
 """Name -> module and what it is called there; without a name the module itself."""
@@ -50,18 +58,22 @@ _PLACES = {
 __all__ = [
     "Caution",
     "Model",
+    "Optimum",
     "Outcome",
     "Run",
     "RunOptions",
     "Scene",
+    "Study",
     "ToolkitError",
     "Verdict",
     "certify",
     "compile",
     "extend",
     "load",
+    "optimize",
     "plane",
     "read_scene",
+    "read_study",
     "space",
 ]
 

@@ -47,6 +47,8 @@ from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
+from toolkit.studies.study.search_options import Search
+from toolkit.studies.study.study_file import Limit, Objective, Study, StudyVariable
 
 PAGE = Path(__file__).parents[1] / "formats.md"
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)
@@ -137,6 +139,11 @@ TABLES: dict[str, Callable[[], str]] = {
     "frame-sections": table(FrameSection),
     "frame-materials": table(FrameMaterial),
     "frame-points": table(FramePoint),
+    "study": table(Study, without=("directory",)),
+    "study-variables": table(StudyVariable),
+    "study-objective": table(Objective),
+    "study-constraints": table(Limit),
+    "study-search": table(Search),
     "reduced-model": layout,
 }
 """What a page can ask for."""

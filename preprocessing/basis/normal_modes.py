@@ -63,6 +63,11 @@ class NormalModes:
             columns=self.columns[:, :count],
         )
 
+    def beyond(self, count: int) -> NormalModes:
+        """These modes without the lowest `count`."""
+        rest = {name: getattr(self, name)[:, count:] for name in ("shapes", "multipliers", "columns")}
+        return replace(self, eigenvalues=self.eigenvalues[count:], **rest)
+
     def turned(self, rates: np.ndarray) -> np.ndarray:
         """Derivatives of the columns from those of the shapes, both (n, m, ...); the cluster of the last mode is kept whole."""
         return np.einsum("ij...,jk->ik...", rates, self.shapes.T @ (self.pencil.mass @ self.columns))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated
 
@@ -15,6 +16,12 @@ from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.material_questions import material_questions
 
 app = typer.Typer(pretty_exceptions_enable=False)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
+        raise typer.Exit
 
 
 @app.command()
@@ -35,6 +42,9 @@ def preprocess(
         typer.Option(metavar="SOLID.msh", help="Write a skin as a mesh of solid elements and its SOLID.toml, and stop."),
     ] = None,
     layers: Annotated[int, typer.Option(min=1, help="Elements across the width of the extruded skin.")] = 8,
+    _version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
+    ] = False,
 ) -> None:
     """Build the reduced model of a flexible body from its TOML file."""
     if extrude is not None:

@@ -11,6 +11,7 @@ from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from preprocessing.recipes.recipe import Recipe, Remark
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
 from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
@@ -29,10 +30,15 @@ def read_recipe(path: str | Path) -> Recipe[Any]:
     Raises
     ------
     InputError
-        It is missing, no TOML, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
+        It is missing, no TOML, a scene, or a key is unknown, missing or has a value that cannot be meant; every such key is named.
     """
     *names, last = (kind.name for kind in reversed(RECIPES))
     content = read_toml(Path(path), f"a {', '.join(names)} or {last}")
+    if content.keys() & {"bodies", "joints", "loads"}:
+        raise InputError(
+            f"{Path(path).name} is a scene, not a flexible body: analyse it with `ffrf simulate {path}`. What is built here are the files "
+            "that describe its flexible bodies."
+        )
     kind = next((kind for kind in RECIPES if kind.means(content)), RECIPES[-1])
     return kind.of(content, Path(path))
 

@@ -77,7 +77,7 @@ class Recipe(ABC, Generic[File]):
 
     @abstractmethod
     def _fields(self, designs: Any) -> dict[str, Any]:
-        """Fields of the reduced model that follow from finite elements and a basis."""
+        """Fields of the reduced model that follow from finite elements and a basis; of `writers` those that only this body had."""
 
     def _places(self) -> Mapping[str, Sequence[Any]]:
         """Parameter -> keys that lead to it in the file."""
@@ -167,11 +167,12 @@ class Recipe(ABC, Generic[File]):
         designs = self._designs(remark)
         with at_key(self.path, "basis"):
             fields = self._fields(designs)
+        writers = {"ffrf-toolkit": WRITER_VERSION, **self._writers(), **fields.pop("writers", {})}
         return ReducedModel(
             **fields,
             input_hash=self.hash(),
             **origin(self.path, self.inputs[1:], self.values),
-            writers={"ffrf-toolkit": WRITER_VERSION, **self._writers()},
+            writers=writers,
         )
 
     def _content(self, each: Path) -> bytes:

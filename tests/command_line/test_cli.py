@@ -6,15 +6,19 @@ import shutil
 import signal
 import subprocess
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from preprocessing.commands.cli import app as preprocess
+from preprocessing.recipes.build_model import read_recipe
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.printed.report import record_of
+from toolkit.foundation.errors import InputError
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -59,10 +63,15 @@ def start(*arguments: str, **options) -> subprocess.Popen:
 
 
 @pytest.mark.parametrize("arguments", [("simulate",), ("statics",), ("sensitivity",), ("sensitivity", "--static")])
-def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_nothing_else(arguments):
-    process = start(arguments[0], SCENE, *arguments[1:], "--json")
-    output, errors = process.communicate()
-    assert process.returncode == 0, errors
+def test_json_is_one_object_with_the_promised_keys_and_standard_output_holds_nothing_else(arguments, capfd):
+    if arguments == ("simulate",):  # as users start it
+        process = start(arguments[0], SCENE, *arguments[1:], "--json")
+        output, errors = process.communicate()
+        assert process.returncode == 0, errors
+    else:
+        done = run(arguments[0], SCENE, *arguments[1:], "--json")
+        assert done.exit_code == 0, done.stderr
+        output = capfd.readouterr().out + done.stdout  # what compiled code prints, and what Python does
     found = json.loads(output)  # fails on anything before or after the object
     judged = {"verdict", "warnings", "drift"}
     if "static" not in "".join(arguments):
@@ -158,6 +167,41 @@ def test_an_unknown_variable_lists_the_available_ones():
     message = refused("sensitivity", SCENE, "--variables", "t_w,chord")
     assert "unknown design variable 'chord'; short names of the scene: t_w, M_t, x_A, y_A, E" in message
     assert "bodies.skin.thickness" in message
+
+
+def test_a_misspelt_variable_is_guessed():
+    assert "unknown design variable 't_ww', did you mean 't_w'; short names" in refused(
+        "sensitivity", SCENE, "--variables", "t_ww"
+    )
+
+
+def test_an_error_is_a_json_object_too_where_json_is_asked_for():
+    done = run("sensitivity", SCENE, "--variables", "t_ww", "--json")
+    assert done.exit_code == 1
+    assert json.loads(done.stdout) == {"error": done.stderr.removesuffix("\n")}
+
+
+def test_a_wrong_key_is_told_with_its_line_but_not_one_that_the_file_does_not_hold(tmp_path):
+    path = tmp_path / "scene.toml"
+    text = Path(SCENE).read_text().replace("torque = ", "torqe = ", 1)
+    path.write_text(text)
+    line = 1 + text[: text.index("torqe")].count("\n")
+    message = refused("simulate", str(path))
+    assert re.search(rf"scene\.toml: loads\.drive\.torqe: unknown key, did you mean 'torque'.*\(line {line}\)", message)
+    assert "(line" not in refused("simulate", SCENE, "--set", "loads.drive.torqu=3")
+
+
+def test_files_of_the_other_half_of_the_toolkit_are_told_apart():
+    skin = str(ROOT / "models" / "morphing_wing" / "skin.toml")
+    assert "describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess" in refused("simulate", skin)
+    with pytest.raises(InputError, match="is a scene, not a flexible body: analyse it with `ffrf simulate"):
+        read_recipe(SCENE)
+
+
+@pytest.mark.parametrize("command", [app, preprocess])
+def test_both_commands_tell_the_version(command):
+    done = CliRunner().invoke(command, ["--version"])
+    assert (done.exit_code, done.stdout) == (0, f"ffrf-toolkit {version('ffrf-toolkit')}\n")
 
 
 def test_an_empty_list_of_variables_lists_the_available_ones():

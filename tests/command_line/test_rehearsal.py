@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,7 @@ from numba.core import event
 
 from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
+from toolkit.command_line.rehearsal import rehearse, rehearse_others
 from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.clock import repeated
@@ -21,9 +23,10 @@ ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
 
 PROBE = """
-import json, sys
+import json, os, sys
 from numba.core.registry import CPUDispatcher
 from toolkit.command_line.announcements import BACKWARDS, compile_before
+from toolkit.command_line.rehearsal import rehearse
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -35,20 +38,31 @@ def loaded():
     kernels = {each for names in ours for each in names if isinstance(each, CPUDispatcher)}
     return sorted(f"{x.py_func.__name__} {signature}" for x in kernels for signature in x.overloads)
 
-path, changes, kind, method, rehearsed = json.loads(sys.argv[1])
-scene = read_scene(path, changes)
-with watched_compilation() as watch:
-    if rehearsed:
-        compile_before(scene, kind, kind == "transient" and method in BACKWARDS)
-    before = loaded()
-    if method == "none":
-        solution = solve(prepare(scene), kind)
-        evaluate_responses(solution)
+def answer(path, changes, kind, method, rehearsed):
+    scene = read_scene(path, changes)
+    with watched_compilation() as watch:
+        if rehearsed:
+            compile_before(scene, kind, kind == "transient" and method in BACKWARDS)
+        before = loaded()
+        if method == "none":
+            solution = solve(prepare(scene), kind)
+            evaluate_responses(solution)
+        else:
+            solution = gradients_by(method, scene, list(scene.design)[:1], kind).solution
+        solution.verdict  # which holds what the commands print
+    print(json.dumps([before, loaded(), watch.functions]), flush=True)
+
+started = loaded()
+for request in sys.stdin:
+    if child := os.fork():
+        if os.waitpid(child, 0)[1]:
+            print(json.dumps(None), flush=True)
     else:
-        solution = gradients_by(method, scene, list(scene.design)[:1], kind).solution
-    solution.verdict  # which holds what the commands print
-print(json.dumps([before, loaded(), watch.functions]))
+        assert loaded() == started  # as in a new process
+        answer(*json.loads(request))
+        os._exit(0)
 """
+"""Answers requests from its standard input, each by a process of its own that has the imports behind it and has loaded no formula."""
 SHORT = {"solver.end_time": "2e-4", "solver.step": "1e-4"}
 RUNS = {
     "motion": ("four_bar_chain", SHORT | {"solver.formulation": "index-3"}, "transient", "none"),
@@ -65,20 +79,28 @@ SMALL = ("revolute", "powers", "update_poses", "update_pose_designs")
 """The joint and the response of the rehearsal, and the energy balance, which a run in windows does without: a few seconds."""
 
 
-def probe(name: str, rehearsed: bool) -> tuple[set[str], set[str]]:
-    """Functions and signatures that were loaded from the disk before the analysis, and after it."""
-    model, changes, kind, method = RUNS[name]
-    request = json.dumps([str(MODELS / model / "scene.toml"), changes, kind, method, rehearsed])
-    while True:
-        done = subprocess.run([sys.executable, "-c", PROBE, request], cwd=ROOT, capture_output=True, text=True, check=False)
-        assert done.returncode == 0, done.stderr
-        before, after, compiled = json.loads(done.stdout)
-        if not compiled:  # otherwise functions that others call are there too, which nobody loads by themselves
-            return set(before), set(after)
+@pytest.fixture(scope="module")
+def probe() -> Iterator[Callable[[str, bool], tuple[set[str], set[str]]]]:
+    """Functions and signatures that were loaded from the disk before the analysis of a run, and after it."""
+    command = [sys.executable, "-c", PROBE]
+    with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+
+        def ask(name: str, rehearsed: bool) -> tuple[set[str], set[str]]:
+            model, changes, kind, method = RUNS[name]
+            while True:
+                request = json.dumps([str(MODELS / model / "scene.toml"), changes, kind, method, rehearsed])
+                print(request, file=process.stdin, flush=True)
+                found = json.loads(process.stdout.readline())
+                assert found is not None, name  # the reason stands in the standard error of the tests
+                before, after, compiled = found
+                if not compiled:  # otherwise functions that others call are there too, which nobody loads by themselves
+                    return set(before), set(after)
+
+        yield ask
 
 
 @pytest.mark.parametrize("name", RUNS)
-def test_nothing_is_left_to_compile_and_nothing_is_compiled_in_vain(name):
+def test_nothing_is_left_to_compile_and_nothing_is_compiled_in_vain(name, probe):
     before, after = probe(name, rehearsed=True)
     assert after - before == set()
     needed = probe(name, rehearsed=False)[1]
@@ -93,15 +115,22 @@ def pretend_to_compile() -> None:
 def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, capsys):
     said: list[str] = []
 
-    def rehearse(*_) -> None:
+    def pretended(*_) -> None:
         pretend_to_compile()
         said.append(capsys.readouterr().err)
 
-    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", rehearse)
+    others: list[int] = []
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", pretended)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda scene: others.append(scene.dimension))
     monkeypatch.setattr("toolkit.foundation.compiled.compiled_code._TOLD", set())
     scene = read_scene(MODELS / "pendulum" / "scene.toml")
     compile_before(scene, "transient")
-    assert said == [f"compiling the formulas for this machine, once, {announcements.EXPECTED[2]} ...\n"]
+    functions, seconds = announcements.EXPECTED[2]
+    assert said == [
+        f"compiling the formulas for this machine, once for all commands: at most some {functions} functions, some {seconds} s of a free "
+        "core ...\n"
+    ]
+    assert others == [2]
     assert capsys.readouterr().err == "2 functions compiled in 0 s; they are kept on the disk.\n"
     compile_before(scene, "transient", quiet=True)
     assert capsys.readouterr().err == ""
@@ -114,8 +143,28 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
 
 def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", lambda *_: None)
+    monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda *_: pytest.fail("compiles for nobody"))
     compile_before(read_scene(MODELS / "pendulum" / "scene.toml"), "transient")
     assert capsys.readouterr().err == ""
+
+
+def test_whoever_watches_is_told_how_far_it_has_come():
+    done: list[int] = []
+    with watched_compilation(on_function=done.append):
+        pretend_to_compile()
+    assert done == [1, 2]
+
+
+def test_a_later_command_finds_its_formulas_whatever_the_first_one_was():
+    """Functions that all other analyses of such a scene load are among those that the rehearsal of the others has loaded."""
+    scene = read_scene(MODELS / "pendulum" / "scene.toml")
+    rehearse_others(scene)
+    for formulation in ("index-1", "index-3", "ggl"):
+        options = scene.solver.model_copy(update={"formulation": formulation, "rho_inf": 0.8})
+        for kind in ("transient", "static"):
+            with watched_compilation() as watch:
+                rehearse(scene.model_copy(update={"solver": options}), kind, backwards=True)
+            assert watch.functions == 0
 
 
 def test_a_repetition_that_compiles_does_not_count(monkeypatch):

@@ -15,8 +15,10 @@ from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.compilation.numbering import number
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
-from toolkit.compilation.quantities import Quantities
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
+from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -63,25 +65,29 @@ def assert_same(found: System, fresh: System) -> None:
     assert all(np.array_equal(one, other) for one, other in zip(found.curves(times), fresh.curves(times), strict=True))
 
 
-def moved(scene: Scene, path: str) -> Scene | None:
-    """The scene with one number changed, unless nobody knows what it would be there."""
-    other = scene.with_number(path, float(np.real(scene.number(path))) * (1 + MOVED))
-    try:
-        prepare(other)
-    except InputError:
-        return None  # a reduced model that is fixed at its nominal design
-    return other
+def moved(scene: Scene, path: str) -> Scene:
+    """The scene with one number changed."""
+    return scene.with_number(path, float(np.real(scene.number(path))) * (1 + MOVED))
+
+
+def renews(systems: dict[tuple[str, ...], System], scene: Scene, path: str) -> None:
+    """Each system, compiled with some variables, renewed at another number is what compiling anew makes."""
+    other = moved(scene, path)
+    for variables, system in systems.items():
+        try:
+            fresh = prepare(other, list(variables))
+        except InputError:
+            return  # a reduced model that is fixed at its nominal design
+        assert_same(renewed(system, other, [path]), fresh)
 
 
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: path.parent.name)
 def test_every_design_variable_of_every_model_renews_as_compiling_anew_does(path):
     scene = read_scene(path)
     variables = list(scene.design)
-    systems = [prepare(scene), prepare(scene, variables)]
+    systems = {names: prepare(scene, list(names)) for names in ((), tuple(variables))}
     for each in scene.design_variables():
-        if (other := moved(scene, each.path)) is not None:
-            for system, names in zip(systems, ([], variables), strict=True):
-                assert_same(renewed(system, other, [each.path]), prepare(other, names))
+        renews(systems, scene, each.path)
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -89,10 +95,9 @@ def test_every_number_of_every_kind_of_component_renews_as_compiling_anew_does(n
     scene = EVERY[name](folder)
     paths = [path for path in scene.available_paths() if float(np.real(scene.number(path))) != 0.0]
     variables = paths[:: max(len(paths) // 4, 1)]
-    system = prepare(scene, variables)
+    systems = {tuple(variables): prepare(scene, variables)}
     for path in paths:
-        if (other := moved(scene, path)) is not None:
-            assert_same(renewed(system, other, [path]), prepare(other, variables))
+        renews(systems, scene, path)
 
 
 def wing() -> Scene:
@@ -128,6 +133,37 @@ def test_numbers_take_their_places_among_the_known_entries_and_ask_for_new_ones_
         renew(known, markers(0, 3), known)
 
 
+def test_a_derivative_that_has_become_zero_is_not_kept():
+    known = markers(0, 2)
+    found, changed = renew(known, Quantities({}, {}, {}, {}, {}, {}, {}, np.zeros(2), {}), known, {"markers": {0}})
+    assert (found.markers, changed) == ({}, {"markers"})
+
+
+def imaginary(part: Any) -> bool:
+    """Whether anything of an item's numbers has an imaginary part."""
+    if isinstance(part, tuple):
+        return any(map(imaginary, part))
+    if isinstance(part, Curve):
+        return any(np.imag(value) != 0 for _, value in part.numbers())
+    return bool(np.any(np.imag(part) != 0))
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_a_formula_that_is_left_out_has_no_derivative(name, folder):
+    scene = EVERY[name](folder)
+    numbering = number(scene)
+    design = scene.design_variables(scene.available_paths())
+    _, seen = seen_quantities(scene, numbering)
+    left_out = 0
+    for variable, change in zip(design, derivatives(scene, numbering, design, seen), strict=True):
+        everything = evaluate_quantities(scene.moved(variable, 1j * STEP), numbering)
+        for group, owners in change.still.items():
+            numbers = getattr(everything, group)
+            assert not any(imaginary(numbers[owner]) for owner in owners if owner in numbers), (variable.name, group)
+            left_out += len(owners)
+    assert left_out
+
+
 def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):
     def full(*_: object, **__: object) -> None:
         raise NewEntryError
@@ -136,7 +172,6 @@ def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):
     system, path = prepare(scene, ["t_w"]), "loads.drive.torque"
     monkeypatch.setattr("toolkit.system.renewal.renew", full)
     other = moved(scene, path)
-    assert other is not None
     found = renewed(system, other, [path])
     assert found.lu_plan is not system.lu_plan
     assert_same(found, prepare(other, ["t_w"]))

@@ -250,6 +250,28 @@ def test_many_designs_come_back_in_order_and_failures_with_their_reason(wing, pr
     assert done[-1] == (4, 4)
 
 
+def test_designs_in_threads_have_the_bits_of_single_runs(wing):
+    designs = [{"t_w": 1.4, "M_t": 4100.0}, {"chord": 1.0}, {"t_w": -1.0}, {"t_w": 1.6}, {}, {"M_t": 4300.0, "solver.step": 0.1}]
+    alone, together = (wing.map(designs, gradients=True, threads=threads, judged=False) for threads in (1, 3))
+    assert together == alone
+    assert [each.numbers for each in together] == designs
+    assert [each.failed for each in together] == [False, True, True, False, False, False]
+    assert "there is no number 'chord'" in together[1].error
+    assert "must be a positive number" in together[2].error
+    for each in together:
+        if not each.failed:
+            run = wing.simulate(each.numbers, gradients=True)
+            assert (each.values, each.gradients) == (run.values, run.gradients)
+        else:
+            assert (each.values, each.gradients) == ({}, {})
+
+
+def test_designs_in_threads_are_judged_as_single_ones(wing):
+    designs = [{"t_w": 1.4}, {"t_w": 1.6}]
+    found = wing.map(designs, threads=2)
+    assert [each.verdict for each in found] == [wing.simulate(design).verdict for design in designs]
+
+
 def test_a_run_is_kept_and_read_back_with_its_verdict(wing, tmp_path):
     run = wing.simulate(gradients="direct")
     again = ffrf.load(run.save(tmp_path / "wing.h5"))
@@ -286,6 +308,8 @@ WRONG = {
     "a number as variable": (lambda m: ffrf.compile(m.scene, [1]), "variables are names"),
     "half a mode": (lambda m: m.modes(count=2.5), "whole number of modes"),
     "no mode": (lambda m: m.modes(count=0), "at least one"),
+    "no thread": (lambda m: m.map([{}], threads=0), "threads = 0"),
+    "threads in processes": (lambda m: m.map([{}], threads=2, processes=2), "Leave out one of processes and threads"),
     "half a process": (lambda m: m.map([{}], processes=1.5), "processes = 1.5"),
     "one design": (lambda m: m.map({"t_w": 1.6}), "designs are a list"),
     "a list as method": (lambda m: m.statics(gradients=["direct"]), "no method"),

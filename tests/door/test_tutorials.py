@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -52,16 +53,57 @@ def test_every_tutorial_has_a_known_end_and_is_short():
     assert [name for name, text in found.items() if "\n# %%\n" not in text or "\ncheck = " not in text] == []
 
 
+RUNNER = """
+import json, os, runpy, sys, tempfile, traceback
+import matplotlib.figure, toolkit.analyses.transient, toolkit.command_line.rehearsal, toolkit.report.drawing
+import preprocessing.recipes.build_model
+
+for request in sys.stdin:
+    script, folder, kept = json.loads(request)
+    if child := os.fork():
+        print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+        continue
+    try:
+        for stream, name in ((1, "out"), (2, "err")):
+            os.dup2(os.open(os.path.join(kept, name), os.O_CREAT | os.O_WRONLY), stream)
+        os.chdir(folder)
+        tempfile.tempdir = folder
+        os.environ["TMPDIR"] = folder
+        print("check", float(runpy.run_path(script)["check"]), flush=True)
+    except BaseException:
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(1)
+    os._exit(0)
+"""
+"""Runs scripts, each in a process of its own that has the imports behind it, in a folder, and keeps what they print in another one."""
+
+
+@pytest.fixture(scope="module")
+def runner():
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        [sys.executable, "-c", RUNNER], env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as process:
+        yield process
+
+
 @pytest.mark.parametrize("name", ENDS)
-def test_a_tutorial_runs_and_ends_in_the_right_number(name, tmp_path):
+def test_a_tutorial_runs_and_ends_in_the_right_number(name, runner, tmp_path):
     before = {path for path in TUTORIALS.rglob("*") if "__pycache__" not in path.parts}
-    code = f"import runpy; print('check', float(runpy.run_path({str(TUTORIALS / name) + '.py'!r})['check']))"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path)}
-    done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
-    )
-    assert done.returncode == 0, done.stderr
-    assert done.stderr == ""
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    print(json.dumps([str(TUTORIALS / name) + ".py", str(folder), str(tmp_path)]), file=runner.stdin, flush=True)
+    code, errors = int(runner.stdout.readline()), (tmp_path / "err").read_text()
+    assert (code, errors) == (0, "")
     value, tolerance = ENDS[name]
-    assert float(done.stdout.splitlines()[-1].split()[1]) == pytest.approx(value, abs=tolerance)
+    assert float((tmp_path / "out").read_text().splitlines()[-1].split()[1]) == pytest.approx(value, abs=tolerance)
     assert {path for path in TUTORIALS.rglob("*") if "__pycache__" not in path.parts} == before
+
+
+def test_a_tutorial_needs_nothing_that_another_process_has_imported(tmp_path):
+    """The first one, as a reader starts it."""
+    command = [sys.executable, str(TUTORIALS / "my_first_wing.py")]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "TMPDIR": str(tmp_path)}
+    done = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")

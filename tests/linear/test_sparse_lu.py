@@ -1,12 +1,15 @@
 """Sparse LU of saddle-point matrices without pivoting, and its dense fallback."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import plain
 from toolkit.linear import dense_lu, sparse_lu
-from toolkit.linear.linear_solver import linear_solver, solve_once
+from toolkit.linear.elimination_order import minimum_degree
+from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
 
 EPS = np.finfo(float).eps
@@ -109,6 +112,35 @@ def test_units_that_are_powers_of_two_change_no_bit():
     assert np.array_equal(column_unit * solved(scaled, n_q, row_unit * rhs), solved(matrix, n_q, rhs))
 
 
+@pytest.mark.parametrize("columns", [1, 4, 7, 12, 21])
+def test_every_column_of_a_block_is_the_solution_of_its_vector(columns):
+    rng = np.random.default_rng(columns)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=(len(matrix), columns))
+    block = solved(matrix, n_q, rhs)
+    for x in range(columns):
+        assert error(block[:, x], solved(matrix, n_q, rhs[:, x].copy())) < round_off(matrix)
+
+
+def test_a_wide_block_has_the_bits_of_narrow_ones():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    rhs = rng.normal(size=(len(matrix), 16))
+    narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 16, 4)]
+    assert np.array_equal(solved(matrix, n_q, rhs), np.hstack(narrow))
+
+
+def test_multiplications_of_a_factorisation_are_counted():
+    rng = np.random.default_rng(0)
+    matrix, n_q = mechanism(rng)
+    indptr, indices, _ = csr(matrix)
+    plan, counted = analyse(indptr, indices, n_q), 0
+    for k in range(len(matrix)):  # the loops of `factor`
+        for _ in range(plan.diagonal[k] + 1, plan.row_start[k + 1]):
+            counted += 1 + (plan.row_start[k + 1] - plan.diagonal[k] - 1)
+    assert updates_of(plan) == counted
+
+
 def test_tiny_mass_beside_stiff_spring_and_constraint_is_not_refused():
     # two masses of 1e-9 and 2e-9 on a spring of 1e7, the second one held by a constraint with entries of 1
     mass, stiffness, step = np.array([1e-9, 2e-9]), 1e7, 1e-4
@@ -192,6 +224,72 @@ def test_dense_body_with_constraints_is_solved(n_f):
     matrix[n_f, :n_f] = matrix[:n_f, n_f] = rng.normal(size=n_f)
     rhs = rng.normal(size=n_f + 1)
     assert error(solved(matrix, n_f, rhs), np.linalg.solve(matrix, rhs)) < round_off(matrix)
+
+
+def rigid_chain(rng, n_bodies):
+    """As `mechanism`, bodies of seven coordinates with three constraints per joint, as in space: (matrix, n_q)."""
+    n_q = 7 * n_bodies
+    matrix = np.zeros((n_q + 3 * n_bodies, n_q + 3 * n_bodies))
+    for body in range(n_bodies):
+        add_definite(rng, matrix, slice(7 * body, 7 * body + 7))
+        rows = slice(n_q + 3 * body, n_q + 3 * body + 3)
+        for first in range(7 * max(body - 1, 0), 7 * body + 7, 7):
+            jacobian = rng.normal(size=(3, 7))
+            matrix[rows, first : first + 7] = jacobian
+            matrix[first : first + 7, rows] = jacobian.T
+    return matrix, n_q
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_pivots_are_eliminated_together_although_their_neighbours_are_scattered(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = rigid_chain(rng, 9)
+    _, plan, _ = factorized(matrix, n_q)
+    assert plan.together.max() > 1  # runs of adjacent columns behind four pivots
+    rhs = rng.normal(size=len(matrix))
+    assert error(solved(matrix, n_q, rhs), np.linalg.solve(matrix, rhs)) < round_off(matrix)
+
+
+def test_a_dense_body_is_eliminated_four_by_four():
+    matrix = np.ones((31, 31))
+    assert np.count_nonzero(analyse(*csr(matrix)[:2], 30).together) == 7  # behind the last three nothing is left for a fourth
+
+
+def test_refused_pivot_within_four_is_named():
+    matrix, _ = mechanism(np.random.default_rng(0), n_bodies=0, n_beam=3)
+    matrix += 0.1
+    matrix[:, 2] = matrix[:, 1]  # zero but for round-off once 1 is gone
+    assert factorized(matrix, len(matrix))[0] == 2
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_each_pivot_couples_to_is_the_fill_of_an_elimination_in_this_order(seed):
+    rng = np.random.default_rng(seed)
+    matrix, n_q = mechanism(rng)
+    chosen = rng.permutation(len(matrix))[:6]
+    matrix[np.ix_(chosen, chosen)] = 1.0  # a clique across the chain
+    indptr, indices, _ = csr(matrix)
+    order, below = minimum_degree(indptr, indices, n_q)
+    fill = matrix != 0
+    fill |= fill.T
+    gone = np.zeros(len(matrix), bool)
+    for pivot, later in zip(order, below, strict=True):
+        gone[pivot] = True
+        expected = np.flatnonzero(fill[pivot] & ~gone)
+        assert np.array_equal(np.sort(later), expected)
+        fill[np.ix_(expected, expected)] = True
+
+
+def test_analysis_takes_memory_by_entries_and_not_by_the_square_of_the_unknowns():
+    n = 12000
+    near = np.arange(n)[:, None] + np.arange(-1, 2)
+    inside = (near >= 0) & (near < n)
+    indptr, indices = np.concatenate([[0], np.cumsum(inside.sum(axis=1))]), near[inside]
+    tracemalloc.start()
+    analyse(indptr, indices, n)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < n * n / 2  # bytes; a matrix of booleans alone would be twice that, and objects of 3 n entries are 30 MB
 
 
 @pytest.mark.parametrize("n_x", [0, 1, 3, 4, 5, 8, 11])

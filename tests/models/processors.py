@@ -116,9 +116,8 @@ def entries(model: ReducedModel) -> Iterator[tuple[str, np.ndarray]]:
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["kernel"]:
+    if sys.argv[1:] == ["entries"]:
         print(*sorted(kernel_in_use()))
-    elif sys.argv[1:] == ["entries"]:
         for name, model in built():
             for item, numbers in entries(model):
                 print(name, item, len(numbers), sha256(numbers.astype(np.int64).tobytes()).hexdigest())

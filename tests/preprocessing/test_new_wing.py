@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 from preprocessing import build
@@ -16,6 +17,7 @@ from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
 from preprocessing.recipes.skin.droop import drooped
+from preprocessing.wings.command import command
 from preprocessing.wings.new_wing import DROOP, new_wing
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
@@ -119,8 +121,32 @@ REFUSED = {
 }
 
 
+@pytest.fixture
+def in_this_process(monkeypatch):
+    """The program behind the command runs here, which saves its imports; the tests above start it as users do."""
+    program = typer.Typer()
+    program.command()(command)
+
+    def run(name, arguments):
+        assert name == command.__module__
+        done = CliRunner().invoke(program, arguments)
+        assert done.exception is None or isinstance(done.exception, SystemExit), done.exception
+        return subprocess.CompletedProcess(arguments, done.exit_code, done.stdout, done.stderr)
+
+    monkeypatch.setattr("toolkit.command_line.commands.new_project.run", run)
+
+
+def test_the_program_in_its_own_process_refuses_with_nothing_written(tmp_path):
+    refused("missing airfoil", tmp_path)
+
+
 @pytest.mark.parametrize("case", REFUSED)
+@pytest.mark.usefixtures("in_this_process")
 def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
+    refused(case, tmp_path)
+
+
+def refused(case: str, tmp_path: Path) -> None:
     prepare, options, message = REFUSED[case]
     folder = tmp_path / "wing"
     if options == ["below"]:

@@ -19,7 +19,8 @@ from preprocessing.basis.constrained_pencil import ConstrainedPencil
 from preprocessing.basis.normal_modes import normal_modes
 from preprocessing.basis.solids.basis import SolidShapes, solid_shapes
 from preprocessing.basis.solids.basis_change import BasisChange
-from preprocessing.basis.solids.held_system import HeldSystem, factored
+from preprocessing.basis.solids.factors import factored
+from preprocessing.basis.solids.held_system import HeldSystem
 from preprocessing.basis.solids.ties import Freedom, Tie
 from preprocessing.basis.subspace_rates import subspace_rates
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation

@@ -25,16 +25,15 @@ BASIS = 'kind = "craig-bampton"\ncount = 3'
 
 
 @pytest.mark.parametrize("kind", ["tetra10", "hexahedron20", "hexahedron27", "wedge"])
-@pytest.mark.parametrize("name", ["body.msh", "body.inp", "body.vtk"])
-def test_every_mesh_format_gives_the_same_body(kind, name, tmp_path):
-    if (kind, name) == ("hexahedron27", "body.inp"):
-        pytest.skip("Abaqus has no such element in meshio")
+def test_every_mesh_format_gives_the_same_body(kind, tmp_path):
     mesh = box(kind, (2, 1, 1), LENGTHS)
     path = write_body(tmp_path, mesh, 'kind = "static"')
-    expected = build(path)
-    write_mesh(mesh, tmp_path / name)
-    path.write_text(path.read_text().replace("body.vtu", name))
-    same(expected, build(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
+    expected, text = build(path), path.read_text()
+    for name in ("body.msh", "body.inp", "body.vtk"):
+        if (kind, name) != ("hexahedron27", "body.inp"):  # Abaqus has no such element in meshio
+            write_mesh(mesh, tmp_path / name)
+            path.write_text(text.replace("body.vtu", name))
+            same(expected, build(path), 1e-9)  # a text file's digits, 16 or fewer, times the condition of the stiffness
 
 
 def test_nastran_mesh_of_linear_elements_gives_the_same_body(tmp_path):

@@ -84,23 +84,34 @@ def rows(path):
 
 
 @pytest.fixture(scope="module")
-def wing(tmp_path_factory):
-    """Folder of the report that the command writes for the reference scene."""
+def scene_file(tmp_path_factory):
+    """The reference scene in steps twice as long, which make a dozen pictures in its animation."""
+    folder = tmp_path_factory.mktemp("scene") / "wing"
+    shutil.copytree(MODELS, folder)
+    text = WING.read_text()
+    assert "step = 0.05" in text
+    (folder / "scene.toml").write_text(text.replace("step = 0.05", "step = 0.1"))
+    return folder / "scene.toml"
+
+
+@pytest.fixture(scope="module")
+def wing(scene_file, tmp_path_factory):
+    """Folder of the report that the command writes for this scene."""
     folder = tmp_path_factory.mktemp("report") / "new"
-    done = run("report", WING, "-o", folder)
+    done = run("report", scene_file, "-o", folder)
     assert done.exit_code == 0, done.stderr
     assert done.stdout.strip() == str(folder / "report.html")
     return folder
 
 
-def pendulum(step):
+def pendulum(step, end_time=1.0):
     return Scene(
         units="m-kg-s",
         points={"O": Point(x=0.0, y=0.0), "P": Point(x=1.0, y=0.0)},
         bodies={"rod": Rod(between=("O", "P"), area=1e-4, density=1e3)},
         joints={"pivot": Revolute(bodies=("rod", "ground"), point="O")},
         loads={"gravity": Gravity(acceleration=(0.0, -9.81))},
-        solver=RunOptions(end_time=1.0, step=step),
+        solver=RunOptions(end_time=end_time, step=step),
     )
 
 
@@ -123,7 +134,7 @@ def test_every_figure_is_there_as_png_and_svg(wing):
     }
 
 
-def test_the_page_needs_nothing_but_itself(wing):
+def test_the_page_needs_nothing_but_itself(wing, scene_file):
     page = Page((wing / "report.html").read_text(encoding="utf-8"))
     assert all(address.startswith(("data:", "#")) for address in page.addresses)
     assert {address[1:] for address in page.addresses if address.startswith("#")} <= set(page.identifiers)
@@ -131,7 +142,7 @@ def test_the_page_needs_nothing_but_itself(wing):
     assert all(picture["alt"] for picture in page.pictures)
     text = " ".join(page.words)
     assert "url(" not in text
-    assert WING.read_text() in text  # the scene, for a stranger to repeat it
+    assert scene_file.read_text() in text  # the scene, for a stranger to repeat it
     assert load_results(wing / "results.h5").scene.models["skin.h5"] in text
 
 
@@ -200,9 +211,15 @@ def test_a_long_motion_is_shown_in_few_frames():
 @pytest.mark.parametrize(
     ("scene", "design", "kind", "shown", "absent"),
     [
-        (hanging_skin(), HANGING_DESIGN[:2], "transient", {"skin_error_skin", "stress_sensitivity"}, set()),
+        (
+            hanging_skin(solver=RunOptions(end_time=0.01, step=0.001)),
+            HANGING_DESIGN[:2],
+            "transient",
+            {"skin_error_skin", "stress_sensitivity"},
+            set(),
+        ),
         (read_scene(WING), ["t_w"], "static", {"error_sensitivity_skin"}, {"monitors", "load_curves"}),
-        (pendulum(0.02), [], "transient", {"mechanism", "monitors"}, {"stress_motion"}),
+        (pendulum(0.02, 0.2), [], "transient", {"mechanism", "monitors"}, {"stress_motion"}),
     ],
     ids=["moving frame", "equilibrium", "rigid bodies alone"],
 )

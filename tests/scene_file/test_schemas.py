@@ -36,7 +36,7 @@ def complaints(table: dict[str, Any], name: str) -> list[str]:
     return [error.message for error in Draft7Validator(schema(name)).iter_errors(table)]
 
 
-@pytest.mark.parametrize("name", ["scene", "skin", "body", "frame"])
+@pytest.mark.parametrize("name", ["scene", "skin", "body", "frame", "study"])
 def test_the_shipped_schema_is_valid_and_freshly_written(name):
     texts = runpy.run_path(str(ROOT / "schemas" / "write_schemas.py"))["texts"]
     assert (ROOT / "schemas" / f"{name}.json").read_text() == texts[name], "run: python schemas/write_schemas.py"

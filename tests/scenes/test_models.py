@@ -16,7 +16,9 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 from preprocessing import build
+from tests.models import directions
 from tests.models.solid_bodies import compliance, frequencies
+from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
 from toolkit.curves.kinds.cycloid import Cycloid
 from toolkit.door.model import compile_model
@@ -24,7 +26,7 @@ from toolkit.foundation.errors import ConvergenceError, LimitPointError, Singula
 from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
-from toolkit.sensitivity.numerical import numerical
+from toolkit.sensitivity.preparation import prepare
 from toolkit.sensitivity.result import Result
 from toolkit.system.system import compile_scene
 from toolkit.validity.description.frame_choice import frame_choices
@@ -54,7 +56,7 @@ def test_the_models_are_those_that_are_checked_here():
 
 @pytest.mark.parametrize("name", NAMES)
 def test_gradients_of_every_model_are_those_of_the_complex_step(name):
-    """By all variables that the scene declares, over its first steps, for the complex step is slow; of responses at their end."""
+    """By all variables that the scene declares at once, over its first steps, for the complex step is slow; of responses at their end."""
     scene = read_scene(MODELS / name / "scene.toml")
     asked = {
         key: each.model_copy(update={"time": None}) if getattr(each, "time", None) else each
@@ -63,13 +65,12 @@ def test_gradients_of_every_model_are_those_of_the_complex_step(name):
     first = scene.solver.model_copy(update={"end_time": 5 * scene.solver.step})
     short = scene.model_copy(update={"solver": first, "responses": asked})
     ours = direct(short, list(scene.design), "transient").gradients
-    judge = numerical(short, list(scene.design), "transient", "complex-step").gradients
-    for response, slopes in ours.items():
-        largest = max(abs(slope * scene.value_of(x)) for x, slope in slopes.items())
-        for x, slope in slopes.items():
-            # both are exact up to the Newton tolerance of 1e-10, relative to moves and forces that have just begun to grow from zero
-            error = abs(slope - judge[response][x]) * abs(scene.value_of(x))
-            assert error <= 1e-6 * largest + 1e-15 * scene.size, (response, x)
+    factors = {x: part * abs(scene.value_of(x)) for x, part in directions.direction(scene.design).items()}
+    for response, judge in directions.derivative_along(short, factors, "transient", start_at_rest(prepare(short), first)).items():
+        slopes = ours[response]
+        largest = max(abs(slope * factors[x]) for x, slope in slopes.items())
+        # both are exact up to the Newton tolerance of 1e-10, relative to moves and forces that have just begun to grow from zero
+        assert directions.along(slopes, factors) == pytest.approx(judge, rel=0, abs=1e-6 * largest + 1e-15 * scene.size), response
 
 
 def test_wing_meets_the_values_stated_with_the_scene():
@@ -374,12 +375,14 @@ GOVERNOR = {"m": 1.0, "M": 2.0, "J": 0.02, "k": 100.0, "c": 20.0, "torque": 0.8,
 def governor(m: Any, M: Any, J: Any, k: Any, c: Any, torque: Any, omega: Any) -> dict[str, Any]:
     """Lift of the sleeve at 0.5, 1.5 and 6 s and the speed at the end, by Lagrange's equations of the angle a of the arms.
 
+    The numbers may be arrays, of several governors that move at once.
+
     T = m (l^2 a'^2 + r^2 w^2) + I (a'^2 + w^2) + M (2 l sin(a) a')^2 / 2 + J w^2 / 2
     V = - 2 (m + M) g l cos(a) + k (2 l cos(a) - L)^2 / 2,   damping c (2 l sin(a) a')^2 / 2
     """
 
-    def rates(t: float, y: np.ndarray) -> list[Any]:
-        angle, rate, momentum = y
+    def rates(t: float, y: np.ndarray) -> np.ndarray:
+        angle, rate, momentum = y.reshape(3, -1)
         sine, cosine = np.sin(angle), np.cos(angle)
         r = PIVOT + ARM * sine
         spin = momentum / (2 * m * r**2 + J + SPINNING)
@@ -388,15 +391,18 @@ def governor(m: Any, M: Any, J: Any, k: Any, c: Any, torque: Any, omega: Any) ->
         push = 2 * m * r * ARM * cosine * spin**2 - 2 * (m + M) * GRAVITY * ARM * sine + 2 * ARM * sine * spring
         motor = Cycloid(height=1.0, start=0.5, duration=0.5), Cycloid(height=-1.0, start=1.5, duration=0.5)
         pulse = sum(each.evaluate(np.array([t]))[0, 0] for each in motor)
-        return [rate, (push - 4 * M * ARM**2 * sine * cosine * rate**2) / inertia, torque * pulse]
+        acceleration = (push - 4 * M * ARM**2 * sine * cosine * rate**2) / inertia
+        return np.concatenate([rate, acceleration, pulse * torque + 0 * rate])
 
-    y, lift = np.array([np.arcsin(0.6), 0.0, (2 * m * 0.2**2 + J + SPINNING) * omega], complex), {}
+    start = np.broadcast_arrays(np.arcsin(0.6), 0.0, (2 * m * 0.2**2 + J + SPINNING) * np.atleast_1d(omega))
+    y, lift = np.concatenate(start).astype(complex), {}
     for begin, end in pairwise((0.0, 0.5, 1.0, 1.5, 2.0, 6.0)):  # where the torque has corners
         y = solve_ivp(rates, (begin, end), y, method="DOP853", rtol=1e-10, atol=1e-13, max_step=0.01).y[
             :, -1
         ]  # of a derivative too
-        lift[end] = RELAXED - 2 * ARM * np.cos(y[0])
-    speed = y[2] / (2 * m * (PIVOT + ARM * np.sin(y[0])) ** 2 + J + SPINNING)
+        angle, _, momentum = y.reshape(3, -1)
+        lift[end] = RELAXED - 2 * ARM * np.cos(angle)
+    speed = momentum / (2 * m * (PIVOT + ARM * np.sin(angle)) ** 2 + J + SPINNING)
     return {"rest": lift[0.5], "rise": lift[1.5], "lift": lift[6.0], "speed": speed}
 
 
@@ -419,16 +425,18 @@ def test_governor_runs_steadily_in_closed_form_and_moves_as_lagrange_says():
     first = (2 * 0.2**2 + 0.02 + SPINNING) * GOVERNOR["omega"]
     assert steady(first) == pytest.approx((0.0, GOVERNOR["omega"]), abs=1e-12)  # what the scene starts with
     lift, speed = steady(first + 0.8)  # the motor's impulse; nothing else acts about the axis
-    exact = governor(**GOVERNOR)
+    # the governor, and one for each number with a complex step of it
+    steps = 1j * h * np.eye(len(GOVERNOR) + 1)[1:]
+    every = governor(**{x: value + step for (x, value), step in zip(GOVERNOR.items(), steps, strict=True)})
+    exact = {name: values[0] for name, values in every.items()}
     assert (np.real(exact["lift"]), np.real(exact["speed"])) == pytest.approx(
         (lift, speed), rel=1e-8
     )  # of the judge: it has settled
     size = abs(lift)
     for name, value in exact.items():  # second order: (w h)^2 is 5e-5
         assert found.values[name] == pytest.approx(np.real(value), rel=5e-5, abs=5e-5 * size), name
-    slopes = {x: governor(**{key: each + 1j * h * (key == x) for key, each in GOVERNOR.items()}) for x in GOVERNOR}
-    for name in exact:
-        effects = {x: np.imag(stepped[name]) / h * GOVERNOR[x] for x, stepped in slopes.items()}
+    for name, values in every.items():
+        effects = {x: slope * GOVERNOR[x] for x, slope in zip(GOVERNOR, values[1:].imag / h, strict=True)}
         ours = {x: slope * GOVERNOR[x] for x, slope in found.gradients[name].items()}
         assert ours == pytest.approx(effects, rel=0, abs=1e-4 * max(map(abs, effects.values()))), name
     assert found.verdict.trusted

@@ -10,6 +10,7 @@ import pytest
 from preprocessing import build
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from tests.models.directions import along, derivative_along, direction
 from tests.models.solid_bodies import DENSITY, MODULUS, WIDTH, rectangle, write_body
 from toolkit.analyses.transient import simulate
 from toolkit.reduced_model.file import save
@@ -18,7 +19,6 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.fresh_models import disagreements, fresh_gradients
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
-from toolkit.sensitivity.numerical import numerical
 from toolkit.sensitivity.preparation import prepare
 
 LENGTH, HEIGHT = 0.5, 0.02
@@ -85,13 +85,11 @@ def test_gradients_of_a_motion_are_those_of_the_complex_step(basis, tmp_path):
     scene = scene_with(tmp_path, build(body), {"solver.end_time": "0.005", "solver.step": "0.001"})
     design = [f"bodies.arm.{name}" for name in ("youngs_modulus", "density", "width", "damping_stiffness", "poisson_ratio")]
     ours = direct(scene, design, "transient").gradients
-    judge = numerical(scene, design, "transient", "complex-step").gradients
-    for response, slopes in ours.items():
-        sizes = {x: abs(scene.number(x)) for x in design}
-        largest = max(abs(slopes[x]) * sizes[x] for x in design)
-        for x in design:
-            # exact both, up to the Newton tolerance of 1e-10 relative to forces that only begin to grow
-            assert abs(slopes[x] - judge[response][x]) * sizes[x] <= 1e-7 * largest, (response, x)
+    factors = {x: part * abs(scene.number(x)) for x, part in direction(design).items()}
+    for response, judge in derivative_along(scene, factors, "transient").items():
+        largest = max(abs(slope * factors[x]) for x, slope in ours[response].items())
+        # exact both, up to the Newton tolerance of 1e-10 relative to forces that only begin to grow
+        assert along(ours[response], factors) == pytest.approx(judge, rel=0, abs=1e-7 * largest), response
 
 
 @pytest.mark.parametrize("basis", [CRAIG_BAMPTON, 'kind = "eigenmodes"\ncount = 4'])

@@ -67,23 +67,22 @@ def test_every_number_of_the_wing_is_certified_in_motion():
             assert found.limits[response][x] < 1e-8, (response, x)
 
 
-@pytest.mark.parametrize(
-    ("variable", "kind"), [("x_A", "transient"), ("M_t", "transient"), ("t_w", "transient"), ("M_t", "static")]
-)
-def test_a_derivative_that_is_wrong_by_a_millionth_is_found(monkeypatch, variable, kind):
-    right = certificate.adjoint_gradients
+@pytest.mark.parametrize(("kind", "variables"), [("transient", ("x_A", "M_t", "t_w")), ("static", ("M_t",))])
+def test_a_derivative_that_is_wrong_by_a_millionth_is_found(monkeypatch, kind, variables):
+    right, spoilt = certificate.adjoint_gradients, ""
 
     def wrong(system, solution):
         found, gradient = right(system, solution)
-        gradient[system.design.names.index(variable)] *= 1 + 1e-6
+        gradient[system.design.names.index(spoilt)] *= 1 + 1e-6
         return found, gradient
 
     scene = read_scene(WING, {"solver.end_time": "0.3"})
     exact = direct(scene, ["x_A", "M_t", "t_w"], kind)
     certificate.compare(exact, kind, exact.gradients).check(1e-8)
     monkeypatch.setattr(certificate, "adjoint_gradients", wrong)
-    with pytest.raises(DisagreementError, match=f"and adjoint disagree on d .* / d {variable}"):
-        certificate.compare(exact, kind, exact.gradients).check(1e-8)
+    for spoilt in variables:
+        with pytest.raises(DisagreementError, match=f"and adjoint disagree on d .* / d {spoilt}"):
+            certificate.compare(exact, kind, exact.gradients).check(1e-8)
 
 
 @pytest.mark.processors

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.models.directions import check_states
 from tests.models.four_bars import four_bars
 from tests.models.scenes import HANGING_DESIGN, hanging_skin
 from tests.scenes.test_benchmarks import slider_crank
@@ -22,7 +23,7 @@ from toolkit.responses.motion import Rotation
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import frozen, prepare
+from toolkit.sensitivity.preparation import prepare
 from toolkit.solvers.transient.ggl.ggl_pattern import ggl_pattern
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
@@ -161,12 +162,7 @@ def check_against_complex_step(scene: Scene, design: list[str], tolerance: float
     run = simulate(prepare(scene, design))
     for name in ("q", "v", "a", "multipliers"):
         assert np.isfinite(getattr(run, f"d{name}")).all()
-    largest = {name: np.abs(getattr(run, f"d{name}")).max(axis=(0, 1)) for name in ("q", "v", "a", "multipliers")}
-    for x, path in enumerate(design):
-        stepped = simulate(prepare(frozen(scene, run).with_number(path, scene.number(path) + 1e-30j)))
-        for name, sizes in largest.items():
-            exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}")[..., x]
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=tolerance * sizes[x], err_msg=f"{path} {name}")
+    check_states(scene, run, tolerance)
 
 
 @pytest.mark.parametrize(

@@ -124,13 +124,13 @@ def test_one_variable_alone_has_the_sensitivity_that_it_has_among_others(scheme)
     np.testing.assert_allclose(alone.dmultipliers[..., 0], all_of_them.dmultipliers[..., 0], rtol=1e-9, atol=1e-9)
 
 
-def test_a_linear_problem_takes_two_iterations_per_step_the_second_to_see_that_the_first_was_exact():
+def test_a_linear_problem_takes_one_iteration_per_step_and_now_and_then_a_second_to_see_that_the_first_was_exact():
     block = Rigid(mass=2.0, inertia=1.0, center="P")
     spring = RotationalSpringDamper(bodies=("block", "ground"), point="P", stiffness=3.0, rest_angle=0.2)
     scene = Scene(units="m-kg-s", points={"P": Point(x=1.0, y=0.0)}, bodies={"block": block}, loads={"spring": spring})
-    run = simulate(compile_scene(scene), RunOptions(end_time=1.0, step=0.1))
-    assert run.newton_iterations == 2 * run.steps
-    assert run.correction <= 1e-15  # round-off of the second correction
+    run = simulate(compile_scene(scene), RunOptions(end_time=20.0, step=0.1))
+    assert run.steps < run.newton_iterations <= 1.2 * run.steps  # every twentieth, and where the motion grows
+    assert run.correction <= 1e-15  # what is estimated to be left
 
 
 def test_the_largest_accepted_correction_is_reported():

@@ -55,7 +55,10 @@ def test_chosen_steps_follow_the_snap_on_the_branch_of_a_fine_fixed_step(fine):
 
 @pytest.mark.parametrize("step", ["0.1", "0.05", "0.02", "0.01"])
 def test_coarse_steps_are_refused(step):
-    with pytest.raises(ConvergenceError, match=r"Newton stopped at t = .*Try a smaller solver.step"):
+    # such a motion explodes: which of the two is seen first is chance
+    with pytest.raises(
+        ConvergenceError, match=r"(Newton stopped|the joints came apart).* t = .*Try a (smaller solver.step|tenth of it)"
+    ):
         motion(step=step)
 
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from tests.models.directions import check_states
 from tests.models.scenes import HANGING_DESIGN, WING, hanging_skin
 from tests.solvers.test_orders import DESIGN, driven_pendulum
 from toolkit.analyses.statics import solve_statics
@@ -104,18 +105,13 @@ def test_index_3_is_of_second_order_and_keeps_joints_closed_to_round_off(exact, 
     ids=str,
 )
 def test_gradients_of_all_states_are_exact(options):
-    """Against a complex step through the same accepted steps."""
+    """Against a complex step of all numbers through the same accepted steps."""
     scene, design = driven_pendulum(), [*DESIGN, "bodies.lower.angular_velocity", "loads.motor.curve.phase"]
     end = UNEVEN[-1] if "times" in options else 0.8
     run_options = RunOptions(end_time=end, step=0.05, tolerance=1e-13, drift_tolerance=1e-2, **options)
     scene = scene.model_copy(update={"solver": run_options})
     run = simulate(compile_scene(scene, design))
-    for x, path in enumerate(design):
-        stepped = simulate(compile_scene(frozen(scene, run).with_number(path, scene.number(path) + 1e-30j)))
-        for name in ("q", "v", "a", "multipliers"):
-            exact, ours = getattr(stepped, name).imag / 1e-30, getattr(run, f"d{name}")[..., x]
-            # round-off, multiplied by the condition of the multipliers' equations
-            np.testing.assert_allclose(ours, exact, rtol=0, atol=1e-10 * np.abs(exact).max(), err_msg=f"{path} {name}")
+    check_states(scene, run, 1e-10)  # round-off, multiplied by the condition of the multipliers' equations
 
 
 @pytest.mark.parametrize(
@@ -123,14 +119,14 @@ def test_gradients_of_all_states_are_exact(options):
     [
         {"formulation": "index-3"},
         {"newton": "modified", "tolerance": 1e-13},
-        {"quasi_static": True, "end_time": 0.4},
-        {"times": (0.0, 0.05, 0.15, 0.2, 0.3, 0.4, 0.45, 0.5, 0.6, 0.7, 0.8, 0.85, 1.0, 1.1, 1.2)},
+        {"quasi_static": True},
+        {"times": (0.0, 0.05, 0.15, 0.2, 0.3, 0.4)},
     ],
     ids=str,
 )
 def test_the_wings_gradients_agree_by_all_exact_methods(options):
     scene = read_scene(WING, {"solver.scheme": "arnold-bruels", "solver.step": "0.1"})
-    scene = scene.model_copy(update={"solver": RunOptions(**{**dict(scene.solver), **options})})
+    scene = scene.model_copy(update={"solver": RunOptions(**{**dict(scene.solver), "end_time": 0.4, **options})})
     exact = direct(scene, ["t_w", "x_A"], "transient")
     steady = frozen(scene, exact.solution)
     others = adjoint(scene, ["t_w", "x_A"], "transient"), numerical(steady, ["t_w", "x_A"], "transient", "complex-step")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from tests.models.directions import along, derivative_along, direction
 from tests.spinning.scenes import governor, planar_blade, table, table_in_space, top
 from toolkit.description.run_options import RunOptions
 from toolkit.responses.energy import KineticEnergy
@@ -13,26 +14,32 @@ from toolkit.responses.kinematics.point_distance import PointDistance
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.sensitivity.preparation import Kind, prepare, solve
+from toolkit.sensitivity.result import Result
 
 EXACT = 1e-10
 
 
-def same(scene, kind: str, names: list[str], method: str, close: float = EXACT) -> None:
-    found, judge = (gradients_by(each, scene, names, kind) for each in (method, "complex-step"))
-    for response, slopes in judge.gradients.items():
-        sizes = {name: abs(slope * scene.value_of(name)) for name, slope in slopes.items()}
-        largest = max([*sizes.values(), abs(judge.values[response])])
+def same(scene: Scene, kind: Kind, names: list[str], close: float = EXACT) -> dict[str, Result]:
+    """Gradients by direct differentiation and by the adjoint, after a complex step of all numbers has judged both."""
+    found = {method: gradients_by(method, scene, names, kind) for method in ("direct", "adjoint")}
+    factors = {name: part * max(abs(scene.value_of(name)), 1e-3) for name, part in direction(names).items()}
+    for response, judge in derivative_along(scene, factors, kind, found["direct"].solution if kind == "static" else None).items():
+        for method, by in found.items():
+            slopes = by.gradients[response]
+            largest = max([*(abs(slope * factors[name]) for name, slope in slopes.items()), abs(by.values[response])])
+            assert along(slopes, factors) == pytest.approx(judge, rel=0, abs=close * largest), (method, response)
+            assert any(slopes.values()), response
+    for response, slopes in found["direct"].gradients.items():
+        other = found["adjoint"].gradients[response]
+        largest = max([*(abs(slope * factors[name]) for name, slope in slopes.items()), abs(found["direct"].values[response])])
         for name, slope in slopes.items():
-            number = max(abs(scene.value_of(name)), 1e-3)
-            ours = found.gradients[response][name]
-            assert abs(ours - slope) * number <= close * largest, (response, name, ours, slope)
-    assert all(any(abs(each) > 0 for each in slopes.values()) for slopes in judge.gradients.values())
+            assert abs(other[name] - slope) * abs(factors[name]) <= close * largest, (response, name, other[name], slope)
+    return found
 
 
-@pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("make", [table, table_in_space], ids=["plane", "space"])
-def test_by_every_number_of_a_table_that_spins(make, method):
+def test_by_every_number_of_a_table_that_spins(make):
     scene = make(3.0, 50.0, 2.0, 1.0)
     asked = {
         **scene.responses,
@@ -41,16 +48,15 @@ def test_by_every_number_of_a_table_that_spins(make, method):
         "kinetic": KineticEnergy(),
     }
     names = [name for name in scene.available_paths() if ".inertia." not in name or "block" in name]
-    same(scene.model_copy(update={"responses": asked}), "static", names, method)
+    same(scene.model_copy(update={"responses": asked}), "static", names)
 
 
-@pytest.mark.parametrize("method", ["direct", "adjoint"])
-def test_by_the_numbers_of_a_governor_and_of_a_gyroscope(method):
+def test_by_the_numbers_of_a_governor_and_of_a_gyroscope():
     names = ["joints.motor.curve.coefficients.y", "points.B.x", "points.B.z", "bodies.ball.mass", "loads.weight.acceleration.z"]
     undamped = governor(6.0).model_copy(update={"responses": {"f": Frequency()}})
-    same(undamped, "static", [*names, "bodies.ball.inertia.x"], method)
+    same(undamped, "static", [*names, "bodies.ball.inertia.x"])
     wheel = ["joints.motor.curve.coefficients.y", "bodies.disc.inertia.z", "bodies.disc.inertia.x", "loads.about_x.stiffness"]
-    same(top(5.0), "static", wheel, method)
+    same(top(5.0), "static", wheel)
 
 
 def test_by_the_numbers_of_flexible_bodies(tmp_path):
@@ -60,8 +66,8 @@ def test_by_the_numbers_of_flexible_bodies(tmp_path):
         "reach": PointDistance(bodies=("ground", "part2"), points=("part0_root", "part2_tip")),
     }
     scene = planar_blade(tmp_path, 3, 30.0, damping=1e-4).model_copy(update={"responses": asked})
-    same(scene, "static", [f"bodies.part1.{name}" for name in ("youngs_modulus", "density", "thickness")], "direct")
-    same(scene, "static", ["joints.motor.curve.coefficients.y", "bodies.part0.thickness"], "adjoint")
+    names = [f"bodies.part1.{name}" for name in ("youngs_modulus", "density", "thickness")]
+    same(scene, "static", [*names, "joints.motor.curve.coefficients.y", "bodies.part0.thickness"])
 
 
 def settling(damping: float) -> Scene:
@@ -71,13 +77,11 @@ def settling(damping: float) -> Scene:
     return table(3.0, 50.0, 2.0, damping, responses=end, solver=options)
 
 
-@pytest.mark.parametrize("method", ["direct", "adjoint"])
-def test_at_the_end_of_a_motion(method):
+def test_at_the_end_of_a_motion():
     """The spin that a motion ends in has the frequency of the steady state, and exact gradients through all its steps."""
     scene = settling(12.0)
     names = ["loads.spring.stiffness", "bodies.block.mass", "joints.motor.curve.coefficients.y", "loads.spring.damping"]
-    same(scene, "transient", names, method, 1e-9)  # what Newton leaves in 300 steps
-    motion = gradients_by("direct", scene, names, "transient")
+    motion = same(scene, "transient", names, 1e-9)["direct"]  # what Newton leaves in 300 steps
     state = table(3.0, 50.0, 2.0, 12.0)
     found = gradients_by("direct", state, names, "static")
     for name in ("f", "zeta"):
@@ -108,18 +112,17 @@ def test_a_vibration_of_two_equal_frequencies_has_no_derivative():
     assert solve(prepare(scene), "static").spins
 
 
-@pytest.mark.parametrize("method", ["direct", "adjoint"])
 @pytest.mark.parametrize("make", [table, table_in_space], ids=["plane", "space"])
-def test_a_motion_that_starts_in_its_steady_spin_stays_there(make, method):
+def test_a_motion_that_starts_in_its_steady_spin_stays_there(make):
     """No vibration begins: length and frequency are those of statics, and so are their gradients, through start and steps."""
     state = make(3.0, 50.0, 2.0, 0.0)
     end = {"f": Frequency(when="end"), "reach": PointDistance(bodies=("ground", "block"), points=("O", "Q"))}
     options = RunOptions(end_time=0.2, step=0.005, tolerance=1e-13, equilibrium="spinning", start="equilibrium")
     scene = state.model_copy(update={"responses": end, "solver": options})
     names = ["loads.spring.stiffness", "bodies.block.mass", "joints.motor.curve.coefficients.y"]
-    same(scene, "transient", names, method)
-    moved, still = (gradients_by(method, scene, names, kind) for kind in ("transient", "static"))
-    for name in end:
-        assert moved.values[name] == pytest.approx(still.values[name], rel=1e-4)  # (h Omega)^2 / 2 of the steps
-        for x in names:
-            assert moved.gradients[name][x] == pytest.approx(still.gradients[name][x], rel=5e-3, abs=1e-6), (name, x)
+    for method, moved in same(scene, "transient", names).items():
+        still = gradients_by(method, scene, names, "static")
+        for name in end:
+            assert moved.values[name] == pytest.approx(still.values[name], rel=1e-4)  # (h Omega)^2 / 2 of the steps
+            for x in names:
+                assert moved.gradients[name][x] == pytest.approx(still.gradients[name][x], rel=5e-3, abs=1e-6), (method, name, x)

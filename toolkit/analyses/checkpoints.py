@@ -22,13 +22,15 @@ from toolkit.validity.judge import judge
 
 
 class Checkpoint(NamedTuple):
-    """A state and what its step leaves to the next, each (n,)."""
+    """A state and what its step leaves to the next, (n,) where nothing else is said."""
 
     q: np.ndarray
     v: np.ndarray
     acc: np.ndarray
     aux: np.ndarray  # auxiliary acceleration w
     carried: np.ndarray  # part of the next residual
+    trend: np.ndarray  # (2, n) what the first guess of the next step is made of
+    learnt: np.ndarray  # (6,) and what Newton knows of the equations
 
 
 def window_bounds(n_t: int) -> list[int]:
@@ -47,7 +49,7 @@ def solve_windows(run: Run, bounds: list[int], kept: list[Checkpoint]) -> Iterat
         As `simulate`.
     """
     start, zero = run_start(run.system, run.options), np.zeros(run.system.n)
-    kept.append(Checkpoint(start.q, start.v, start.acc, zero, zero))
+    kept.append(Checkpoint(start.q, start.v, start.acc, zero, zero, run.memory.trend.copy(), run.memory.learnt.copy()))
     for first, last in pairwise(bounds):
         window, after = solve_window(run, kept[-1], first, last)
         kept.append(after)
@@ -58,11 +60,12 @@ def solve_window(run: Run, checkpoint: Checkpoint, first: int, last: int) -> tup
     """States of steps first + 1 ... last, and at the beginning of the run also the start; and the checkpoint behind them."""
     system, memory = run.system, run.memory
     memory.aux[:], memory.carried[:], memory.span[0] = checkpoint.aux, checkpoint.carried, run.lengths[first - 1]
+    memory.trend[:], memory.learnt[:] = checkpoint.trend, checkpoint.learnt
     derivatives = (np.zeros((system.n, 0)),) * 3
     history = empty_history(system, last - first + 1, State(checkpoint.q, checkpoint.v, checkpoint.acc, *derivatives))
     advance(run, history, first)
     drift, skipped = check_drift(run, history.q, first), int(first > 0)
-    end = (history.q[-1], history.v[-1], history.acc[-1], memory.aux, memory.carried)
+    end = (history.q[-1], history.v[-1], history.acc[-1], memory.aux, memory.carried, memory.trend, memory.learnt)
     after = Checkpoint._make(array.copy() for array in end)
     states = tuple(array[skipped:] for array in history[:6])
     return selected(run, states, range(first + skipped, last + 1), drift), after

@@ -8,7 +8,7 @@ from toolkit.analyses.statics import equilibrium_beside, solve_statics
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths, time_grid
 from toolkit.foundation.errors import InputError
-from toolkit.solvers.start.initial_conditions import State, consistent_start, moving_start, with_accelerations
+from toolkit.solvers.start.initial_conditions import Motion, State, consistent_motion, moving, with_accelerations
 from toolkit.solvers.start.kept_start import kept_start
 from toolkit.solvers.start.written_velocities import written_velocities
 from toolkit.solvers.transient.formulation import start_levels
@@ -29,7 +29,24 @@ def run_start(
     v: np.ndarray | None = None,
     beside: Solution | None = None,
 ) -> State:
-    """State at time 0; `q` and `v` (n_q,) replace the scene's own start, `beside` is that of `simulate`.
+    """State at time 0; `q` and `v` (n_q,) replace the scene's own start, `beside` is that of `simulate`; raises as `run_motion`."""
+    found = run_motion(system, options, q, v, beside)
+    return found if isinstance(found, State) else with_accelerations(system, run_levels(options), *found)
+
+
+def run_levels(options: RunOptions) -> np.ndarray:
+    """Levels of the constraints in which the accelerations of a start are found."""
+    return start_levels(options, step_lengths(time_grid(options)))
+
+
+def run_motion(
+    system: System,
+    options: RunOptions,
+    q: np.ndarray | None = None,
+    v: np.ndarray | None = None,
+    beside: Solution | None = None,
+) -> Motion | State:
+    """Coordinates and velocities at time 0, or the whole state where it is found in one; arguments as of `run_start`.
 
     Raises
     ------
@@ -39,23 +56,22 @@ def run_start(
         There is no equilibrium or steady spin at time 0, see `solve_statics`.
     """
     own = q is not None or v is not None
-    levels = start_levels(options, step_lengths(time_grid(options)))
     if not options.quasi_static and (own or options.start == "given"):
         if options.start != "given":
             raise InputError(
                 f'solver.start = "{options.start}" leaves no other start. Leave it out where the start of another run is given.'
             )
-        return consistent_start(system, levels, q, v, options=options)
+        return consistent_motion(system, q, v, 0.0, options)
     if own:
         raise InputError("solver.quasi_static starts from the equilibrium at time 0, so that no other start can be given.")
     if options.start_file is not None:
-        return with_accelerations(system, levels, *kept_start(system, options))
+        return Motion(*kept_start(system, options))
     if options.equilibrium == "spinning":
         return _spinning(system, options)
     found = start_at_rest(system, options) if beside is None else equilibrium_beside(system, beside)
     assert found is not None
     rest = _at_rest(system, found)
-    return rest if options.quasi_static else moving_start(system, levels, rest.q, rest.dq)
+    return rest if options.quasi_static else moving(system, rest.q, rest.dq)
 
 
 def _at_rest(system: System, found: Solution) -> State:

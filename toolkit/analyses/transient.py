@@ -26,8 +26,8 @@ from toolkit.validity.judge import judge
 from toolkit.validity.motion.drift import largest_drift
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
-PIECE = 200
-"""Steps between two reports of progress; long enough that a report costs nothing."""
+PIECE, MANY = 200, 100_000
+"""Least number of steps between two reports of progress, and of unknowns at all of them: long enough that a report costs nothing."""
 
 
 def simulate(
@@ -113,8 +113,9 @@ def advance(run: Run, history: History, first: int, progress: Callable[[int, int
     part = slice(first, first + count)
     run = run._replace(times=run.times[first : first + count + 1], lengths=run.lengths[part], relaxation=run.relaxation[part])
     curves = run.system.curves(run.times)
-    for low in range(0, count, PIECE):
-        high = min(low + PIECE, count)
+    piece = max(PIECE, MANY // run.system.n)
+    for low in range(0, count, piece):
+        high = min(low + piece, count)
         take_steps(run, history, curves, first + low == 0, low, high)
         if run.outcome.counts[STATUS] != CONVERGED:
             raise failure(run)
@@ -131,7 +132,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
         The joints came apart, also those left out as redundant; names joint, time and remedy.
     """
     system, options, times = run.system, run.options, run.times[first : first + len(q)]
-    found, curves = np.zeros(4), system.curves(times)[0]
+    found, curves = np.zeros(4), system.curve_values(times)
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
         allocate_work(system.plan, system.dtype),

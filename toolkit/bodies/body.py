@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Mapping
-from typing import Any, ClassVar, NamedTuple, Protocol
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
 from toolkit.description.description import InSpace
 from toolkit.reduced_model.model import ReducedModel
 
+T = TypeVar("T")
 CENTRE = "(centre of mass)"
 """In place of a point of the scene: a body's centre of mass, which moves in a body that deforms."""
 QUATERNION = 4
@@ -35,6 +36,9 @@ class Placed(Protocol):
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it, by their names in the reduced model."""
+
+    def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
+        """What is made of one of its bodies; a scene that remembers its answers has it made once."""
 
 
 class ConstantNumbers(NamedTuple):

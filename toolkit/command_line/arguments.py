@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import fnmatch
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,6 +21,14 @@ EVERY = "all"
 """Stands for every number of the scene, unless the scene declares a design variable of that name."""
 
 
+def show_version(wanted: bool) -> None:
+    """Print the version of the toolkit, and end."""
+    if wanted:
+        typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
+        raise typer.Exit
+
+
+Version = Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and exit.")]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")

@@ -20,6 +20,7 @@ from toolkit.command_line.arguments import (
     SceneFile,
     Static,
     Variables,
+    Version,
     design_of,
     prepare_folder,
     read,
@@ -30,6 +31,7 @@ from toolkit.command_line.commands.deformation_check import check_deformation
 from toolkit.command_line.commands.export import export
 from toolkit.command_line.commands.inspection import describe, describe_scene, print_file
 from toolkit.command_line.commands.new_project import app as new_project
+from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
 from toolkit.command_line.commands.tradeoff import tradeoff
@@ -56,26 +58,32 @@ def in_words(shown: Callable[..., None]) -> Callable[..., None]:
     return show
 
 
+def failed(message: str, as_json: bool) -> typer.Exit:
+    """Say what went wrong on standard error, and in a JSON object on standard output where the command was asked for one."""
+    typer.echo(message, err=True)
+    if as_json:
+        print_json({"error": message})
+    return typer.Exit(1)
+
+
 class Commands(TyperGroup):
     """All commands: an error of the toolkit becomes one plain message and exit code 1."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
+        as_json = "--json" in ctx.args  # the group's arguments are gone once its command runs
         try:
             with warnings.catch_warnings():
                 warnings.showwarning = in_words(warnings.showwarning)
                 return super().invoke(ctx)
         except ToolkitError as error:
-            typer.echo(str(error), err=True)
-            raise typer.Exit(1) from None
+            raise failed(str(error), as_json) from None
         except OSError as error:
             if error.errno == errno.EPIPE:  # whoever read the output has seen enough
                 raise
-            typer.echo(refusal(error), err=True)
-            raise typer.Exit(1) from None
+            raise failed(refusal(error), as_json) from None
         except MemoryError as error:
-            typer.echo(out_of_memory(error), err=True)
-            raise typer.Exit(1) from None
+            raise failed(out_of_memory(error), as_json) from None
         except KeyboardInterrupt:
             typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
             raise typer.Exit(INTERRUPTED) from None
@@ -88,6 +96,11 @@ app = typer.Typer(
     help="Flexible multibody dynamics with exact design sensitivities.",
 )
 app.add_typer(new_project, name="new")
+
+
+@app.callback()
+def about(_version: Version = False) -> None:
+    """Flexible multibody dynamics with exact design sensitivities."""
 
 
 @app.command()
@@ -246,6 +259,7 @@ app.command()(campbell)
 app.command()(certify)
 app.command()(check_deformation)
 app.command()(export)
+app.command()(optimize)
 app.command()(report)
 app.command()(stability)
 app.command()(tradeoff)

@@ -44,6 +44,13 @@ def rehearse(scene: Scene, kind: Kind, backwards: bool = False) -> None:
         adjoint_gradients(system, solution)
 
 
+def rehearse_others(scene: Scene) -> None:
+    """Call everything compiled that any analysis of such a scene calls, in every formulation; those of one group share their code."""
+    for formulation in ("index-1", "ggl"):
+        options = scene.solver.model_copy(update={"formulation": formulation})
+        rehearse(scene.model_copy(update={"solver": options}), "transient", backwards=True)
+
+
 def pendulum_like(scene: Scene) -> Scene:
     """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
     options = RunOptions(end_time=1e-3, step=1e-3, formulation=scene.solver.formulation, load_steps=1)

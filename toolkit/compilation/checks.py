@@ -20,7 +20,7 @@ SAME_PLACE = 1e-12
 """Distance of two points, relative to the scene's size, below which no direction leads from one to the other."""
 
 
-def check_numbers(scene: Scene) -> None:
+def check_numbers(scene: Scene, placed: Remembered | None = None) -> None:
     """Refuse scenes without a moving body, parameters that are not positive, and pairs of points without a direction.
 
     Raises
@@ -37,7 +37,7 @@ def check_numbers(scene: Scene) -> None:
                 if not np.real(value) > 0 and (least > 0 or np.real(value) < least):
                     right = "a positive number" if least > 0 else "zero or positive"
                     raise InputError(f"bodies.{name}.{parameter} = {np.real(value):g} must be {right}.")
-    placed = Remembered(scene)
+    placed = placed or Remembered(scene)
     for user, pair in pairs(scene).items():
         first, second = (np.real(placed.position(point)) for point in pair)
         if np.abs(first - second).max() <= SAME_PLACE * placed.size:

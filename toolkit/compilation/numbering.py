@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
 from toolkit.compilation.dependence import Item, users_by_name
+from toolkit.compilation.joint_forms import JointForms, joint_forms
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
+from toolkit.joints.joint import Joint
 from toolkit.joints.rows import ROW_QUANTITIES
 from toolkit.loads.load import Load
 from toolkit.markers.component import Component
@@ -37,6 +40,8 @@ class Numbering:
         Markers that a response looks at.
     users
         Name -> items that name it, see `users_by_name`.
+    joints
+        The joints at any numbers, in the order of their rows.
     """
 
     first: dict[str, int]
@@ -47,6 +52,12 @@ class Numbering:
     n_q: int
     seen: tuple[tuple[str, str], ...] = ()
     users: dict[str, list[Item]] = field(default_factory=dict)
+    joints: tuple[Joint, ...] = ()
+
+    @cached_property
+    def forms(self) -> JointForms:
+        """Forms of all joints."""
+        return joint_forms(self.joints)
 
     @property
     def n(self) -> int:
@@ -55,7 +66,11 @@ class Numbering:
 
     def marker(self, grip: tuple[str, ...]) -> int:
         """Number of the marker of a body at a point."""
-        return self.markers.index(grip)
+        return self._numbers[grip]
+
+    @cached_property
+    def _numbers(self) -> dict[tuple[str, ...], int]:
+        return {grip: m for m, grip in enumerate(self.markers)}
 
     @property
     def states(self) -> np.ndarray:
@@ -122,7 +137,9 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
     components: dict[str, Component] = {**{f"joints.{name}": joint for name, joint in scene.joints.items()}, **loads}
     grips = [grip for path, component in components.items() for grip in grips_of(path, component)]
     markers = tuple(dict.fromkeys([*grips, *extra_markers]))
-    return Numbering(first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene))
+    return Numbering(
+        first, row, length, markers, tuple(names), n_q, tuple(extra_markers), users_by_name(scene), tuple(scene.joints.values())
+    )
 
 
 def _with_state(scene: Scene) -> dict[str, Load]:
@@ -130,13 +147,13 @@ def _with_state(scene: Scene) -> dict[str, Load]:
     return {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load) and load.state is not None}
 
 
-def weights(scene: Scene) -> np.ndarray:
+def weights(scene: Scene, remembered: Remembered | None = None) -> np.ndarray:
     """What makes each unknown comparable, shape (n,): displacement over the scene's size, or angle; free of units.
 
     For a coordinate it scales its change, for a multiplier the violation of its constraint row; states of loads are integrals over time,
     which all systems of units count in seconds.
     """
-    placed: Any = Remembered(scene)
+    placed: Any = remembered or Remembered(scene)
     states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
     lengths = np.concatenate([*(body.coordinate_lengths(placed) for body in scene.all_bodies().values()), states])
     rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]

@@ -72,7 +72,9 @@ def build_plan(
     makers: dict[str, Callable[[], Any]] = {
         "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
         **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
-        "joints": lambda: joint_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        "joints": lambda: joint_arrays(
+            scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.joints if kept else None
+        ),
         "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
     }
     parts = {
@@ -137,8 +139,7 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         frame, size = numbering.first[name], everybody[name].frame_size
         local = frame + np.arange(size - 1 + len(part.moment))
         entries += [block(local[:size], local)]
-        inside = (part.row > 0) & (part.column > 0)
-        entries += [(frame + size - 1 + part.row[inside], frame + size - 1 + part.column[inside])]
+        entries += [_elastic(part, local[size:])]
     for name, row in numbering.length.items():
         entries += [block(np.array([row]), numbering.first[name] + np.arange(3, 7))]
     for name, joint in scene.joints.items():
@@ -155,6 +156,14 @@ def _pattern(scene: Scene, numbering: Numbering, values: Quantities, constant_ro
         both = np.append(both, numbering.first[f"loads.{name}"]) if load.state is not None else both
         entries += [block(both, both)]
     return build_pattern(numbering.n, entries)
+
+
+def _elastic(part: Any, coordinates: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Entries of a body between its elastic coordinates: all of them, if it is worked with whole matrices."""
+    if getattr(part, "full", False):
+        return block(coordinates, coordinates)
+    inside = (part.row > 0) & (part.column > 0)
+    return coordinates[part.row[inside] - 1], coordinates[part.column[inside] - 1]
 
 
 def _turns(scene: Scene, numbering: Numbering, marker: int) -> bool:

@@ -1,4 +1,4 @@
-"""A scene whose points and models are looked up once, while its numbers are evaluated."""
+"""A scene whose points and models are looked up once, while its numbers are evaluated, and that tells what was asked of it."""
 
 from __future__ import annotations
 
@@ -13,6 +13,19 @@ from toolkit.scene.scene import Scene, position_in, size_of
 T = TypeVar("T")
 
 
+class _Itself:
+    """Something that equals itself alone, whatever is in it."""
+
+    def __init__(self, item: Any) -> None:
+        self.item = item
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Itself) and self.item is other.item
+
+    def __hash__(self) -> int:
+        return id(self.item)
+
+
 class Remembered:
     """What bodies, joints and loads ask of a scene (`bodies.body.Placed`), with every answer kept: many ask for the same point or model.
 
@@ -20,34 +33,95 @@ class Remembered:
     ----------
     scene
         The scene, at real or complex numbers.
+    beside
+        The same scene at other numbers, which has asked for the same models.
     """
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, beside: Remembered | None = None) -> None:
         self._scene = scene
+        self._models: dict[Any, ReducedModel] = {} if beside is None else beside._models
         self._kept: dict[Any, Any] = {}
+        self._asked: set[Any] | None = None
 
     def __getattr__(self, name: str) -> Any:
+        if self._asked is not None:
+            self._asked.add(("attribute", name))
         return getattr(self._scene, name)
+
+    def watched(self, make: Callable[[Remembered], T]) -> tuple[T, frozenset[Any]]:
+        """What is made of this scene, and all questions that were asked for it."""
+        self._asked = set()
+        try:
+            return make(self), frozenset(self._asked)
+        finally:
+            self._asked = None
+
+    def answers_as(self, other: Remembered, question: Any) -> bool:
+        """Whether another scene, which differs in numbers alone, has the answer to a question that this one was asked.
+
+        Of things without a value of their own it has that only if it holds the very same.
+        """
+        kind, *about = question
+        if kind in ("attribute", "interface"):
+            mine, its = (
+                getattr(each, about[0]) if kind == "attribute" else each.points.get(about[0])
+                for each in (self._scene, other._scene)
+            )
+            return mine is its
+        mine = self._kept[question]
+        if kind == "arc lengths":
+            return bool(other.arc_lengths(about[0].item) == mine)
+        its = other.size if kind == "size" else getattr(other, kind)(*about)
+        return mine is its or (kind == "position" and np.array_equal(mine, its)) or (kind == "size" and bool(mine == its))
+
+    def interface(self, point: str) -> Any:
+        """The point as it was written."""
+        return self.once(("interface", point), lambda: self._scene.interface(point))
 
     def position(self, point: str) -> np.ndarray:
         """Undeformed global position of a point, (d,)."""
-        return self._once(("position", point), lambda: position_in(self, point))
+        return self.once(("position", point), lambda: position_in(self, point))
 
     def model(self, path: str, *parts: str) -> ReducedModel:
         """Parts of the reduced model of that file."""
-        return self._once(("model", path, parts), lambda: self._scene.model(path, *parts))
+        return self.once(("model", path, *parts), lambda: self._read(path, *parts))
+
+    def _read(self, path: str, *parts: str) -> ReducedModel:
+        if (path, parts) not in self._models:
+            self._models[path, parts] = self._scene.model(path, *parts)
+        return self._models[path, parts]
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it."""
-        return self._once(("arc lengths", id(body)), lambda: self._scene.arc_lengths(body))
+        return self.once(("arc lengths", _Itself(body)), lambda: self._scene.arc_lengths(body))
+
+    def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
+        """What is made of one of its bodies, once. Its questions count each time, as if it were made each time."""
+        key, outer = (what, _Itself(body)), self._asked
+        if key not in self._kept:
+            self._asked = set()
+            try:
+                self._kept[key] = make(), self._asked
+            finally:
+                self._asked = outer
+        found, asked = self._kept[key]
+        if outer is not None:
+            outer |= asked
+        made: T = found
+        return made
 
     @property
     def size(self) -> float:
         """The length that displacements are compared with, see `Scene.size`."""
-        return self._once("size", lambda: size_of(self))
+        return self.once(("size",), lambda: size_of(self))
 
-    def _once(self, key: Hashable, make: Callable[[], T]) -> T:
+    def once(self, key: Hashable, make: Callable[[], T]) -> T:
+        """What is made when it is first asked for under this key."""
+        outer, self._asked = self._asked, None  # what answers a question asks others, which the answer speaks for
+        if outer is not None:
+            outer.add(key)
         if key not in self._kept:
             self._kept[key] = make()
+        self._asked = outer
         found: T = self._kept[key]
         return found

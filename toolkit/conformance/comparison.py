@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -13,6 +14,17 @@ STEP = 1e-30
 
 TOLERANCE = 1e-10
 """Relative to the largest entry: only round-off separates an exact derivative from a complex step."""
+
+
+def direction(count: int) -> np.ndarray:
+    """A factor for each of some numbers, between 1/2 and 1 and of either sign, so that no two differences cancel by chance."""
+    rng = np.random.default_rng(count)
+    return rng.uniform(0.5, 1.0, count) * rng.choice([-1.0, 1.0], count)
+
+
+def agree(ours: Any, exact: Any, size: float) -> bool:
+    """Whether derivatives along a direction differ by no more than `TOLERANCE` times a size; what is not finite does not."""
+    return bool(np.all(np.abs(ours - exact) <= TOLERANCE * max(size, float(np.abs(exact).max(initial=0)))))
 
 
 def compare(what: str, ours: np.ndarray, exact: np.ndarray, names: Sequence[Sequence[str]], least: float = 1e-300) -> None:

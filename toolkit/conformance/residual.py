@@ -1,4 +1,7 @@
-"""The equations of a whole scene against the complex step of their residual, in states that are neither small nor consistent."""
+"""The equations of a whole scene against the complex step of their residual, in states that are neither small nor consistent.
+
+One complex step along a direction of all numbers shows whether any derivative is wrong; only then each is looked at, to name it.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.conformance.comparison import STEP, compare
+from toolkit.conformance.comparison import STEP, agree, compare, direction
+from toolkit.description.design import DesignVariable
 from toolkit.equations.equations import Inputs, Terms, allocate_terms, allocate_work, evaluate
 from toolkit.foundation.kernel import plain
 from toolkit.scene.scene import Scene
@@ -15,6 +19,11 @@ from toolkit.system.system import System, compile_scene, plain_formulas_of
 LEVELS = np.array([1.0, 0.7, 0.3])
 """Weights of acceleration, velocity and position of the constraint rows: all three count, none like another."""
 
+SMALL = 1e-4
+"""Part of the residual below which what a number changes may be round-off of what cancels to zero."""
+DESIGN_TERMS = {"inertial": "I_x", "applied": "A_x"}
+"""Group of the residual -> its derivatives by the numbers, in `Terms`."""
+
 
 def check_state_derivatives(scene: Scene, seed: int = 0) -> None:
     """d residual / d (acceleration and multipliers, q, v), compiled, against complex steps of the plain residual."""
@@ -22,9 +31,14 @@ def check_state_derivatives(scene: Scene, seed: int = 0) -> None:
     state, n_q = random_state(system, seed), system.n_q
     terms = system.evaluate(inputs(system), *state)
     names, zero = system.numbering.names, np.zeros((system.n, system.n))
-    I_acc, I_q, A_q, A_v = (system.matrix(values).toarray() for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v))
+    I_acc, I_q, A_q, A_v = (system.dense(values) for values in (terms.I_acc, terms.I_q, terms.A_q, terms.A_v))
     groups = (("acceleration or multiplier", system.n, I_acc, zero), ("q", n_q, I_q, A_q), ("v", n_q, zero, A_v))
     for (by, count, *ours), which in zip(groups, (2, 0, 1), strict=True):
+        factors = np.append(direction(count), np.zeros(system.n - count))
+        along = _residual_along(system, state, which, factors)
+        known = all(agree(m @ factors, exact, np.abs(m).max(initial=1e-300)) for m, exact in zip(ours, along, strict=True))
+        if known and not any(matrix[:, count:].any() for matrix in ours):
+            continue
         for group, matrix, exact in zip(("inertial", "applied"), ours, complex_step(system, state, which, count), strict=True):
             beyond = np.zeros((system.n, system.n - count))  # multipliers are no coordinates: nothing depends on their q and v
             compare(f"d {group} / d {by}", matrix, np.hstack([exact, beyond]), [names, names])
@@ -37,13 +51,28 @@ def check_design_derivatives(scene: Scene, seed: int = 0) -> None:
     state = random_state(system, seed)
     terms = system.evaluate(inputs(system), *state, design=True)
     residual = max(np.abs(terms.inertial).max(initial=0), np.abs(terms.applied).max(initial=0))
+    whole = np.array([residual / max(abs(scene.number(path)), 1.0) for path in paths])
+    if all(_numbers_agree(scene, paths, state, group, getattr(terms, by), whole) for group, by in DESIGN_TERMS.items()):
+        return
     for x, path in enumerate(paths):
         other = compile_scene(scene.with_number(path, scene.number(path) + 1j * STEP))
         reference = plain_terms(other, inputs(other), *state)
-        least = 1e-4 * residual / max(abs(scene.number(path)), 1.0)  # entries that cancel to zero leave round-off
+        least = SMALL * whole[x]  # entries that cancel to zero leave round-off
         pairs = (("inertial", terms.I_x, reference.inertial), ("applied", terms.A_x, reference.applied))
         for group, ours, exact in pairs:
             compare(f"d {group} / d {path}", ours[:, x], exact.imag / STEP, [system.numbering.names], least)
+
+
+def _numbers_agree(scene: Scene, paths: list[str], state: tuple, group: str, ours: np.ndarray, whole: np.ndarray) -> bool:
+    """Whether a group of terms changes along a direction in which every number moves its largest entry by about one.
+
+    Entries that cancel to zero leave round-off, so that a number without effect moves by what would change the `whole` residual.
+    """
+    largest = np.abs(ours).max(axis=0, initial=0)
+    sizes = np.where(largest > SMALL * whole, largest, whole)
+    factors = direction(len(paths)) / np.where(sizes > 0, sizes, 1.0)
+    moved = compile_scene(scene.moved(DesignVariable(group, 1.0, tuple(paths), tuple(factors.tolist())), 1j * STEP))
+    return agree(ours @ factors, getattr(plain_terms(moved, inputs(moved), *state), group).imag / STEP, 1.0)
 
 
 def design_paths(scene: Scene) -> list[str]:
@@ -77,10 +106,13 @@ def plain_terms(system: System, given: Inputs, q: Any, v: Any, acc: Any, lineari
 
 def complex_step(system: System, state: tuple, which: int, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Derivatives (n, count) of both groups of the residual by q (0), v (1) or [a; lam] (2)."""
-    columns = []
-    for direction in np.eye(system.n)[:count]:
-        moved = [item + 1j * STEP * direction if k == which else item for k, item in enumerate(state)]
-        terms = plain_terms(system, inputs(system), *moved)
-        columns.append((terms.inertial.imag / STEP, terms.applied.imag / STEP))
+    columns = [_residual_along(system, state, which, unit) for unit in np.eye(system.n)[:count]]
     empty = np.zeros((system.n, 0))
     return np.column_stack([empty, *(c[0] for c in columns)]), np.column_stack([empty, *(c[1] for c in columns)])
+
+
+def _residual_along(system: System, state: tuple, which: int, factors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Derivatives (n,) of both groups along a direction (n,) of q (0), v (1) or [a; lam] (2)."""
+    moved = [item + 1j * STEP * factors if k == which else item for k, item in enumerate(state)]
+    terms = plain_terms(system, inputs(system), *moved)
+    return terms.inertial.imag / STEP, terms.applied.imag / STEP

@@ -1,4 +1,7 @@
-"""A response's partial derivatives against complex steps, in states that are neither small nor consistent."""
+"""A response's partial derivatives against complex steps, in states that are neither small nor consistent.
+
+One complex step along a direction of all numbers shows whether any derivative is wrong; only then each is looked at, to name it.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.conformance.comparison import STEP, compare
+from toolkit.conformance.comparison import STEP, agree, compare, direction
 from toolkit.conformance.residual import design_paths
+from toolkit.description.design import DesignVariable
 from toolkit.responses.response import STATES, Response
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -29,16 +33,24 @@ def check_partials(response: Response, scene: Scene, seed: int = 0) -> None:
     least = max(1e-4 * float(abs(np.real(found.value))), 1e-12)  # derivatives that cancel to zero leave round-off
     as_complex = compile_scene(_complex(scene, paths[0]), None, markers)
     for name in STATES:
+        known = getattr(found, name)
         exact = np.zeros(states[name].shape)
+        ours = exact if known is None else np.real(known)
+        every = direction(exact.size).reshape(exact.shape)
+        along = _by_state(response, as_complex, times, states, name, every)
+        if agree(np.sum(ours * every), along, max(np.abs(ours).max(initial=0), least)):
+            continue
         for place in np.ndindex(*exact.shape):
-            moved = states[name].astype(complex)
-            moved[place] += 1j * STEP
-            exact[place] = np.imag(response.value(solution_of(as_complex, times, {**states, name: moved}))) / STEP
-        ours = getattr(found, name)
+            unit = np.zeros(exact.shape)
+            unit[place] = 1
+            exact[place] = _by_state(response, as_complex, times, states, name, unit)
         axes = [[f"t = {time:g}" for time in times], _names(system, name)]
-        compare(f"d {response.kind} / d {name}", exact * 0 if ours is None else np.real(ours), exact, axes, least)
-    exact = np.array([_by_number(response, scene, path, times, states) for path in paths])
-    ours = np.zeros(len(paths)) if found.design is None else np.real(found.design)
+        compare(f"d {response.kind} / d {name}", ours, exact, axes, least)
+    ours, every = np.zeros(len(paths)) if found.design is None else np.real(found.design), direction(len(paths))
+    along = _by_numbers(response, scene, dict(zip(paths, every.tolist(), strict=True)), times, states)
+    if agree(ours @ every, along, max(np.abs(ours).max(initial=0), least)):
+        return
+    exact = np.array([_by_numbers(response, scene, {path: 1.0}, times, states) for path in paths])
     compare(f"d {response.kind} / d number", ours, exact, [paths], least)
 
 
@@ -60,9 +72,21 @@ def _complex(scene: Scene, path: str) -> Scene:
     return scene.with_number(path, complex(scene.number(path)))
 
 
-def _by_number(response: Response, scene: Scene, path: str, times: np.ndarray, states: dict[str, np.ndarray]) -> Any:
-    moved = compile_scene(scene.with_number(path, scene.number(path) + 1j * STEP), None, response.grips(scene))
-    return np.imag(response.value(solution_of(moved, times, states))) / STEP
+def _by_state(
+    response: Response, system: System, times: np.ndarray, states: dict[str, np.ndarray], name: str, factors: np.ndarray
+) -> Any:
+    """Derivative of the value along a direction of one state."""
+    moved = {**states, name: states[name] + 1j * STEP * factors}
+    return np.imag(response.value(solution_of(system, times, moved))) / STEP
+
+
+def _by_numbers(
+    response: Response, scene: Scene, factors: dict[str, float], times: np.ndarray, states: dict[str, np.ndarray]
+) -> Any:
+    """Derivative of the value along a direction of some numbers."""
+    moved = scene.moved(DesignVariable("direction", 1.0, tuple(factors), tuple(factors.values())), 1j * STEP)
+    system = compile_scene(moved, None, response.grips(scene))
+    return np.imag(response.value(solution_of(system, times, states))) / STEP
 
 
 def _names(system: System, state: str) -> tuple[str, ...]:

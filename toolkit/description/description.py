@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
@@ -41,7 +41,12 @@ class Description(BaseModel):
     def numbers(self) -> Iterator[tuple[str, Any]]:
         """Paths and values of all numbers below this record."""
         for name, value in self:
-            yield from numbers_below(name, value)
+            if self.means(name):
+                yield from numbers_below(name, value)
+
+    def means(self, _field: str) -> bool:
+        """Whether the numbers of a field mean something, as all do unless another field says otherwise."""
+        return True
 
     def quantity_of(self, field: str) -> Quantity | None:
         """What the numbers of a field measure, as it stands beside the field; None if nobody has said it."""
@@ -107,6 +112,22 @@ def numbers_below(path: str, value: Any) -> Iterator[tuple[str, Any]]:
     elif isinstance(value, (tuple, list)):
         for index, below in enumerate(value):
             yield from numbers_below(f"{path}.{_AXES[index] if _is_pair(value) else index}", below)
+
+
+def number_at(value: Any, keys: Sequence[str]) -> Any | None:
+    """The number that keys lead to from a value, as `numbers_below` names it; None if there is none."""
+    for key in keys:
+        if isinstance(value, Description):
+            extra = value.model_extra or {}
+            value = (extra[key] if key in extra else value.__dict__.get(key)) if value.means(key) else None
+        elif isinstance(value, Mapping):
+            value = value.get(key)
+        elif isinstance(value, (tuple, list)):
+            names = _AXES if _is_pair(value) else [str(index) for index in range(len(value))]
+            value = value[names.index(key)] if key in names else None
+        else:
+            return None
+    return value if isinstance(value, (float, complex)) else None
 
 
 _AXES = ("x", "y")

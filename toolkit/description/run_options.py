@@ -50,7 +50,8 @@ class RunOptions(Description):
     baumgarte
         Stabilization of the joints in index 1. The defaults let a gap die out within a few steps, whatever the step.
     tolerance
-        Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad).
+        Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad), or before if by what
+        its last corrections have left no more than 1e-15 of the size is left.
     newton
         "full" makes a new Jacobian in every iteration and converges quadratically; "modified" keeps its factors, from step to step, as long
         as an iteration shrinks the correction to a fifth. It takes two or three times the iterations, each without factoring: cheaper

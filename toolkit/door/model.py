@@ -274,6 +274,7 @@ class Model:
         *,
         gradients: bool | str = False,
         processes: int = 1,
+        threads: int = 1,
         judged: bool = True,
         progress: Progress | None = None,
     ) -> list[Outcome]:
@@ -290,6 +291,10 @@ class Model:
         processes
             How many designs are analysed at once, each in a process of its own; a script that asks for more than one needs
             `if __name__ == "__main__":`.
+        threads
+            How many are analysed at once in this process instead, with the scene compiled once for all. While one design is in the steps of
+            its motion, another one is prepared or looked at; so two threads pay where motions are long, and processes where they are short.
+            The numbers are the same to the last bit.
         judged
             Whether every outcome has a verdict, at the price of up to a few more runs each.
         progress
@@ -303,16 +308,21 @@ class Model:
         Raises
         ------
         InputError
-            There is no such analysis or method.
+            There is no such analysis or method; or both processes and threads are asked for.
         """
         kind = kind_of(analysis)
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
         if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
-        if isinstance(processes, bool) or not isinstance(processes, int) or processes < 1:
-            raise InputError(f"processes = {processes!r}: give a whole number, at least 1.")
+        for word, count in {"processes": processes, "threads": threads}.items():
+            if isinstance(count, bool) or not isinstance(count, int) or count < 1:
+                raise InputError(f"{word} = {count!r}: give a whole number, at least 1.")
+        if processes > 1 and threads > 1:
+            raise InputError(
+                "designs are analysed in several processes or in several threads. Leave out one of processes and threads."
+            )
         check_method(gradients)
-        return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, progress)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, threads, progress)
 
     def run(
         self,

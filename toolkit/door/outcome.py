@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, NamedTuple
 
 from toolkit.door.analysed import analysed
@@ -66,14 +68,15 @@ def outcomes(
     gradients: bool | str,
     judged: bool,
     processes: int,
+    threads: int,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
     tell = progress or (lambda *_: None)
     if processes <= 1:
         done: list[Outcome] = []
-        for design in designs:
-            done.append(_outcome(compiled, design, kind, gradients, judged))
+        for outcome in _here(partial(_outcome, compiled, kind=kind, gradients=gradients, judged=judged), designs, threads):
+            done.append(outcome)
             tell(len(done), len(designs))
         return done
     size = -(-len(designs) // (PIECES * processes)) or 1
@@ -84,6 +87,25 @@ def outcomes(
         found[k] = piece
         tell(sum(map(len, found.values())), len(designs))
     return [outcome for k in starts for outcome in found[k]]
+
+
+def _here(
+    work: Callable[[Mapping[str, float]], Outcome], designs: Sequence[Mapping[str, float]], threads: int
+) -> Iterator[Outcome]:
+    """Outcomes in this process: the first one alone, which compiles what all need, then so many at once as there are threads.
+
+    A step loop leaves Python to the other threads while it runs. No thread writes what another one reads: every design has its own plan and
+    memory, so that its numbers do not depend on the company.
+    """
+    yield from map(work, designs[:1])
+    if threads <= 1:
+        yield from map(work, designs[1:])
+        return
+    pool = ThreadPoolExecutor(threads, "design")
+    try:
+        yield from pool.map(work, designs[1:])
+    finally:
+        pool.shutdown(cancel_futures=True)
 
 
 def analyse(task: Task) -> list[Outcome]:

@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Constant, constant_design, constant_jacobian, constant_residual
-from toolkit.bodies.kernels.inertia import moving_design, moving_jacobian, moving_residual
+from toolkit.bodies.kernels.inertia import moving_design, moving_linearized, moving_residual
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.kernel import inlined, kernel
 from toolkit.joints.kernels.all_joints import add_joint_designs, add_joints
 from toolkit.joints.kernels.records import Joints
@@ -73,6 +74,7 @@ class Work(NamedTuple):
     floating: Any  # of the plan's bodies with a moving frame
 
 
+@by_value
 class Inputs(NamedTuple):
     """What acts at one time: values f, f', f'' of every time curve, their design derivatives, load scale, constraint levels.
 
@@ -124,15 +126,16 @@ def evaluate(plan, functions, inputs, q, v, acc, linearize, terms, work):
         constant_residual(
             plan.constant, q, v, acceleration, inputs.scale, work.rough[0] == 1, work.halves, terms.inertial, terms.applied
         )
+    if linearize and not inputs.joints_only:
+        constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
+        moving_linearized(
+            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
+            terms.inertial, terms.applied, terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
+        )  # fmt: skip
+    elif not inputs.joints_only:
         moving_residual(
             plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
             terms.inertial, terms.applied,
-        )  # fmt: skip
-    if linearize and not inputs.joints_only:
-        constant_jacobian(plan.constant, terms.I_acc, terms.A_q, terms.A_v)
-        moving_jacobian(
-            plane, frames, plan.floating, work.markers, q, rate, acceleration, inputs.scale, work.floating,
-            terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
         )  # fmt: skip
     add_joints(
         plane, frames, functions[0], plan.joints, plan.markers, work.markers, inputs, q, v, acc, linearize, work.joint, terms

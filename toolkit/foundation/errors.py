@@ -48,6 +48,14 @@ class ConvergenceError(ToolkitError, ArithmeticError):
     """Newton's iteration stopped before it met its criterion."""
 
 
+class NoLimitPointError(ConvergenceError):
+    """The path of equilibria was followed to the load factor `reached` and has no limit point there."""
+
+    def __init__(self, message: str, reached: float) -> None:
+        super().__init__(message)
+        self.reached = reached
+
+
 class CriticalPointError(ConvergenceError):
     """Statics met a point without stiffness: `load_factor` is the part of the load there, `coordinate` what moves most."""
 

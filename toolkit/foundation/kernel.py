@@ -15,10 +15,10 @@ import numba
 from numba.core.compiler import Compiler
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
-from numba.core.types.function_type import CompileResultWAP
 
 from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.inner_code import InnerCompiler
+from toolkit.foundation.compiled.packed import Formula
 from toolkit.foundation.errors import InputError
 
 
@@ -26,9 +26,19 @@ def kernel(function: Callable) -> CPUDispatcher:
     """Decorator of a formula that Python calls: compiled on first use, kept on disk, callable by other kernels too.
 
     Kernels allocate nothing, so they are compiled without numba's reference counting (`_nrt`): measured, that doubles the speed of
-    the step loop and halves the time to compile it.
+    the step loop and halves the time to compile it. Other kernels take it as an inner formula: code that Python can enter is made for
+    those alone that Python enters.
     """
-    return _compiled(function)
+    entrance = _compiled(function, no_cfunc_wrapper=True)
+    if isinstance(entrance, CPUDispatcher):
+        within: Any = _inner(function)
+        entrance.__dict__.update(get_call_template=within.get_call_template, get_overload=within.get_overload)
+    return entrance
+
+
+def loop(function: Callable) -> CPUDispatcher:
+    """Decorator of a kernel that runs for long: other threads of Python go on meanwhile, as its arrays belong to one run alone."""
+    return _compiled(function, nogil=True, no_cfunc_wrapper=True)
 
 
 def inner(function: Callable) -> CPUDispatcher:
@@ -65,8 +75,7 @@ def _compiled(function: Callable, compiler: type = Compiler, **options: bool) ->
 
 
 SLOTS = 8
-"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene, and small,
-because every slot adds 10 us to a call of the loop."""
+"""Most families of joints, and of loads, that one scene can use; fixed, so that the loop is compiled once for every scene."""
 
 
 @inner
@@ -100,14 +109,7 @@ def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         function.compile(signature)
-        return CompileResultWAP(function.get_compile_result(signature))
-
-
-def call(function: Callable, *arguments: Any) -> Any:
-    """Call a kernel with `slots` among its arguments, without numba's note that such arguments are experimental."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
-        return function(*arguments)
+        return Formula(function.get_compile_result(signature))
 
 
 @cache

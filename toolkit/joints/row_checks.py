@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from toolkit.foundation.errors import InputError
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.laws import FORMS
@@ -12,8 +14,10 @@ NUMBERS, VECTORS = {2: 6, 3: 24}, {2: BETWEEN + 1, 3: 8}
 """Dimension -> those of the poses of both markers."""
 
 
-def check_rows(joint: Joint, scene: Skeleton) -> None:
+def check_rows(joint: Joint, scene: Skeleton, known: Sequence[Row] | None = None) -> None:
     """Refuse rows that name what no pose has, or whose structure depends on the scene.
+
+    `known` rows of the joint, which were checked before, must have the structure that the rows have in this scene.
 
     Raises
     ------
@@ -21,12 +25,12 @@ def check_rows(joint: Joint, scene: Skeleton) -> None:
         Names the kind of the joint and the row.
     """
     rows = joint.constraint(scene)
-    if [_structure(row) for row in rows] != [_structure(row) for row in joint.constraint(None)]:
+    if [_structure(row) for row in rows] != [_structure(row) for row in known or joint.constraint(None)]:
         raise InputError(
             f"a {joint.kind!r} joint has other rows with a scene than without: `constraint(None)` gives the same names and terms as "
             "`constraint(scene)`, with any values."
         )
-    for row in rows:
+    for row in rows if known is None else ():
         _check_size(joint, row)
         for form in row.forms:
             places = [(place, NUMBERS[joint.dimension], "number") for place, _ in form.linear]

@@ -22,7 +22,8 @@ later row. For that the caller refines a solution once and looks how much that c
 
 from __future__ import annotations
 
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inlined, inner, kernel
+from toolkit.linear.sparse_analysis import TOGETHER
 
 
 @kernel
@@ -42,9 +43,19 @@ def factor(plan, values, lu, work, tolerance):
         Smallest pivot relative to the terms it is made of, see the head of this file.
     """
     _load(plan, values, lu, work)
-    update = 0
-    for k in range(plan.order.size):
-        diagonal, end, run = plan.diagonal[k], plan.row_start[k + 1], plan.run[k]
+    update, run, k = 0, 0, 0
+    while k < plan.order.size:
+        if plan.together[k] > 0:
+            refused = _factor_together(plan, lu, work, tolerance, k)
+            if refused >= 0:
+                return plan.order[refused]
+            _eliminate_together(plan, lu, work, k, update, run)
+            last = plan.diagonal[k + TOGETHER - 1]
+            update += plan.together[k] * (plan.row_start[k + TOGETHER] - last - 1)
+            run += plan.together[k]
+            k += TOGETHER
+            continue
+        diagonal, end, length = plan.diagonal[k], plan.row_start[k + 1], plan.run[k]
         if not abs(lu[diagonal].real) > tolerance * work[k].real:  # also true of a NaN; real parts, as they only decide
             return plan.order[k]
         lu[diagonal] = 1.0 / lu[diagonal]
@@ -52,16 +63,84 @@ def factor(plan, values, lu, work, tolerance):
             multiple = lu[plan.mirror[p]] * lu[diagonal]
             lu[plan.mirror[p]] = multiple
             work[plan.column[p]] += abs((multiple * lu[p]).real)
-            if run > 0:
+            if length > 0:
                 first = plan.destination[update]
                 update += 1
-                target, source = lu[first : first + run], lu[diagonal + 1 : diagonal + 1 + run]
-                for s in range(run):
+                target, source = lu[first : first + length], lu[diagonal + 1 : diagonal + 1 + length]
+                for s in range(length):
                     target[s] -= multiple * source[s]
-            for s in range(diagonal + 1 + run, end):
+            for s in range(diagonal + 1 + length, end):
                 lu[plan.destination[update]] -= multiple * lu[s]
                 update += 1
+        k += 1
     return -1
+
+
+@inlined
+def _factor_together(plan, lu, work, tolerance, first):
+    """The rows of TOGETHER pivots, whose columns are the same; -1, or the pivot that is refused."""
+    for k in range(first, first + TOGETHER):
+        diagonal = plan.diagonal[k]
+        if not abs(lu[diagonal].real) > tolerance * work[k].real:
+            return k
+        lu[diagonal] = 1.0 / lu[diagonal]
+        source = lu[diagonal + 1 : plan.row_start[k + 1]]
+        for row in range(k + 1, first + TOGETHER):
+            at = plan.diagonal[row] - (row - k)
+            multiple = lu[at] * lu[diagonal]
+            lu[at] = multiple
+            work[row] += abs((multiple * source[row - k - 1]).real)
+            target = lu[at + 1 : plan.row_start[row + 1]]
+            for s in range(len(source)):
+                target[s] -= multiple * source[s]
+    return -1
+
+
+@inlined
+def _eliminate_together(plan, lu, work, first, update, run):
+    """All later rows without TOGETHER pivots, two rows at a time; `update` and `run` count what the pivots before them have used."""
+    a, b, c, d = plan.diagonal[first], plan.diagonal[first + 1], plan.diagonal[first + 2], plan.diagonal[first + 3]
+    behind, count = plan.row_start[first + 4] - d - 1, plan.together[first]
+    row_a, row_b, row_c, row_d = lu[a + 4 :], lu[b + 3 :], lu[c + 2 :], lu[d + 1 :]
+    mirror, column = plan.mirror[a + 4 : a + 4 + behind], plan.column[a + 4 : a + 4 + behind]
+    run_first, run_length = plan.run_first[run : run + count], plan.run_length[run : run + count]
+    destination = plan.destination[update : update + count * behind]
+    p_a, p_b, p_c, p_d = lu[a], lu[b], lu[c], lu[d]
+    ab, ac, ad, bc, bd, cd = lu[a + 1], lu[a + 2], lu[a + 3], lu[b + 1], lu[b + 2], lu[c + 1]
+    for r in range(behind):
+        left = lu[mirror[r] : mirror[r] + 4]
+        m_a = left[0] * p_a
+        m_b = (left[1] - m_a * ab) * p_b
+        m_c = (left[2] - m_a * ac - m_b * bc) * p_c
+        m_d = (left[3] - m_a * ad - m_b * bd - m_c * cd) * p_d
+        left[0], left[1], left[2], left[3] = m_a, m_b, m_c, m_d
+        size = abs((m_a * row_a[r]).real) + abs((m_b * row_b[r]).real) + abs((m_c * row_c[r]).real) + abs((m_d * row_d[r]).real)
+        work[column[r]] += size
+    at, r = 0, 0
+    while r + 2 <= behind:
+        left, other = lu[mirror[r] : mirror[r] + 4], lu[mirror[r + 1] : mirror[r + 1] + 4]
+        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
+        n_a, n_b, n_c, n_d = other[0], other[1], other[2], other[3]
+        for k in range(count):
+            start, length = run_first[k], run_length[k]
+            target, next_one = lu[destination[at] :], lu[destination[at + count] :]
+            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
+            at += 1
+            for s in range(length):
+                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
+                next_one[s] -= n_a * u_a[s] + n_b * u_b[s] + n_c * u_c[s] + n_d * u_d[s]
+        at += count
+        r += 2
+    if r < behind:
+        left = lu[mirror[r] : mirror[r] + 4]
+        m_a, m_b, m_c, m_d = left[0], left[1], left[2], left[3]
+        for k in range(count):
+            start, length = run_first[k], run_length[k]
+            target = lu[destination[at] :]
+            u_a, u_b, u_c, u_d = row_a[start:], row_b[start:], row_c[start:], row_d[start:]
+            at += 1
+            for s in range(length):
+                target[s] -= m_a * u_a[s] + m_b * u_b[s] + m_c * u_c[s] + m_d * u_d[s]
 
 
 @inner
@@ -92,14 +171,45 @@ def solve(plan, lu, rhs, work):
         rhs[plan.order[i]] = work[i]
 
 
+WIDE = 12
+"""Columns from which whole rows of a block are subtracted at once: what that costs per row is made up for by the width of the machine."""
+
+
 @kernel
 def solve_block(plan, lu, rhs, work):
     """Solution of A X = rhs, in place; rhs and work (n, n_x), the design axis contiguous."""
     n_x = rhs.shape[1]
+    if n_x >= WIDE:
+        _solve_rows(plan, lu, rhs, work)
+        return
     for x in range(0, n_x - 3, 4):
         _solve_four(plan, lu, rhs[:, x : x + 4], work[:, x : x + 4])
     for x in range(n_x - n_x % 4, n_x):
         solve(plan, lu, rhs[:, x], work[:, x])
+
+
+@inner
+def _solve_rows(plan, lu, rhs, work):
+    """As `solve`, all columns at once: every factor is read once, and times a row of the work subtracted from another one."""
+    n, n_x = plan.order.size, rhs.shape[1]
+    for i in range(n):
+        given, row = rhs[plan.order[i]], work[i]
+        for x in range(n_x):
+            row[x] = given[x]
+        for p in range(plan.row_start[i], plan.diagonal[i]):
+            entry, known = lu[p], work[plan.column[p]]
+            for x in range(n_x):
+                row[x] -= entry * known[x]
+    for i in range(n - 1, -1, -1):
+        found, row = rhs[plan.order[i]], work[i]
+        for p in range(plan.diagonal[i] + 1, plan.row_start[i + 1]):
+            entry, known = lu[p], work[plan.column[p]]
+            for x in range(n_x):
+                row[x] -= entry * known[x]
+        inverse = lu[plan.diagonal[i]]
+        for x in range(n_x):
+            row[x] *= inverse
+            found[x] = row[x]
 
 
 @inner

@@ -23,6 +23,8 @@ class Controlled(Description):
     """
 
     leads: ClassVar[bool] = True
+    measured: ClassVar[RowQuantity] = "length"
+    """Quantity of g."""
 
     proportional_gain: Annotated[NotNegative, Quantity("force/length")] = 0.0
     derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
@@ -41,6 +43,11 @@ class Controlled(Description):
     def time_curve(self) -> Curve:
         """The set value."""
         return self.curve
+
+    @property
+    def state(self) -> RowQuantity | None:
+        """The integral."""
+        return None if self.integral_gain is None else self.measured
 
     def parameters(self, _scene: Skeleton) -> list[Any]:
         """The gains."""
@@ -62,15 +69,12 @@ class AngleControlled(BetweenBodies, Controlled):
         Set value of the relative rotation over time, in rad.
     """
 
+    measured: ClassVar[RowQuantity] = "angle"
+
     proportional_gain: Annotated[NotNegative, Quantity("torque/angle")] = 0.0
     derivative_gain: Annotated[NotNegative, Quantity("torque time/angle")] = 0.0
     integral_gain: Annotated[Positive | None, Quantity("torque/angle time")] = None
     curve: Annotated[Curve, Quantity("angle")]
-
-    @property
-    def state(self) -> RowQuantity | None:
-        """The integral."""
-        return None if self.integral_gain is None else "angle"
 
 
 class LengthControlled(Controlled):
@@ -87,11 +91,6 @@ class LengthControlled(Controlled):
     curve
         Set value over time, in units of length.
     """
-
-    @property
-    def state(self) -> RowQuantity | None:
-        """The integral."""
-        return None if self.integral_gain is None else "length"
 
 
 class PositionControlled(BetweenBodies, LengthControlled):

@@ -120,12 +120,11 @@ class DesignPoint:
 
     def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
-        if not self._steps:
+        told = None not in self.model.dependence(item)
+        if not self._steps or (told and not self.moves(item)):
             return nominal
         by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
         self._check(item, by_tangent)
-        if not any(self._depends(item, k) for k in self._steps):
-            return nominal
         derivatives, polynomials = self.model.dependence(item)
         polynomial = (polynomials or {}).get(item)
         flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)

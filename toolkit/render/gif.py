@@ -8,17 +8,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import numpy as np
-
 from toolkit.foundation.files.replaced_file import write_whole
 
 MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
 """Frames at most; ms that a motion takes, and that its last frame stands still."""
-
-
-def spread(last: int, count: int) -> list[int]:
-    """At most so many numbers from 0 to the last, evenly spread, both among them."""
-    return sorted({int(k) for k in np.linspace(0, last, min(count, last + 1)).round()})
 
 
 def gif(frames: Sequence[Any]) -> bytes:

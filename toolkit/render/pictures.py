@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.render.gif import MOST_FRAMES, spread, write_animation
+from toolkit.foundation.spread import spread
+from toolkit.render.gif import MOST_FRAMES, write_animation
 from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
 from toolkit.render.view import View

@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
-from toolkit.render.gif import MOST_FRAMES, spread
+from toolkit.foundation.spread import spread
+from toolkit.render.gif import MOST_FRAMES
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look
 from toolkit.report.monitors import Monitors, monitor

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.motion import Rotation
 from toolkit.system.solution import Solution
@@ -18,8 +19,9 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
     """A remark for every rotation of a scene in space that jumps from one half turn to the other on the way."""
     for name, response in solution.system.scene.responses.items():
         if isinstance(response, Rotation) and response.axis is not None:
-            steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).round().astype(int))
-            angles = np.array([float(np.real(response.at(solution, int(step)).value)) for step in steps])
+            angles = np.array(
+                [float(np.real(response.at(solution, step).value)) for step in spread(len(solution.times) - 1, LOOKED_AT)]
+            )
             if np.any(np.abs(np.diff(angles)) > np.pi):
                 yield Caution(
                     "rotation-folded",

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.foundation.spread import spread
 from toolkit.responses.instant import Instant
 from toolkit.responses.over_time.over_time import OverTime
 from toolkit.responses.response import STATES, Partials, Response
@@ -36,7 +37,9 @@ def largest_magnitude(response: Response, solution: Solution, value: Any) -> flo
 @largest_magnitude.register
 def _(response: Instant, solution: Solution, value: Any) -> float:
     look = response.instants(solution)
-    return max(abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in _instants(solution)))
+    return max(
+        abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in spread(len(solution.times) - 1, INSTANTS))
+    )
 
 
 @largest_magnitude.register
@@ -55,7 +58,9 @@ def _(response: Instant, solution: Solution) -> np.ndarray:
     if not solution.system.n_x:
         return np.zeros(0)
     look = response.instants(solution)
-    return np.nan_to_num(np.max([np.abs(_slope(look(step), solution, step)) for step in _instants(solution)], axis=0))
+    return np.nan_to_num(
+        np.max([np.abs(_slope(look(step), solution, step)) for step in spread(len(solution.times) - 1, INSTANTS)], axis=0)
+    )
 
 
 @largest_slopes.register
@@ -66,10 +71,6 @@ def _(response: OverTime, solution: Solution) -> np.ndarray:
 
 def _duration(solution: Solution) -> float:
     return float(solution.whole_run[-1] - solution.whole_run[0])
-
-
-def _instants(solution: Solution) -> list[int]:
-    return [int(step) for step in np.unique(np.linspace(0, len(solution.times) - 1, INSTANTS).round())]
 
 
 def _slope(found: Partials, solution: Solution, step: int) -> np.ndarray:

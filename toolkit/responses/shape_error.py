@@ -53,7 +53,7 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
         return
     state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
     for item, sign in (("shape.position", 1), ("shape.target", -1)):
-        size = design_point(solution.system.scene, body, "shape").model.item(item).shape
+        size = design_point(solution.system.placed, body, "shape").model.item(item).shape
         rates = design_rates(solution, body, item, "shape")
         for x in map(int, np.unique(rates.parameter)):
             entry, value = rates.by(x)
@@ -68,7 +68,7 @@ def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple
     """
     if isinstance(solution.system.scene.bodies.get(body), CutBody):
         return _gaps_of_cut(solution, body, solution.q[steps, moving(solution, body)])
-    shape = target_shape(solution.system.scene, body)
+    shape = target_shape(solution.system.placed, body)
     place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
     elastic = solution.q[steps, elastic_coordinates(solution, body)]
     return place + np.einsum("kif,tf->tki", place_q, elastic) - shape.target, place_q

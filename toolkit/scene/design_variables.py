@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 from typing import Any
 
 from toolkit.description.design import Design, DesignVariable
@@ -49,7 +50,11 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
     which = (
         f"the path {path!r} of design variable {name!r} leads nowhere" if path != name else f"unknown design variable {name!r}"
     )
-    raise InputError(f"{which}; short names of the scene: {', '.join(scene.design) or 'none'}; paths: {listed(list(available))}.")
+    close = get_close_matches(path, [*scene.design, *available], n=1, cutoff=0.75)
+    meant = f", did you mean {close[0]!r}" if close else ""
+    raise InputError(
+        f"{which}{meant}; short names of the scene: {', '.join(scene.design) or 'none'}; paths: {listed(list(available))}."
+    )
 
 
 def _twins(one: str, other: str, path: str, several: bool) -> str:

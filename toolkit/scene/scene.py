@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, TypeVar
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
-from toolkit.description.description import Description, Registered, numbers_below
+from toolkit.description.description import Description, Registered, number_at, numbers_below
 from toolkit.description.design import Design, DesignEntry, DesignVariable
 from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
@@ -27,6 +28,8 @@ from toolkit.reduced_model.model import ReducedModel, place_parameter
 from toolkit.scene.design_variables import variables_of
 from toolkit.scene.names import check_dimension, check_names, known
 from toolkit.scene.space import SPACES, Space
+
+T = TypeVar("T")
 
 
 class Scene(Description):
@@ -146,8 +149,11 @@ class Scene(Description):
         ModelFileError
             The file cannot be used, see `toolkit.reduced_model.file.load`.
         """
-        full = self.directory / path
-        changed = full.stat().st_mtime_ns if full.exists() else 0
+        full = os.path.join(self.directory, path)
+        try:
+            changed = os.stat(full).st_mtime_ns
+        except OSError:
+            changed = 0
         model = _load(full, ("interfaces", *parts), changed)
         if model.units != self.units:
             raise InputError(
@@ -182,6 +188,10 @@ class Scene(Description):
                 found[point.interface] = point.arc_length
         return found
 
+    def of_body(self, _body: Any, _what: str, make: Callable[[], T]) -> T:
+        """What is made of a body, each time anew: see `compilation.remembered`."""
+        return make()
+
     def extrapolated(self) -> dict[str, list[str]]:
         """Flexible bodies that follow a tangent away from their nominal design -> in which parameters."""
         bodies = {name: body for name, body in self.bodies.items() if isinstance(body, ModelBody)}
@@ -208,9 +218,9 @@ class Scene(Description):
             There is no number at the path; lists all paths.
         """
         path = self.path_of(path)
-        written = self._numbers_near(path)
-        if path in written:
-            return written[path]
+        written = self._written(path)
+        if written is not None:
+            return written
         nominal = self.model_parameters()
         if path not in nominal:
             raise InputError(
@@ -224,6 +234,12 @@ class Scene(Description):
         groups: dict[str, Any] = {"bodies": self.bodies, "joints": self.joints, "loads": self.loads}
         path = numbered(path, groups) if self.space.named_vectors else path
         return lettered(path, self._numbers_near(path)) if path.endswith((".0", ".1")) else path
+
+    def _written(self, path: str) -> Any | None:
+        """The number at a path, if the scene writes one there."""
+        group, name, *keys = (*path.split("."), "", "")[: 2 + max(0, path.count(".") - 1)]
+        items = getattr(self, group) if group in type(self).model_fields else None
+        return number_at(items[name], keys) if isinstance(items, dict) and name in items else dict(self.numbers()).get(path)
 
     def _numbers_near(self, path: str) -> dict[str, Any]:
         """Numbers of the item that a path leads into, or of the whole scene if it leads into none."""
@@ -265,7 +281,7 @@ class Scene(Description):
             There is no number at the path.
         """
         path = self.path_of(path)
-        if path not in self._numbers_near(path):
+        if self._written(path) is None:
             self.number(path)
             group, name, key = path.split(".")
             owner = getattr(self, group)
@@ -336,15 +352,15 @@ def forget_models() -> None:
 
 
 @lru_cache(maxsize=32)
-def _read_before(_path: Path, _changed: int) -> dict[Path, ReducedModel]:
+def _read_before(_path: str, _changed: int) -> dict[str, ReducedModel]:
     """Where the parts of a file that were read stay, as long as the file is the same."""
     return {}
 
 
-def _load(path: Path, parts: tuple[str, ...], changed: int) -> ReducedModel:
+def _load(path: str, parts: tuple[str, ...], changed: int) -> ReducedModel:
     """At least these parts; what was read before is not read again."""
     shelf = _read_before(path, changed)
     known = shelf.get(path)
     if known is None or not known.bytes_read.keys() >= set(parts):
-        shelf[path] = known = load(path, parts, known)
+        shelf[path] = known = load(Path(path), parts, known)
     return known

@@ -15,11 +15,15 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
+from toolkit.foundation.files.toml_lines import line_of
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
+
+OF_BODIES = {"airfoil", "mesh", "matrices", "beams"}
+"""Keys of the files that reduced models are built from."""
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -53,13 +57,37 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
         else:
             single.add(long if isinstance(long, str) else key)
             _change(table, long if isinstance(long, str) else key, text, path)
-    scene = scene_from_table(table, path)
+    _refuse_bodies(table, path)
+    try:
+        scene = scene_from_table(table, path)
+    except InputError as error:
+        raise InputError(_with_lines(str(error), path, {*single, *common})) from error
     for name in common:
         if (
             twice := next((each for each in scene.paths_of(name) if each in {scene.path_of(key) for key in single}), None)
         ) is not None:
             raise InputError(f"{path.name}: {name!r} drives {twice}, which is given a value of its own too. Give one of them.")
     return with_numbers(scene, common)[0] if common else scene
+
+
+def _refuse_bodies(table: Mapping[str, Any], path: Path) -> None:
+    """A file of the other half of the toolkit is told apart before all its keys are unknown."""
+    if table.keys() & OF_BODIES and not table.keys() & {"points", "bodies", "joints", "loads", "responses", "solver"}:
+        raise InputError(
+            f"{path.name} describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess {path}`, and name that as "
+            "the model of a body in a scene."
+        )
+
+
+def _with_lines(message: str, path: Path, changed: set[str]) -> str:
+    """A message, every line of which names a key first, with the numbers of their lines in the file; not of keys from outside of it."""
+    text, lines = path.read_text(encoding="utf-8-sig"), []
+    for problem in message.splitlines():
+        place = problem.removeprefix(f"{path.name}: ").split(" ")[0].rstrip(":")
+        known = problem.startswith(f"{path.name}: ") and place not in changed
+        line = line_of(text, place) if known else None
+        lines.append(problem if line is None else f"{problem} (line {line})")
+    return "\n".join(lines)
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
@@ -94,6 +122,12 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     except InputError as error:
         raise InputError(f"{path.name}: {error}") from error
     return scene
+
+
+def responses_from_table(table: Any, problems: list[str]) -> dict[str, Response]:
+    """Responses from a table of names as it stands in a scene file; what is wrong with them is added to the problems."""
+    items = _group(table, "responses", problems)
+    return {name: _item(item, Response.kinds, {}, f"responses.{name}", problems) for name, item in items.items()}
 
 
 def _dimension(table: Mapping[str, Any], path: Path) -> int:

@@ -44,7 +44,7 @@ def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str)
 def _plain(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:
     """A complex system: the library's dense solver, because the loop's would be slow as plain Python."""
     try:
-        return np.linalg.solve(system.matrix(values).toarray(), block)
+        return np.linalg.solve(system.dense(values), block)
     except np.linalg.LinAlgError as error:
         raise SingularSystemError(f"{where}: {diagnosis(system, values, 0)}") from error
 
@@ -55,7 +55,7 @@ def diagnosis(system: System, values: np.ndarray, failed: int) -> str:
     There may be several of these, and any mixture of them is one too: so unknowns are judged by all together, as long as the rows
     of an orthonormal basis are, which no choice of the basis changes.
     """
-    matrix = np.real(system.matrix(values).toarray())
+    matrix = np.real(system.dense(values))
     if not np.all(np.isfinite(matrix)):
         return f"the equations hold values that are not finite, first met at {system.numbering.names[failed]}."
     moves = np.linalg.norm(_null_space(matrix), axis=1)

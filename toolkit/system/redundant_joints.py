@@ -40,7 +40,7 @@ def without_redundant_rows(system: System) -> System:
         A driver is redundant, joints repeat each other nearly but not exactly, or a design variable would make them not fit any more.
     """
     q, n_q, names = system.start()[0], system.n_q, system.numbering.names
-    jacobian = system.matrix(joint_terms(system, q, 0 * q).I_acc).toarray()[n_q:, :n_q]
+    jacobian = system.dense(joint_terms(system, q, 0 * q).I_acc)[n_q:, :n_q]
     lengths = np.array(list(system.numbering.length.values()), int) - n_q
     rows = independent_rows(jacobian, system.weights[:n_q], lengths)
     if len(rows.almost):

@@ -11,8 +11,10 @@ from toolkit.compilation.dependence import GROUPS, affected_by
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import derivatives, evaluate_quantities
+from toolkit.compilation.quantities import derivatives, seen_quantities
+from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
+from toolkit.joints.row_checks import check_rows
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
@@ -46,20 +48,26 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     names = list(system.design.names)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
-    check_numbers(scene)
+    placed = Remembered(scene, system.placed)
+    check_numbers(scene, placed)
     numbering = system.numbering
     affected = affected_by(scene, numbering.markers, paths, numbering.users)
-    old = [system.values, *system.derivatives]
-    new = [evaluate_quantities(scene, numbering, affected), *derivatives(scene, numbering, system.design, affected)]
+    new, seen = seen_quantities(scene, numbering, affected, placed)
+    for j, part in seen.parts["joints"].items():
+        check_rows(part.written[0], placed, numbering.forms.rows[j])  # type: ignore[arg-type]
+    rates = derivatives(scene, numbering, system.design, seen, affected)
     try:
-        pairs = [renew(*pair, entries=system.values) for pair in zip(old, new, strict=True)]
+        pairs = [renew(system.values, new, system.values)]
+        for before, after in zip(system.derivatives, rates, strict=True):
+            pairs.append(renew(before, after.rates, system.values, after.still))
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
     (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
-    sizes = weights(scene) if moved else system.weights
+    sizes = weights(scene, placed) if moved else system.weights
     changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
     design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
+    found.__dict__.update(placed=placed)
     return found.compiled_as(system)

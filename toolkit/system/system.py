@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numba import typeof
 from numba.core.registry import CPUDispatcher
 from scipy.sparse import csr_array
 
@@ -18,10 +16,12 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, loads_of
+from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_of, seen_quantities
+from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
-from toolkit.foundation.kernel import call, first_class, plain, slots
+from toolkit.foundation.compiled.calls import call, formula_for, in_memory
+from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
 from toolkit.joints.kernels.laws import angle_law
@@ -30,6 +30,7 @@ from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
+from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
@@ -79,9 +80,30 @@ class System:
         """Whether the formulas run compiled."""
         return self.dtype is float
 
+    @cached_property
+    def placed(self) -> Any:
+        """The scene, whose points and models are looked up once: for all that looks at solutions again and again."""
+        return Remembered(self.scene)
+
     def run(self, function: CPUDispatcher, *arguments: Any) -> Any:
         """Call a kernel as it has to be called for this system: compiled, or as plain Python."""
-        return call(function, *arguments) if self.compiled else plain(function)(*arguments)
+        if not self.compiled:
+            return plain(function)(*arguments)
+        return call(function, *map(self._handed_on, arguments))
+
+    def _handed_on(self, given: Any) -> Any:
+        """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
+        known = id(given)
+        if known not in self._packed:
+            return given
+        if self._packed[known] is None:
+            self._packed[known] = in_memory(given)
+        return self._packed[known]
+
+    @cached_property
+    def _packed(self) -> dict[int, Any]:
+        """Records of this system by identity, as compiled code takes them; None as long as nobody has asked for one."""
+        return {id(part): None for part in (self.plan, *self.plan, self.functions, *self.functions) if isinstance(part, tuple)}
 
     @cached_property
     def unit_of_states(self) -> np.ndarray:
@@ -89,37 +111,38 @@ class System:
         rows = np.repeat(np.arange(self.n), np.diff(self.plan.indptr))
         return np.where((rows == self.plan.indices) & np.isin(rows, self.numbering.states), 1.0, 0.0)
 
-    def evaluate(self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False) -> Terms:
-        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,)."""
-        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-        if self.compiled:  # exactly what the kernel is compiled for
-            q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))
-            curves, curves_x, levels = (
-                np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels)
-            )
-            inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        self._evaluation(self.plan, self.functions, inputs, q, v, acc, True, bool(design and self.n_x > 0), terms, work)
-        return terms
+    def evaluate(
+        self, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc: np.ndarray, design: bool = False, linearize: bool = True
+    ) -> Terms:
+        """Residual, derivatives by the state and, on request, partial derivatives by the design; q, v, acc (n,).
+
+        Without `linearize` the derivatives by the state are left zero.
+        """
+        design = bool(design and self.n_x > 0)
+        if not self.compiled:
+            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
+            return terms
+        q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))  # exactly what the kernel is compiled for
+        curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
+        inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
+        memory = self._memory
+        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, memory.terms, memory.work)
+        return memory.found(linearize, design)
 
     @cached_property
-    def _evaluation(self) -> Callable:
-        """`evaluate_all` as it is compiled for this plan, without a look at the types of its arguments: that takes four times as long."""
-        if not self.compiled or not isinstance(evaluate_all, CPUDispatcher):
-            return partial(self.run, evaluate_all)
-        if self._signature() is None:
-            (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
-            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work)
-        found: Callable = evaluate_all.overloads[self._signature().args].entry_point  # type: ignore[attr-defined]
-        return found
+    def _memory(self) -> EvaluationMemory:
+        return EvaluationMemory(self.plan)
 
     @cached_property
     def evaluator(self) -> Any:
         """`evaluate_all` as an argument of the step loop; it exists compiled once any state has been evaluated."""
         if not self.compiled:
             return plain(evaluate_all)
-        _ = self._evaluation  # compiled by now
-        return first_class(evaluate_all, self._signature())
+        (q, v, *_), inputs = self.start(), self.inputs(0.0, np.zeros(3))
+        terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
+        given = self.plan, self.functions, inputs, q, v, np.zeros(self.n), True, False, terms, work
+        return formula_for(evaluate_all, *given)
 
     def refuse_changed_files(self) -> None:
         """Refuse to go on where the file of a reduced model is not what it was when the scene was compiled."""
@@ -128,18 +151,24 @@ class System:
     def compiled_as(self, other: System) -> System:
         """This system with the compiled equations of another one, whose plan has arrays of the same types: to look at these takes longer
         than a short run."""
-        self.__dict__.update(_evaluation=other._evaluation, evaluator=other.evaluator)
+        self.__dict__.update(evaluator=other.evaluator)
         return self
-
-    def _signature(self) -> Any:
-        """The signature that `evaluate_all` is compiled for with this plan; one process may have planar and spatial scenes."""
-        own = typeof(self.plan)
-        found = getattr(evaluate_all, "nopython_signatures", ())
-        return next((signature for signature in reversed(found) if signature.args[0] == own), None)
 
     def matrix(self, values: np.ndarray) -> csr_array:
         """Values on the common pattern as a sparse matrix (n, n)."""
         return csr_array((values, self.plan.indices, self.plan.indptr), shape=(self.n, self.n))
+
+    def dense(self, values: np.ndarray) -> np.ndarray:
+        """The same as an array (n, n)."""
+        found: np.ndarray = np.zeros(self.n * self.n, values.dtype)
+        found[self._places] = values
+        return found.reshape(self.n, self.n)
+
+    @cached_property
+    def _places(self) -> np.ndarray:
+        """Where the entries of the common pattern are in an array (n n,)."""
+        found: np.ndarray = np.repeat(np.arange(self.n), np.diff(self.plan.indptr)) * self.n + self.plan.indices
+        return found
 
     def most_moved(self, change: np.ndarray) -> str:
         """The coordinate that a change of [q; ...] moves most, in parts of the scene's size (or rad); of equal ones the first."""
@@ -147,16 +176,29 @@ class System:
 
     def undeformed(self) -> tuple[np.ndarray, np.ndarray]:
         """Coordinates where every body is in its place and none is deformed, padded to n, and their design derivatives (n, n_x)."""
-        q, _, dq, _ = self.start()
-        for b, name in enumerate(self.scene.all_bodies()):
-            first = self.numbering.first[name]
-            elastic = slice(first + self.scene.body(name).frame_size, first + len(self.values.start[b][0]))
-            q[elastic], dq[elastic] = 0, 0
-        return q, dq
+        q, dq = self._undeformed
+        return q.copy(), dq
 
     def start(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x)."""
+        """Given coordinates and velocities, both padded to n, and their design derivatives (n, n_x), which nobody can write to."""
+        q, v, dq, dv = self._start
+        return q.copy(), v.copy(), dq, dv
 
+    @cached_property
+    def _undeformed(self) -> tuple[np.ndarray, np.ndarray]:
+        q, _, dq, _ = self.start()
+        dq = dq.copy() if np.any(dq) else dq
+        for b, (name, body) in enumerate(self.scene.all_bodies().items()):
+            first = self.numbering.first[name]
+            elastic = slice(first + body.frame_size, first + len(self.values.start[b][0]))
+            q[elastic] = 0
+            if dq.flags.writeable:
+                dq[elastic] = 0
+        dq.flags.writeable = False
+        return q, dq
+
+    @cached_property
+    def _start(self) -> tuple[np.ndarray, ...]:
         first = list(self.numbering.first.values())
         states: np.ndarray = np.zeros((2, self.n), self.dtype)
         changes = np.zeros((2, self.n, self.n_x))
@@ -165,17 +207,24 @@ class System:
         for x, derivative in enumerate(self.derivatives):
             for b, of_body in derivative.start.items():
                 changes[:, first[b] : first[b] + len(of_body[0]), x] = of_body
+        changes.flags.writeable = False
         return states[0], states[1], changes[0], changes[1]
 
     def curves(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """f, f', f'' of all time curves (n_t, n_curves, 3) and of their active design derivatives (n_t, n_d, 3)."""
-        curves = [curve.evaluate(times) for curve in self.values.curves.values()]
         pairs = zip(self.plan.curve_index, self.plan.curve_variable, strict=True)
         changes = [np.imag(self.derivatives[x].curves[c].evaluate(times)) / STEP for c, x in pairs]
-        return (
-            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *curves], axis=1)[:, 1:], self.dtype),
-            np.ascontiguousarray(np.stack([np.zeros((len(times), 3)), *changes], axis=1)[:, 1:], float),
-        )
+        found = np.zeros((len(times), len(changes), 3))
+        for d, change in enumerate(changes):
+            found[:, d] = change
+        return self.curve_values(times), found
+
+    def curve_values(self, times: np.ndarray) -> np.ndarray:
+        """The first of these alone."""
+        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+        for c, curve in enumerate(self.values.curves.values()):
+            found[:, c] = curve.evaluate(times)
+        return found
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
@@ -213,8 +262,8 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
-    values = evaluate_quantities(scene, numbering)
-    changes = derivatives(scene, numbering, variables)
+    values, seen = seen_quantities(scene, numbering)
+    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)

@@ -40,6 +40,7 @@ class SolidShapes:
     stiffness: Any = None  # sparse (n^, n^)
     system: System | None = None
     modes: NormalModes | None = None
+    beyond: NormalModes | None = None  # modes that are left out, as many as were found
     n_held: int = 0  # last coordinates, which the system does not have
     averaged: tuple[str, ...] = ()  # interface points whose rows the system has, in their order
     points: tuple[str, ...] = ()  # interface points with constraint modes, in their order
@@ -59,8 +60,9 @@ class SolidShapes:
                 found[:, :n_static] += self.of_points @ change.turn
         elif n_static:
             found[:inside, :n_static] = self._static_rates(self.columns[:, :n_static], change, inside)
-        if self.modes:
-            found[:inside, n_static:] = self.modes.turned(mode_rates(self.system, self.modes, change.inside(inside)))
+        if self.modes and self.beyond:
+            rates = mode_rates(self.system, self.modes, change.inside(inside), self.beyond)
+            found[:inside, n_static:] = self.modes.turned(rates)
         return found
 
     def _static_rates(self, columns: np.ndarray, change: BasisChange, inside: int) -> np.ndarray:
@@ -116,8 +118,8 @@ def solid_shapes(
         system: System = held_system(stiffness, sparse.csr_array((0, n)), places)
     else:
         system = free_system(stiffness, mass, motions, places)
-    kept = _modes(choice, mass, moving, system)
-    return SolidShapes(kept.columns, _words(choice, {}, kept), stiffness, system, kept)
+    kept, beyond = _modes(choice, mass, moving, system)
+    return SolidShapes(kept.columns, _words(choice, {}, kept), stiffness, system, kept, beyond)
 
 
 def _with_interface(
@@ -136,7 +138,7 @@ def _with_interface(
     n_held = m * len(free.rigid)
     averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
-    inner = stiffness[:inside, :inside].tocsr()
+    inner = _first_of(stiffness, inside)
     if turn is not None and not free.rigid:
         inner = supported(inner, [rows[name][:, :inside] for name in averaged])
     system = held_system(inner, border[:, :inside], places[:inside])
@@ -150,16 +152,21 @@ def _with_interface(
     all_points, static = static, static if turn is None else static @ turn
     if choice.kind == "static":
         words = _words(choice, rows, None)
-        return SolidShapes(static, words, stiffness, system, None, n_held, averaged, tuple(rows), all_points, turn)
-    kept = _modes(choice, mass[:inside, :inside].tocsr(), rows, system)
+        return SolidShapes(static, words, stiffness, system, None, None, n_held, averaged, tuple(rows), all_points, turn)
+    kept, beyond = _modes(choice, _first_of(mass, inside), rows, system)
     inside_only = np.vstack([kept.columns, np.zeros((n_held, kept.count))])
     columns = np.column_stack([static, inside_only])
     words = _words(choice, rows, kept)
-    return SolidShapes(columns, words, stiffness, system, kept, n_held, averaged, tuple(rows), all_points, turn)
+    return SolidShapes(columns, words, stiffness, system, kept, beyond, n_held, averaged, tuple(rows), all_points, turn)
 
 
-def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> NormalModes:
-    """The modes to keep; one more than these is computed, to tell a cut cluster."""
+def _first_of(matrix: Any, n: int) -> Any:
+    """The block of the first n coordinates; the sparse matrix itself if these are all."""
+    return matrix if n == matrix.shape[0] else matrix[:n, :n].tocsr()
+
+
+def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: System) -> tuple[NormalModes, NormalModes]:
+    """The modes to keep, and those beyond them that were found; one at least, to tell a cut cluster."""
 
     def by_static_error(found: NormalModes) -> int | None:
         return count_by_static_error(found, rows, system, choice.static_error or 0.0)
@@ -180,7 +187,7 @@ def _modes(choice: BasisChoice, mass: Any, rows: Mapping[str, Any], system: Syst
     kept = every.lowest(count)
     if choice.derivative == "differentiated":
         refuse_cut_cluster(kept)
-    return kept
+    return kept, every.beyond(count)
 
 
 def _words(choice: BasisChoice, points: Mapping[str, Any], modes: NormalModes | None) -> str:

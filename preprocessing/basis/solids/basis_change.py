@@ -20,6 +20,8 @@ class BasisChange:
 
     def inside(self, n: int) -> BasisChange:
         """The same of the first n coordinates."""
+        if n == self.stiffness.shape[0]:
+            return self
         return BasisChange(
             self.stiffness[:n, :n],
             None if self.mass is None else self.mass[:n, :n],

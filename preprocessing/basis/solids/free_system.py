@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,11 +26,23 @@ class FreeSystem:
     inertia: np.ndarray  # M T (n, m)
     triangle: np.ndarray  # L of T = R L^-T, for the unit rigid motions R
 
+    @property
+    def writers(self) -> dict[str, str]:
+        """The solver and its version."""
+        return self.held.writers
+
     def solve(self, above: np.ndarray, _: np.ndarray | float = 0.0) -> np.ndarray:
         """Displacements (n, k) under loads (n, k)."""
+        return self._balanced(self.held.solve, above)
+
+    def nearly(self, above: np.ndarray) -> np.ndarray:
+        """The same without iterative refinement."""
+        return self._balanced(self.held.nearly, above)
+
+    def _balanced(self, solve: Callable[[np.ndarray], np.ndarray], above: np.ndarray) -> np.ndarray:
         balanced = above - self.inertia @ (self.rigid.T @ above)
         u = np.zeros_like(balanced)
-        u[self.kept] = self.held.solve(balanced[self.kept])
+        u[self.kept] = solve(balanced[self.kept])
         return u - self.rigid @ (self.inertia.T @ u)
 
     def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:

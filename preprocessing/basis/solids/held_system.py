@@ -6,12 +6,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy import sparse
 from scipy.linalg import cho_factor, cho_solve
-from scipy.sparse.linalg import splu
 
 from preprocessing.basis.solids.basis_change import BasisChange
-from preprocessing.basis.solids.nested_dissection import dissected
+from preprocessing.basis.solids.factors import Factors, factored
 from toolkit.foundation.errors import InputError
 
 DEPENDENT = 1e-9
@@ -24,23 +22,31 @@ class HeldSystem:
 
     stiffness: Any
     rows: Any
-    factors: Any  # of K
+    factors: Factors  # of K
     carried: np.ndarray  # W = K^-1 B^T, (n, m)
     complement: Any  # Cholesky factor of B K^-1 B^T; None without rows
 
+    @property
+    def writers(self) -> dict[str, str]:
+        """The solver and its version."""
+        return self.factors.writers
+
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
         """u (n, k) of K u + B^T p = above (n, k), B u = below (m, k)."""
-        u = self._free(above)
+        u = self.factors.solve(above)
+        return self._on_rows(u + self.factors.solve(above - self.stiffness @ u), below)
+
+    def nearly(self, above: np.ndarray) -> np.ndarray:
+        """The same for B u = 0 without the step of iterative refinement: of what is not kept, at half the price."""
+        return self._on_rows(self.factors.solve(above), 0.0)
+
+    def _on_rows(self, u: np.ndarray, below: np.ndarray | float) -> np.ndarray:
+        """The displacements (n, k) moved by forces on the rows until B u is what it should be."""
         if self.complement is None:
             return u
         for _ in range(2):  # the second time takes out the round-off that the first one leaves on the rows
             u = u - self.carried @ cho_solve(self.complement, self.rows @ u - below)
         return u
-
-    def _free(self, above: np.ndarray) -> np.ndarray:
-        """K^-1 with one step of iterative refinement."""
-        u = self.factors.solve(above)
-        return u + self.factors.solve(above - self.stiffness @ u)
 
     def reactions(self, forces: np.ndarray) -> np.ndarray:
         """p (m, k) of B^T p = forces (n, k), which are such."""
@@ -57,29 +63,6 @@ class HeldSystem:
         if self.complement is None or change.rows is None:
             return np.zeros_like(forces)
         return change.rows.T @ self.reactions(forces)
-
-
-@dataclass(frozen=True, eq=False)
-class OrderedFactors:
-    """Factors of a matrix whose coordinates are taken in another order."""
-
-    factors: Any
-    order: np.ndarray
-
-    def solve(self, above: np.ndarray) -> np.ndarray:
-        """u (n, k) under loads (n, k)."""
-        found = np.empty_like(above)
-        found[self.order] = self.factors.solve(above[self.order])
-        return found
-
-
-def factored(stiffness: Any, places: np.ndarray | None) -> Any:
-    """Factors of a symmetric positive definite matrix; in space, where the nodes are given, in an order that leaves fewer entries."""
-    symmetric = {"diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    if places is None or places.shape[1] < 3:
-        return splu(sparse.csc_array(stiffness), permc_spec="MMD_AT_PLUS_A", **symmetric)
-    order = dissected(stiffness, places)
-    return OrderedFactors(splu(sparse.csc_array(stiffness[order][:, order]), permc_spec="NATURAL", **symmetric), order)
 
 
 def held_system(stiffness: Any, rows: Any, places: np.ndarray | None = None) -> HeldSystem:

@@ -32,8 +32,15 @@ class System(Protocol):
     def rows(self) -> Any:
         """B (m, n) of B u = 0, sparse."""
 
+    @property
+    def writers(self) -> dict[str, str]:
+        """The solver that factored it, and its version."""
+
     def solve(self, above: np.ndarray, below: np.ndarray | float = 0.0) -> np.ndarray:
         """u (n, k) under loads (n, k)."""
+
+    def nearly(self, above: np.ndarray) -> np.ndarray:
+        """The same for B u = 0 without the last digits: what iterations need that find these themselves."""
 
     def following(self, shapes: np.ndarray, change: BasisChange) -> np.ndarray:
         """Displacements (n, k) that keep shapes (n, k) in what holds the body."""
@@ -71,7 +78,7 @@ def lowest_modes(system: System, mass: Any, enough: Callable[[NormalModes], bool
 
 def _lanczos(system: System, mass: Any, count: int) -> NormalModes:
     n = mass.shape[0]
-    inverse = LinearOperator((n, n), matvec=lambda f: system.solve(f.reshape(-1, 1)).ravel(), dtype=float)
+    inverse = LinearOperator((n, n), matvec=lambda f: system.nearly(f.reshape(-1, 1)).ravel(), dtype=float)
     start = inverse @ (mass @ np.random.default_rng(0).normal(size=n))
     _, found = eigsh(system.stiffness, count, mass, sigma=0.0, OPinv=inverse, v0=start)
     shapes = system.solve(mass @ found)  # once more: round-off along the stiffest modes goes
@@ -86,15 +93,16 @@ def _modes(system: System, mass: Any, values: np.ndarray, shapes: np.ndarray) ->
     return NormalModes(pencil, values, shapes, np.zeros((system.rows.shape[0], len(values))), np.zeros(0), columns)
 
 
-def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.ndarray:
-    """Derivatives (n, m) of the span of the kept modes by a variable.
+def mode_rates(system: System, modes: NormalModes, change: BasisChange, beyond: NormalModes) -> np.ndarray:
+    """Derivatives (n, m) of the span of the kept modes by a variable; `beyond` are some of those that are left out.
 
     For every mode j, with v_j that follows the change dB of B phi_j = 0, and on all u with B u = 0 and Phi^T M u = 0,
 
         (K - lambda_j M) u = -(dK - lambda_j dM) phi_j - dB^T eta_j - (K - lambda_j M) v_j     up to B^T p and M Phi r,   dphi_j = v_j + u
 
     There the matrix is positive definite, because the kept modes are the lowest ones. So conjugate gradients serve, with K^-1 to speed
-    them: the eigenvalues are 1 - lambda_j / lambda_k, k > m. See `subspace_rates` for the same with dense factors.
+    them: the eigenvalues are 1 - lambda_j / lambda_k, k > m. They begin with what the modes beyond the kept ones have of the solution,
+    where these eigenvalues are small. See `subspace_rates` for the same with dense factors.
     """
     shapes, pencil = modes.shapes, modes.pencil
     inertia, values = pencil.mass @ shapes, modes.eigenvalues[None]
@@ -103,7 +111,7 @@ def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.nd
         return r - inertia @ (shapes.T @ r)
 
     def nearly(r: np.ndarray) -> np.ndarray:
-        u = system.solve(r)
+        u = system.nearly(r)
         return u - shapes @ (inertia.T @ u)
 
     found = system.following(shapes, change)
@@ -113,30 +121,45 @@ def mode_rates(system: System, modes: NormalModes, change: BasisChange) -> np.nd
     if change.mass is not None:
         loads += values * (change.mass @ shapes)
 
-    def matrix(u: np.ndarray) -> np.ndarray:
-        return forces(pencil.stiffness @ u - values * (pencil.mass @ u))
+    def matrix(u: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        return forces(pencil.stiffness @ u - values[:, columns] * (pencil.mass @ u))
 
-    return found + _conjugate_gradients(matrix, nearly, forces(loads))
+    loads = forces(loads)
+    along, higher = beyond.shapes.T @ loads, beyond.eigenvalues[:, None]
+    begun = beyond.shapes @ (along / (higher - values))
+    loads -= matrix(begun, np.arange(modes.count))
+    found += begun
+    del begun  # a large body's arrays are larger than all else here
+    found += _conjugate_gradients(matrix, nearly, loads, (along**2 / higher).sum(axis=0))
+    return found
 
 
-def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.ndarray) -> np.ndarray:
+def _conjugate_gradients(matrix: Callable, nearly_inverse: Callable, force: np.ndarray, solved: np.ndarray) -> np.ndarray:
     """Solutions (n, k), column by column but in step, on the space that `nearly_inverse` (n, k) -> (n, k), symmetric, leads into.
 
-    They are as exact as round-off lets the residuals fall.
+    They are as exact as round-off lets the residuals fall. A column whose residual has fallen is left alone from then on.
+
+    Parameters
+    ----------
+    matrix : (n, j), numbers (j,) of these columns -> (n, j)
+    solved : (k,), f^T K^-1 f of the forces f that are carried already
     """
-    u, residual = np.zeros_like(force), force
-    step = direction = nearly_inverse(residual)
-    first = size = _products(residual, step)
+    u, residual, open_ = np.zeros_like(force), force, np.arange(force.shape[1])
+    direction = nearly_inverse(residual)
+    size = _products(residual, direction)
+    enough = CONVERGED**2 * (solved + size)
     for _ in range(PATIENCE):
-        open_ = size > CONVERGED**2 * first
-        if not open_.any():
+        still = size > enough[open_]
+        open_, residual, direction, size = open_[still], residual[:, still], direction[:, still], size[still]
+        if not len(open_):
             return u
-        moved = matrix(direction)
-        length = np.divide(size, _products(direction, moved), out=np.zeros_like(size), where=open_)
-        u, residual = u + length * direction, residual - length * moved
+        moved = matrix(direction, open_)
+        length = size / _products(direction, moved)
+        u[:, open_] += length * direction
+        residual = residual - length * moved
         step = nearly_inverse(residual)
         size, before = _products(residual, step), size
-        direction = step + np.divide(size, before, out=np.zeros_like(size), where=open_) * direction
+        direction = step + size / before * direction
     raise InputError(
         "the derivative of the eigenmodes by poisson_ratio or shape cannot be told: the last mode that is kept and the first that is left "
         'out are too close. Keep one mode more or less, or take the derivative "frozen".'

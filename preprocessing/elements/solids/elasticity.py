@@ -10,6 +10,8 @@ With scalar shape functions N_p, the component a of the displacement is S_a = [N
 Where the nodes move by V = N_k V_k per unit of a variable, the maps of the elements change by their gradients, and with them
 
     d(dN_p/dx_a) = -dV_c/dx_a dN_p/dx_c,    d(dV) = div V dV
+
+Both are sums of one product of gradients and its transpose.
 """
 
 from __future__ import annotations
@@ -19,10 +21,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import skfem
 from scipy import sparse
 
 from preprocessing.elements.solids.elements import ElementBlock
+from preprocessing.elements.solids.node_pairs import node_pairs
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,50 +40,40 @@ def solid_matrices(
     blocks: Sequence[ElementBlock], n_nodes: int, dimension: int, motion: np.ndarray | None = None
 ) -> SolidMatrices:
     """Assemble the matrices over all elements; with a motion of the nodes (n_nodes, d), their derivatives along it."""
-    axes = range(dimension)
-    mass = sparse.csr_array((n_nodes, n_nodes))
-    gradients = {(a, b): sparse.csr_array((n_nodes, n_nodes)) for a in axes for b in axes if a <= b}
-    for block in blocks:
-        for functions in block.functions_in_parts():
-            number = block.numbering(functions, n_nodes)
-            slope = None if motion is None else motion_gradient(functions, number @ motion)
-            mass = mass + _assembled(_product(slope), functions, number)
-            for (a, b), before in gradients.items():
-                gradients[a, b] = before + _assembled(_gradient_product(a, b, slope), functions, number)
-    gradients |= {(b, a): matrix.T for (a, b), matrix in gradients.items() if a < b}
-    divergence = sum(gradients[a, a] for a in axes)
-    first = sum(in_block(gradients[a, b], a, b, dimension) for a in axes for b in axes)
-    shear = sum(in_block(gradients[b, a] + (a == b) * divergence, a, b, dimension) for a in axes for b in axes)
-    return SolidMatrices(mass, first.tocsr(), shear.tocsr())
-
-
-def motion_gradient(functions: Any, motion: np.ndarray) -> np.ndarray:
-    """dV_c/dx_a of the motion (functions, d) at [c, a], (d, d, n_e, n_points)."""
-    return np.stack([np.asarray(functions.interpolate(np.ascontiguousarray(each)).grad) for each in motion.T])
+    pairs = node_pairs(blocks, n_nodes)
+    mass, gradients = np.zeros(len(pairs.columns)), np.zeros((len(pairs.columns), dimension, dimension))
+    for block, places in zip(blocks, pairs.places, strict=True):
+        for elements, functions in block.functions_in_parts():
+            moved = None if motion is None else motion[block.connectivity[elements]]
+            of_mass, of_gradients = _element_matrices(functions, moved)
+            mass += pairs.sums(places[elements], of_mass)
+            gradients += pairs.sums(places[elements], of_gradients)
+    divergence = np.trace(gradients, axis1=1, axis2=2)
+    shear = gradients.swapaxes(1, 2) + divergence[:, None, None] * np.eye(dimension)
+    return SolidMatrices(pairs.matrix(mass), pairs.matrix(gradients), pairs.matrix(shear))
 
 
 def in_block(scalar: Any, a: int, b: int, dimension: int) -> Any:
-    """A matrix (n_nodes, n_nodes) between the components a and b of the displacement, (n, n)."""
-    place = sparse.coo_array((np.ones(1), ([a], [b])), shape=(dimension, dimension))
-    return sparse.kron(scalar, place, format="csr")
+    """A sparse matrix (n_nodes, n_nodes) by rows between the components a and b of the displacement, (n, n)."""
+    each = np.zeros((scalar.shape[0], dimension), scalar.indptr.dtype)
+    each[:, a] = np.diff(scalar.indptr)
+    starts = np.concatenate([each[:1, 0] * 0, np.cumsum(each, dtype=each.dtype)])
+    n = dimension * scalar.shape[0]
+    return sparse.csr_array((scalar.data, dimension * scalar.indices + b, starts), shape=(n, n))
 
 
-def _product(slope: np.ndarray | None) -> Any:
-    def form(u: Any, v: Any, _: Any) -> Any:
-        return u * v if slope is None else u * v * np.trace(slope)
-
-    return form
-
-
-def _gradient_product(a: int, b: int, slope: np.ndarray | None) -> Any:
-    def form(u: Any, v: Any, _: Any) -> Any:
-        if slope is None:
-            return v.grad[a] * u.grad[b]
-        turned = sum(slope[c, a] * v.grad[c] * u.grad[b] + slope[c, b] * v.grad[a] * u.grad[c] for c in range(len(slope)))
-        return np.trace(slope) * v.grad[a] * u.grad[b] - turned
-
-    return form
-
-
-def _assembled(form: Any, functions: Any, number: Any) -> Any:
-    return number.T @ sparse.csr_array(skfem.BilinearForm(form).assemble(functions)) @ number
+def _element_matrices(functions: Any, motion: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
+    """s_pq at [e, p, q] and g^ab_pq at [e, p, q, a, b] of some elements, or their rates as their nodes move (n_e, n_local, d)."""
+    values = np.stack([np.asarray(each[0])[0] for each in functions.basis])  # (n_local, n_points), the same in all elements
+    gradients = np.stack([each[0].grad for each in functions.basis], axis=-1).transpose(1, 2, 3, 0)  # [e, point, p, a]
+    weights, half = functions.dx, gradients / 2
+    if motion is not None:
+        slope = np.einsum("exka,ekc->exca", gradients, motion, optimize=True)  # dV_c/dx_a
+        divergence = np.trace(slope, axis1=2, axis2=3)
+        weights, half = weights * divergence, divergence[:, :, None, None] * half - gradients @ slope
+    n_e, n_points, n_local, d = gradients.shape
+    products = (values[:, None] * values[None]).reshape(-1, n_points)
+    one = (functions.dx[:, :, None, None] * half).reshape(n_e, n_points, -1)
+    both = one.swapaxes(1, 2) @ gradients.reshape(n_e, n_points, -1)
+    both = (both + both.swapaxes(1, 2)).reshape(n_e, n_local, d, n_local, d)
+    return (weights @ products.T).reshape(n_e, n_local, n_local), both.transpose(0, 1, 3, 2, 4)

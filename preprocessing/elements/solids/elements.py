@@ -47,7 +47,7 @@ CUBE_MIDDLES = np.array(
     ]
 )
 """Middles of their edges and faces, and of themselves, in that order."""
-IN_MEMORY = 10_000_000
+IN_MEMORY = 3_000_000
 """Numbers of gradients of shape functions at once."""
 DEGENERATE = 1e-8
 """Smallest area or volume of an element at a point, in parts of the power of its largest extent."""
@@ -66,13 +66,13 @@ class ElementBlock:
         """Shape functions at points that integrate products of two of them exactly, on curved elements too."""
         return skfem.CellBasis(self.geometry, self.shapes, quadrature=points_of(self.kind))
 
-    def functions_in_parts(self) -> Iterator[Any]:
-        """The same for some elements after others, so that the numbers of all of them at once are not in memory."""
+    def functions_in_parts(self) -> Iterator[tuple[np.ndarray, Any]]:
+        """The same for some elements after others, with their numbers, so that the gradients of all are not in memory at once."""
         points = points_of(self.kind)
         at_once = max(1, IN_MEMORY // (points[0].size * self.shapes.doflocs.shape[0]))
         for start in range(0, len(self.connectivity), at_once):
             elements = np.arange(start, min(start + at_once, len(self.connectivity)))
-            yield skfem.CellBasis(self.geometry, self.shapes, quadrature=points, elements=elements)
+            yield elements, skfem.CellBasis(self.geometry, self.shapes, quadrature=points, elements=elements)
 
     def functions_at(self, points: np.ndarray, elements: np.ndarray | None = None) -> Any:
         """Shape functions at points (d, n_points) of the reference element, of all elements or of those with the given numbers."""

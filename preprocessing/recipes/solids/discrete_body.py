@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -37,7 +37,9 @@ class DiscreteBody:
     parts: Parts
     values: Mapping[str, float]  # parameters by which the matrices are polynomials
     others: Mapping[str, float]  # the other parameters, and their nominal values
-    changes: Mapping[str, BodyChange]  # what each of these changes
+    changes: Iterable[
+        tuple[str, BodyChange]
+    ]  # what each of these changes, to be asked for once: of large bodies one fits in memory
     clamped: np.ndarray  # numbers of nodes
     ties: Mapping[str, Tie]
     boundary: Boundary | None  # None without elements
@@ -60,7 +62,7 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
     values = dict(parameters_of(made_with, file.damping.model_dump()))
     ties = named.ties(mesh.nodes)
     others: dict[str, float] = {}
-    changes: dict[str, BodyChange] = {}
+    changes: Iterable[tuple[str, BodyChange]] = ()
     if file.matrices is None:
         others = {"poisson_ratio": _ratio(file), **{name: variable.value for name, variable in file.shape_variables.items()}}
         solid, changes = _from_elements(named, values, ties)
@@ -82,7 +84,9 @@ def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | N
         return stress_rows(named.file.stress.quantity, blocks, named.boundary, motion)
 
 
-def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]) -> tuple[Solid, dict[str, BodyChange]]:
+def _from_elements(
+    named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]
+) -> tuple[Solid, Iterator[tuple[str, BodyChange]]]:
     """The elements of the body, and what Poisson's ratio and the shape variables change."""
     mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
     with at_key(named.path, "mesh.file"):
@@ -92,16 +96,35 @@ def _from_elements(named: NamedMesh, values: Mapping[str, float], ties: Mapping[
     lame = lame_factors(ratio, state)
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
-    changes = {
-        "poisson_ratio": BodyChange(assemble(element_solid(mesh.nodes, weightless, rows, slopes)).at(values), mesh, ties, {})
-    }
+    of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
+    return element_solid(mesh.nodes, matrices, rows, lame), _changes(of_ratio, named, blocks, lame, values, ties)
+
+
+def _changes(
+    of_ratio: Parts,
+    named: NamedMesh,
+    blocks: list[ElementBlock],
+    lame: tuple[Any, Any],
+    values: Mapping[str, float],
+    ties: Mapping[str, Tie],
+) -> Iterator[tuple[str, BodyChange]]:
+    """What Poisson's ratio and the motions change, one after the other."""
+    yield "poisson_ratio", BodyChange(of_ratio.at(values), named.mesh, ties, {})
+    del of_ratio
     for name, motion in named.motions.items():
-        own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
-        rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame))
-        moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
-        normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
-        changes[name] = BodyChange(rates.at(values), moved, named.ties(moved.nodes), normals)
-    return element_solid(mesh.nodes, matrices, rows, lame), changes
+        yield name, _moved(named, blocks, motion, lame, values)
+
+
+def _moved(
+    named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray, lame: tuple[Any, Any], values: Mapping[str, float]
+) -> BodyChange:
+    """What a motion of the nodes changes."""
+    mesh = named.mesh
+    own = solid_matrices(blocks, len(mesh.nodes), mesh.dimension, motion)
+    rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame)).at(values)
+    moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
+    normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
+    return BodyChange(rates, moved, named.ties(moved.nodes), normals)
 
 
 def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:

@@ -43,7 +43,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
-    rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes.items())
+    rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes)
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
     points = len(found.invariants.stress_operator)
     return {
@@ -54,6 +54,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "nominal": nominal,
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         **found._asdict(),
+        "writers": {} if shapes.system is None else shapes.system.writers,
         **_boundary_parts(body, z),
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),

@@ -13,15 +13,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined
+from toolkit.foundation.kernel import inlined, inner
 
 HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
 
 
 class Constant(NamedTuple):
-    """Entries of M, D, K (global rows and columns), the constant force f, and their design derivatives."""
+    """Entries of M, D, K (global rows and columns), the constant force f, and their design derivatives.
 
+    Segments are the bodies' entries, one body after the other, row by row: those of a body that fills most of its matrices are all entries
+    of a square, which need no list.
+    """
+
+    segment_start: np.ndarray  # (n_segments + 1,) into the entries
+    segment_size: np.ndarray  # (n_segments,) rows of the square, 0 of a list
+    segment_damped: np.ndarray  # (n_segments,) 1 if a square has mass or damping, which it mostly has not
     row: np.ndarray  # (n_entries,)
     column: np.ndarray
     position: np.ndarray  # where the entry is stored in the pattern
@@ -49,10 +56,18 @@ class Constant(NamedTuple):
 def constant_residual(part, q, v, acc, scale, rough, halves, inertial, applied):
     """Residual of the constant part, K q with usual sums if `rough`; `halves` (2, n) is scratch memory."""
     stiffness = part.stiffness if rough else part.soft
-    for e in range(len(part.row)):
-        i, k = part.row[e], part.column[e]
-        inertial[i] += part.mass[e] * acc[k]
-        applied[i] += part.damping[e] * v[k] + stiffness[e] * q[k]
+    for s in range(len(part.segment_size)):
+        first, last, n = part.segment_start[s], part.segment_start[s + 1], part.segment_size[s]
+        if n > 0:
+            add_square_product(stiffness, first, n, part.row[first], q, applied)
+            if part.segment_damped[s] == 1:
+                add_square_product(part.damping, first, n, part.row[first], v, applied)
+                add_square_product(part.mass, first, n, part.row[first], acc, inertial)
+            continue
+        for e in range(first, last):
+            i, k = part.row[e], part.column[e]
+            inertial[i] += part.mass[e] * acc[k]
+            applied[i] += part.damping[e] * v[k] + stiffness[e] * q[k]
     if len(part.stiff_row) > 0 and not rough:
         for k in range(len(q)):
             halves[0, k] = HALVES * q[k] - (HALVES * q[k] - q[k])
@@ -79,11 +94,52 @@ def precise_sum(part, first, last, q, halves):
 @inlined
 def constant_jacobian(part, I_acc, A_q, A_v):
     """The same entries in every step."""
-    for e in range(len(part.row)):
-        at = part.position[e]
-        I_acc[at] += part.mass[e]
-        A_q[at] += part.stiffness[e]
-        A_v[at] += part.damping[e]
+    for s in range(len(part.segment_size)):
+        first, last, n = part.segment_start[s], part.segment_start[s + 1], part.segment_size[s]
+        if n > 0:
+            add_square(part.stiffness, first, n, part.position, A_q)
+            if part.segment_damped[s] == 1:
+                add_square(part.damping, first, n, part.position, A_v)
+                add_square(part.mass, first, n, part.position, I_acc)
+            continue
+        for e in range(first, last):
+            at = part.position[e]
+            I_acc[at] += part.mass[e]
+            A_q[at] += part.stiffness[e]
+            A_v[at] += part.damping[e]
+
+
+@inner
+def add_square_product(values, first, n, at, x, target):
+    """target += a square matrix, whose rows begin at `first`, times x, both from entry `at` on; four rows at a time."""
+    source, i = x[at : at + n], 0
+    while i + 4 <= n:
+        row = first + i * n
+        a, b, c, d = values[row : row + n], values[row + n :], values[row + 2 * n :], values[row + 3 * n :]
+        s_a, s_b, s_c, s_d = target[at + i], target[at + i + 1], target[at + i + 2], target[at + i + 3]
+        for j in range(n):
+            s_a += a[j] * source[j]
+            s_b += b[j] * source[j]
+            s_c += c[j] * source[j]
+            s_d += d[j] * source[j]
+        target[at + i], target[at + i + 1], target[at + i + 2], target[at + i + 3] = s_a, s_b, s_c, s_d
+        i += 4
+    while i < n:
+        row, total = values[first + i * n : first + i * n + n], target[at + i]
+        for j in range(n):
+            total += row[j] * source[j]
+        target[at + i] = total
+        i += 1
+
+
+@inner
+def add_square(values, first, n, position, target):
+    """A square matrix into the pattern, whose rows have its columns next to each other."""
+    for i in range(n):
+        row, place = values[first + i * n : first + i * n + n], position[first + i * n]
+        to = target[place : place + n]
+        for j in range(n):
+            to[j] += row[j]
 
 
 @inlined

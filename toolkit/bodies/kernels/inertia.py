@@ -5,7 +5,7 @@
 
 from toolkit.bodies.kernels.planar.floating_jacobian import floating_jacobian
 from toolkit.bodies.kernels.planar.floating_kernel import floating_design, floating_residual
-from toolkit.bodies.kernels.spatial.floating_jacobian import spatial_jacobian
+from toolkit.bodies.kernels.spatial.floating_jacobian import spatial_linearized
 from toolkit.bodies.kernels.spatial.floating_kernel import spatial_design, spatial_residual
 from toolkit.foundation.kernel import inlined
 
@@ -20,12 +20,13 @@ def moving_residual(plane, frames, part, state, q, v, acc, scale, work, inertial
 
 
 @inlined
-def moving_jacobian(plane, frames, part, state, q, v, acc, scale, work, I_acc, I_q, A_q, A_v):
-    """Derivatives of the residual by q, v and a."""
+def moving_linearized(plane, frames, part, state, q, v, acc, scale, work, inertial, applied, I_acc, I_q, A_q, A_v):
+    """The residual and its derivatives by q, v and a."""
     if plane is not None:
+        floating_residual(part, q, v, acc, scale, work, inertial, applied)
         floating_jacobian(part, q, v, acc, scale, work, I_acc, I_q, A_q, A_v)
     if frames is not None:
-        spatial_jacobian(part, frames, state.frames, q, v, acc, scale, work, I_acc, I_q, A_q, A_v)
+        spatial_linearized(part, frames, state.frames, q, v, acc, scale, work, inertial, applied, I_acc, I_q, A_q, A_v)
 
 
 @inlined

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -65,10 +65,9 @@ class Flexible(ModelBody, StartVelocity):
             raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
         return self
 
-    def numbers(self) -> Iterator[tuple[str, Any]]:
-        """All numbers that mean something: a grounded body has no velocity."""
-        moving = ("velocity", "angular_velocity")
-        return ((path, value) for path, value in super().numbers() if self.has_frame or path.split(".")[0] not in moving)
+    def means(self, field: str) -> bool:
+        """A grounded body has no velocity."""
+        return self.has_frame or field not in ("velocity", "angular_velocity")
 
     @property
     def has_frame(self) -> bool:

@@ -22,13 +22,17 @@ class RigidBody(StartVelocity):
     def mass_properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
         """Mass, undeformed global centre of mass (2,), moment of inertia about it."""
 
+    def properties(self, scene: Placed) -> tuple[Any, np.ndarray, Any]:
+        """`mass_properties`, which many ask for."""
+        return scene.of_body(self, "mass", lambda: self.mass_properties(scene))
+
     def coordinate_names(self, _scene: Placed) -> list[str]:
         """Position of the centre of mass, and rotation."""
         return ["x", "y", "rotation"]
 
     def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed position, given velocity."""
-        return np.append(self.mass_properties(scene)[1], 0.0), self.frame_velocity()
+        return np.append(self.properties(scene)[1], 0.0), self.frame_velocity()
 
     def coordinate_lengths(self, _scene: Placed) -> np.ndarray:
         """Two displacements and an angle."""
@@ -36,22 +40,22 @@ class RigidBody(StartVelocity):
 
     def whole_mass(self, scene: Placed) -> Any:
         """As given, or of the rod."""
-        return self.mass_properties(scene)[0]
+        return self.properties(scene)[0]
 
     def radius_of_gyration(self, scene: Placed) -> float:
         """About the centre of mass."""
-        mass, _, inertia = self.mass_properties(scene)
+        mass, _, inertia = self.properties(scene)
         return float(np.sqrt(np.real(inertia) / np.real(mass))) if np.real(mass) else 0.0
 
     def marker(self, scene: Placed, point: str, _name: str) -> MarkerNumbers:
         """Any point can be gripped."""
-        centre = self.mass_properties(scene)[1]
+        centre = self.properties(scene)[1]
         z0 = (centre if point == CENTRE else scene.position(point)) - centre
         return MarkerNumbers(np.append(z0, 0.0), np.arange(3), np.zeros((3, 3)))
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """Diagonal mass matrix and weight."""
-        mass, _, inertia = self.mass_properties(scene)
+        mass, _, inertia = self.properties(scene)
         diagonal, zero = np.arange(3), np.zeros(3)
         return ConstantNumbers(diagonal, diagonal, np.array([mass, mass, inertia]), zero, zero, np.append(mass * gravity, 0.0))
 

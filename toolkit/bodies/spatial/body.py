@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Iterator
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 import numpy as np
@@ -35,6 +34,19 @@ class SpatialFloatingNumbers(NamedTuple):
     column: np.ndarray
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     axis: np.ndarray  # (3,) that a turning frame turns about
+
+    @property
+    def full(self) -> bool:
+        """Whether the matrices Q[a, b] are worked with whole, because at least half of their entries can differ from zero."""
+        return 2 * len(self.row) >= len(self.moment) ** 2
+
+    @property
+    def whole(self) -> np.ndarray:
+        """Rows of all Q[a, b] as whole matrices, for each row the nine rows a, b."""
+        n = len(self.moment)
+        rows: np.ndarray = np.zeros((n, 9, n), self.second.dtype)
+        rows[self.row, :, self.column] = self.second
+        return rows.ravel()
 
     @property
     def entries(self) -> int:
@@ -81,10 +93,9 @@ class SpatialBody(Body):
             raise ValueError("`angular_velocity` of a turning frame is along its axis")
         return self
 
-    def numbers(self) -> Iterator[tuple[str, Any]]:
-        """All numbers that can be design variables: not the axis that defines an angle, and no velocity of a frame that has none."""
-        unused = {"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}
-        return ((path, value) for path, value in super().numbers() if unused.get(path.split(".")[0], 1))
+    def means(self, field: str) -> bool:
+        """Not those of the axis that defines an angle, and of no velocity of a frame that has none."""
+        return bool({"axis": 0, "velocity": self.moves, "angular_velocity": self.turns}.get(field, 1))
 
     @property
     def moves(self) -> int:

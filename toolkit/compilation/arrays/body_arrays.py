@@ -8,6 +8,7 @@ from toolkit.bodies.kernels.constant_kernel import Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.patterns.common_pattern import square_size
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.patterns.stiff_entries import stiff_entries
 from toolkit.compilation.quantities import Quantities
@@ -36,7 +37,12 @@ def constant_part(
     entries, forces = _constant_changes(numbering, derivatives, starts(counts))
     stiffness: np.ndarray = joined("stiffness").astype(dtype)
     soft, stiff_row, stiff_start, stiff_column, stiff_high, stiff_low = stiff_entries(row, column, stiffness, weights, counts)
+    sizes = [square_size(part.row, part.column) for part in values.constant.values()]
+    damped = [np.any(np.asarray(part.mass) != 0) or np.any(np.asarray(part.damping) != 0) for part in values.constant.values()]
     return Constant(
+        segment_start=starts(counts),
+        segment_size=ints([sizes]),
+        segment_damped=ints([damped]),
         row=row,
         column=column,
         position=pattern.find(row, column),

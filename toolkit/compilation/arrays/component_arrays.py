@@ -46,6 +46,7 @@ def marker_arrays(
         frames=None,
         pose=(0, 1, 2),
         frame=ints([frames]),
+        twin=ints([[frames.index(frame) for frame in frames]]),
         point=np.array([part.point for part in values.markers.values()], dtype).reshape(-1, 3),
         start=starts([len(c) for c in columns]),
         coordinate=ints(columns),

@@ -6,15 +6,15 @@ import numpy as np
 from numba.core.registry import CPUDispatcher
 
 from toolkit.compilation.arrays.component_arrays import curve_numbers, designed, gripped, parameter_changes
-from toolkit.compilation.arrays.form_arrays import felt, form_numbers, number_changes, planar_terms, spatial_terms
 from toolkit.compilation.conversions import ints, starts
+from toolkit.compilation.joint_forms import felt
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.patterns.pattern import Pattern, block
 from toolkit.compilation.quantities import Quantities
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
 from toolkit.joints.kernels.profile import profile_law
-from toolkit.joints.kernels.records import NUMBERS, ROWS, SPATIAL_NUMBERS, SPATIAL_ROWS, Joints
+from toolkit.joints.kernels.records import DESIGN, DESIGNED, NUMBERS, ROWS, SPATIAL_NUMBERS, SPATIAL_ROWS, Joints
 from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row, forms_of
 from toolkit.scene.scene import Scene
@@ -34,20 +34,28 @@ def joint_arrays(
     columns: list[np.ndarray],
     pattern: Pattern,
     dtype: type,
+    kept: Joints | None = None,
 ) -> Joints:
-    """Joints of the scene as forms, with the places of their local entries in the pattern."""
+    """Joints of the scene as forms, with the places of their local entries in the pattern; `kept` is what they are at other numbers."""
     joints: list[Joint] = list(scene.joints.values())
-    for joint in joints:
+    for joint in joints if kept is None else ():
         check_rows(joint, scene)
-    rows = [joint.constraint(scene) for joint in joints]
+    changes, forms = parameter_changes([d.joints for d in derivatives], len(joints)), numbering.forms
+    given = forms.numbers(np.concatenate([np.zeros(0), *values.joints.values()]), dtype)
+    ends = starts([len(found) for found in changes])
+    if kept is not None:
+        of = kept.of.copy()
+        of[:, DESIGNED] = designed(list(kept.marker), derivatives, changes, kept.curve)
+        of[:, DESIGN], of[:, DESIGN + 1] = ends[:-1], ends[1:]
+        found = forms.changes(changes)
+        return kept._replace(of=of, value=given["value"], design=found["design"], design_value=found["design_value"])
+    rows = forms.rows
     gripping = [gripped(numbering, columns, f"joints.{name}", joint) for name, joint in scene.joints.items()]
     positions = []
     for name, (both, _) in zip(scene.joints, gripping, strict=True):
         own = numbering.row[name] + np.arange(len(scene.joints[name].row_names))
         positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
-    changes = parameter_changes([d.joints for d in derivatives], len(joints))
     markers, planar = [pair for _, pair in gripping], scene.space is PLANE
-    terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]
     curves = curve_numbers(joints, 0)
     return Joints(
         numbers=NUMBERS if planar else SPATIAL_NUMBERS,
@@ -62,12 +70,12 @@ def joint_arrays(
                 starts([len(forms_of(each)) for each in rows])[:-1],
                 _turned(rows),
                 starts([len(places) for places in positions])[:-1],
-                *(starts([len(found) for found in changes])[at : len(joints) + at] for at in (0, 1)),
+                *(ends[at : len(joints) + at] for at in (0, 1)),
                 _laws(joints, rows, ROWS if planar else SPATIAL_ROWS),
             ]
         ).astype(np.int64),
-        **form_numbers(terms, np.concatenate([np.zeros(0), *values.joints.values()]), dtype),
-        **number_changes(rows, terms, changes),
+        **given,
+        **forms.changes(changes),
         position=ints(positions),
         **felt(rows, 0 if planar else SPATIAL_ROWS),
     )

@@ -55,14 +55,16 @@ def spatial_floating_part(
     for x, derivative in enumerate(derivatives):
         blocks += [(number[b], x, part) for b, part in derivative.floating.items() if _changes(part)]
     falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
-    positions, borders = [], []
+    positions, borders = [ints([])], []
     for name, part in zip(names, bodies, strict=True):
-        frame, size, n_f = numbering.first[name], scene.bodies[name].frame_size, len(part.moment) - 1
-        positions.append(pattern.find(frame + size - 1 + part.row, frame + size - 1 + part.column))
-        local = frame + np.arange(size + n_f)
-        borders.append(
-            np.concatenate([pattern.find(*block(local[:size], local)), pattern.find(*block(local[size:], local[:size]))])
-        )
+        frame, size = numbering.first[name], scene.bodies[name].frame_size
+        if not part.full:
+            positions.append(pattern.find(frame + size - 1 + part.row, frame + size - 1 + part.column))
+        local = frame + np.arange(size - 1 + len(part.moment))
+        borders.append(pattern.find(local, np.full(len(local), frame)))
+    listed = [not bodies[b].full for b, _, _ in blocks]
+    matrices = [ints([])[:0].astype(dtype) if a_list else part.whole for a_list, (_, _, part) in zip(listed, blocks, strict=True)]
+    lists = [(bodies[b], part.second) for a_list, (b, _, part) in zip(listed, blocks, strict=True) if a_list]
     empty: np.ndarray = np.zeros((0, 9), dtype)
     return SpatialFloating(
         block_body=ints([[b for b, _, _ in blocks]]),
@@ -73,11 +75,14 @@ def spatial_floating_part(
         n_f=ints([[len(part.moment) - 1 for part in bodies]]),
         mass=np.array([part.mass for _, _, part in blocks], dtype),
         moment_start=starts([len(part.moment) for _, _, part in blocks])[:-1],
-        moment=np.ascontiguousarray(np.concatenate([empty[:, :3], *(part.moment for _, _, part in blocks)]), dtype),
-        entry_start=starts([len(bodies[b].row) for b, _, _ in blocks]),
-        entry_row=ints([bodies[b].row for b, _, _ in blocks]),
-        entry_column=ints([bodies[b].column for b, _, _ in blocks]),
-        second=np.ascontiguousarray(np.concatenate([empty, *(part.second for _, _, part in blocks)]), dtype),
+        moment=np.ascontiguousarray(np.concatenate([empty[:, :3], *(part.moment for _, _, part in blocks)]).T, dtype),
+        full=ints([[int(part.full) for part in bodies]]),
+        matrix_start=starts([len(matrix) for matrix in matrices])[:-1],
+        matrix=np.concatenate([empty.ravel(), *matrices]).astype(dtype),
+        entry_start=starts([len(bodies[b].row) if a_list else 0 for a_list, (b, _, _) in zip(listed, blocks, strict=True)]),
+        entry_row=ints([part.row for part, _ in lists]),
+        entry_column=ints([part.column for part, _ in lists]),
+        second=np.ascontiguousarray(np.concatenate([empty, *(second for _, second in lists)]), dtype),
         entry_position=ints(positions),
         border_start=starts([len(border) for border in borders])[:-1],
         border=ints(borders),

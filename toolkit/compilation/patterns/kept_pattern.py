@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -13,11 +14,16 @@ from toolkit.compilation.quantities import Quantities
 GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
 
 
+NOTHING: Mapping[str, set[int]] = {}
+
+
 class NewEntryError(Exception):
     """Something is not zero any more where the pattern has no entry."""
 
 
-def renew(old: Quantities, new: Quantities, entries: Quantities) -> tuple[Quantities, set[str]]:
+def renew(
+    old: Quantities, new: Quantities, entries: Quantities, still: Mapping[str, set[int]] = NOTHING
+) -> tuple[Quantities, set[str]]:
     """The old numbers with the new ones in their places, and the groups that differ.
 
     Parameters
@@ -28,6 +34,8 @@ def renew(old: Quantities, new: Quantities, entries: Quantities) -> tuple[Quanti
         Some of them, of the same scene at other numbers.
     entries
         Numbers on the entries that are there: the values of the old scene.
+    still
+        Items of each group whose new derivatives are zero, for which `new` has nothing.
 
     Raises
     ------
@@ -38,9 +46,12 @@ def renew(old: Quantities, new: Quantities, entries: Quantities) -> tuple[Quanti
     changed = set() if np.array_equal(old.gravity, new.gravity) else {"gravity"}
     for group in GROUPS:
         before, after = getattr(old, group), getattr(new, group)
+        if gone := before.keys() & still.get(group, ()):
+            before = {owner: part for owner, part in before.items() if owner not in gone}
+            changed.add(group)
         found = {owner: _on(part, getattr(entries, group)[owner]) for owner, part in after.items()}
         parts[group] = dict(sorted({**before, **found}.items())) if found.keys() - before.keys() else {**before, **found}
-        if any(owner not in before or not _equal(before[owner], part) for owner, part in found.items()):
+        if group not in changed and any(owner not in before or not _equal(before[owner], part) for owner, part in found.items()):
             changed.add(group)
     return Quantities(**parts, gravity=new.gravity), changed
 

@@ -15,10 +15,10 @@ KIND = "numba:compile"
 class CompileWatch(event.Listener):
     """Counts the functions that were compiled and the time that it took; functions compiled on the way to others count, their time once."""
 
-    def __init__(self, on_first: Callable[[], None] | None = None) -> None:
+    def __init__(self, on_first: Callable[[], None] | None = None, on_function: Callable[[int], None] | None = None) -> None:
         self.functions = 0
         self.seconds = 0.0
-        self._on_first = on_first
+        self._on_first, self._on_function = on_first, on_function
         self._depth = 0
         self._begun = 0.0
 
@@ -34,14 +34,19 @@ class CompileWatch(event.Listener):
         """It is done, or has failed."""
         self._depth -= 1
         self.functions += 1
+        if self._on_function:
+            self._on_function(self.functions)
         if not self._depth:
             self.seconds += clock.perf_counter() - self._begun
 
 
 @contextmanager
-def watched_compilation(on_first: Callable[[], None] | None = None) -> Iterator[CompileWatch]:
-    """A watch over everything that is compiled in its block; `on_first` is called before the first function is."""
-    watch = CompileWatch(on_first)
+def watched_compilation(
+    on_first: Callable[[], None] | None = None, on_function: Callable[[int], None] | None = None
+) -> Iterator[CompileWatch]:
+    """A watch over everything that is compiled in its block; `on_first` is called before the first function is, `on_function` after each
+    with their number."""
+    watch = CompileWatch(on_first, on_function)
     event.register(KIND, watch)
     try:
         yield watch

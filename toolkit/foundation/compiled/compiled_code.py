@@ -15,6 +15,7 @@ import tempfile
 import warnings
 from functools import cache, cached_property
 from hashlib import sha256
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -60,7 +61,6 @@ class CompiledCode(NullCache):
 
     def load_overload(self, signature: Any, target: Any) -> CompileResult | None:
         """The code for types of arguments; None if there is none, or only what is damaged."""
-        target.refresh()
         file, damaged = self._file(signature, target.codegen()), None
         for folder in self._folders:
             try:
@@ -73,6 +73,8 @@ class CompiledCode(NullCache):
             damaged = folder
         if damaged:
             _tell("damaged", f"compiled formulas in {str(damaged)!r} are damaged; they are compiled again, once.")
+        import_module("toolkit.foundation.compiled.packed_code")  # for the compiler alone
+        target.refresh()
         return None
 
     def save_overload(self, signature: Any, compiled: Any) -> None:

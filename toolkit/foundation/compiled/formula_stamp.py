@@ -125,7 +125,8 @@ def _bytes(code: CodeType, docstring: str | None) -> str:
 
 def _loads_first(code: CodeType) -> bool:
     """Whether the first constant, where a docstring is, is one of the formula too."""
-    return any(code.co_code[k] in LOADING and code.co_code[k + 1] == 0 for k in range(0, len(code.co_code), 2))
+    instructions = set(zip(code.co_code[::2], code.co_code[1::2], strict=True))
+    return any((each, 0) in instructions for each in LOADING)
 
 
 def _constant(given: Any) -> str:

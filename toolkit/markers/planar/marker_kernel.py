@@ -25,6 +25,7 @@ class Markers(NamedTuple):
     frames: None  # which are those of space alone
     pose: tuple  # 0, 1, 2; its length is known when the loop is compiled
     frame: np.ndarray  # (n_m,) global number of r_x, or -1
+    twin: np.ndarray  # (n_m,) first marker on the same frame
     point: np.ndarray  # (n_m, 3) z0 and t0
     start: np.ndarray  # (n_m + 1,)
     coordinate: np.ndarray  # (n_columns,) global number
@@ -38,7 +39,7 @@ class Markers(NamedTuple):
     def state(self, dtype: type) -> "MarkerState":
         """Memory for the state of the markers."""
         n_m, n_c, n_d = len(self.frame), len(self.coordinate), len(self.design_variable)
-        return MarkerState(*(np.zeros((n, 3), dtype) for n in (n_m,) * 4 + (n_c,) * 4 + (n_d,) * 4))
+        return MarkerState(*(np.zeros((n, 3), dtype) for n in (n_m,) * 5 + (n_c,) * 4 + (n_d,) * 4))
 
 
 class MarkerState(NamedTuple):
@@ -48,6 +49,7 @@ class MarkerState(NamedTuple):
     rate: np.ndarray  # B v
     acceleration: np.ndarray  # B a
     centripetal: np.ndarray  # b
+    turn: np.ndarray  # cos and sin of theta
     B: np.ndarray  # (n_columns, 3)
     B_v: np.ndarray
     B_a: np.ndarray
@@ -105,7 +107,9 @@ def update_markers(markers, state, q, v, acc, scratch):
 def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     """A marker whose body has a frame."""
     first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
-    c, s = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+    if markers.twin[m] == m:
+        state.turn[m, 0], state.turn[m, 1] = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+    c, s = state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
     omega, alpha = v[frame + 2], acc[frame + 2]
     turn = first + 2
     for i in range(2):

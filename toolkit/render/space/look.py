@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.spatial.rigid import SpatialRod
+from toolkit.foundation.spread import spread
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.render.round_numbers import round_up
 from toolkit.render.space.arrows import arrows
@@ -74,8 +75,8 @@ class SpatialLook:
 
 def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) -> SpatialLook:
     """Look of the pictures at the given steps, wide enough for the whole motion."""
-    some = np.linspace(0, len(solution.times) - 1, min(len(solution.times), MOST_MOMENTS)).round().astype(int)
-    moments = [SpatialConfiguration(solution, int(step)) for step in sorted({*some.tolist(), *steps})]
+    some = spread(len(solution.times) - 1, MOST_MOMENTS)
+    moments = [SpatialConfiguration(solution, step) for step in sorted({*some, *steps})]
     scene = solution.system.scene
     bodies = tuple(name for name in moments[0].flexible() if has_shape(scene, name))
     points, limits, signed = [np.zeros((0, 3))], [0.0], True

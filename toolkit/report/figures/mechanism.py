@@ -7,7 +7,7 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from toolkit.render.gif import spread
+from toolkit.foundation.spread import spread
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_symbols
 from toolkit.render.plane.scene_picture import contour_keys

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from toolkit.foundation.spread import spread
 from toolkit.foundation.units import unit
-from toolkit.render.gif import spread
 from toolkit.render.plane.scene_picture import overview_figure
 from toolkit.render.sheet import NARROW
 from toolkit.report.drawing import Drawing

@@ -38,7 +38,7 @@ class Forces(NamedTuple):
 def least_squares_forces(system: System, q: np.ndarray, lam: np.ndarray, wrenches: Wrenches) -> Forces:
     """Multipliers (n_lam,) of least squares for those of a run from which redundant rows were dropped."""
     n_q = system.n_q
-    jacobian = system.matrix(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc).toarray()[n_q:, :n_q]
+    jacobian = system.dense(_terms(system, q, np.zeros(n_q), 0 * lam).I_acc)[n_q:, :n_q]
     repeating = system.plan.dropped - n_q
     kept = np.setdiff1d(np.arange(len(lam)), repeating)
     N, G = null_vectors(jacobian, kept, repeating), wrenches(lam)[2]
@@ -87,6 +87,6 @@ def _terms(system: System, q: np.ndarray, a: np.ndarray, lam: np.ndarray):
 
 def _blocks(system: System, terms) -> tuple[np.ndarray, ...]:
     """d(J^T lam)/dq, d(J^T lam)/dx, d(J a)/dq, d(J a)/dx."""
-    n_q, by_q = system.n_q, np.real(system.matrix(terms.I_q).toarray())
+    n_q, by_q = system.n_q, np.real(system.dense(terms.I_q))
     by_x = np.real(terms.I_x)
     return by_q[:n_q, :n_q], by_x[:n_q], by_q[n_q:, :n_q], by_x[n_q:]

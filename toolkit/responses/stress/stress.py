@@ -49,7 +49,12 @@ def by_instant(states: np.ndarray, matrix: np.ndarray) -> np.ndarray:
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
     """Derivatives of an array of a body's reduced model by the design variables, numbered as these are."""
-    scene = solution.system.scene
+    found: Derivatives = solution.system.placed.once(("rates", body, item), lambda: _rates(solution, body, item, *parts))
+    return found
+
+
+def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
+    scene = solution.system.placed
     driven = [
         (model_parameter(scene, body, path), x, factor)
         for x, variable in enumerate(solution.system.design)
@@ -133,7 +138,7 @@ class StressResponse(Response):
         """Components of stress at the times that count, (n_t, n_s, 1 or 6)."""
         where = elastic_coordinates(solution, self.body)
         q = solution.q[:, where] if self.when == "all" else solution.q[-1:, where]
-        return stress_components(solution.system.scene, self.body, q)
+        return stress_components(solution.system.placed, self.body, q)
 
     def twice(self, components: np.ndarray) -> bool:
         """Whether the opposite sign counts too."""
@@ -147,7 +152,7 @@ class StressResponse(Response):
         by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
         if self.when == "end":
             by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
-        where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.scene, self.body)
+        where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.placed, self.body)
         value_q = np.zeros(solution.q.shape)
         value_q[:, where] = by_instant(by_component, np.real(operator.reshape(by_component.shape[1], -1)))
         by_operator = np.real(by_component.T @ solution.q[:, where]).ravel()

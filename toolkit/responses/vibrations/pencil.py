@@ -28,7 +28,7 @@ def pencil_of(solution: Solution) -> Pencil:
     """Of the equilibrium that a solution ends in."""
     system, n_q = solution.system, solution.system.n_q
     terms = system.evaluate(system.inputs(solution.times[-1], LEVELS), *_state(solution))
-    stiffness, damping, mass = (system.matrix(each).toarray() for each in (static_matrix(system, terms), terms.A_v, terms.I_acc))
+    stiffness, damping, mass = (system.dense(each) for each in (static_matrix(system, terms), terms.A_v, terms.I_acc))
     for each in (damping, mass):
         each[n_q:], each[:, n_q:] = 0, 0
     return Pencil(stiffness, damping, mass)

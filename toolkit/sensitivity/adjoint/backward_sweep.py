@@ -7,11 +7,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.analyses.run_start import run_start
+from toolkit.analyses.run_start import run_levels, run_motion
 from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.responses.response import STATES, Partials
+from toolkit.solvers.start.initial_conditions import State, through_accelerations
 from toolkit.solvers.transient.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.prediction import SAME, STEEP
@@ -89,10 +90,17 @@ def _sweep_piece(state: Sweep, window: Solution, piece: slice, first: int, found
 
 def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
-    start = run_start(state.system, state.options)
-    bars = state.memory.bars
-    for bar, change in zip((bars.q, bars.v, bars.acc), (start.dq, start.dv, start.dacc), strict=True):
-        state.gradient[:] += change.T @ bar
+    system, bars = state.system, state.memory.bars
+    start = run_motion(system, state.options)
+    parts = [(bars.q, start.dq), (bars.v, start.dv)]
+    if isinstance(start, State):
+        parts.append((bars.acc, start.dacc))
+    else:
+        levels = run_levels(state.options)
+        state.gradient[:] += through_accelerations(system, levels, start, bars.acc, state.transposition)
+    for bar, change in parts:
+        if np.any(change):
+            state.gradient[:] += change.T @ bar
     return state.gradient
 
 

@@ -44,7 +44,7 @@ def linearised(system: System, inputs: Inputs, q: np.ndarray, v: np.ndarray, acc
 def of_terms(system: System, terms: Terms) -> Linearised:
     """From the terms of the equations; the rows of constraints in them are those of positions."""
     n_q = system.n_q
-    by_q, by_v, by_acc = (system.matrix(each).toarray() for each in (terms.I_q + terms.A_q, terms.A_v, terms.I_acc))
+    by_q, by_v, by_acc = (system.dense(each) for each in (terms.I_q + terms.A_q, terms.A_v, terms.I_acc))
     by_acc[n_q:, :n_q] = 0
     for row in system.plan.dropped:
         by_acc[row, row] = 1

@@ -30,6 +30,15 @@ class State(NamedTuple):
     dacc: np.ndarray
 
 
+class Motion(NamedTuple):
+    """Coordinates and velocities that satisfy every joint, (n,), and their total design derivatives (n, n_x)."""
+
+    q: np.ndarray
+    v: np.ndarray
+    dq: np.ndarray
+    dv: np.ndarray
+
+
 def consistent_start(
     system: System,
     levels: np.ndarray,
@@ -52,16 +61,21 @@ def consistent_start(
     SingularSystemError
         Joints are redundant, so that accelerations or multipliers are not unique.
     """
+    return with_accelerations(system, levels, *consistent_motion(system, q, v, time, options), time)
+
+
+def consistent_motion(
+    system: System, q: np.ndarray | None, v: np.ndarray | None, time: float, options: RunOptions | None = None
+) -> Motion:
+    """Coordinates and velocities of `consistent_start`."""
     position, dq = closed_positions(system, q, time, options)
-    return moving_start(system, levels, position, dq, v, time)
+    return moving(system, position, dq, v, time)
 
 
-def moving_start(
-    system: System, levels: np.ndarray, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0
-) -> State:
-    """The state in positions (n,) where every joint is closed, with their design derivatives (n, n_x); all else as `consistent_start`."""
+def moving(system: System, position: np.ndarray, dq: np.ndarray, v: np.ndarray | None = None, time: float = 0.0) -> Motion:
+    """The same in positions (n,) where every joint is closed, with their design derivatives (n, n_x)."""
     velocity, dv = _velocities(system, position, dq, v, time)
-    return with_accelerations(system, levels, position, velocity, dq, dv, time)
+    return Motion(position, velocity, dq, dv)
 
 
 def with_accelerations(
@@ -145,7 +159,9 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
             "Give positions that satisfy every joint, or a length, offset or curve that starts at their value; or let "
             "solver.assemble = true close the joints."
         )
-    change = (system.matrix(terms.A_q) @ dq + terms.A_x)[n_q:]
+    change = terms.A_x[n_q:]
+    if np.any(dq):
+        change = change + (system.matrix(terms.A_q)[n_q:] @ dq)
     for i, x in np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0))):
         raise InputError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
@@ -166,20 +182,53 @@ def initial_accelerations(
     SingularSystemError
         Joints are redundant, or something has no mass.
     """
+    acc, terms = _accelerations(system, q, v, levels, time)
+    if terms is None:
+        return acc, np.zeros_like(dq)
+    mass = terms.I_acc + system.unit_of_states
+    return acc, solve_linear(system, mass, -total_change(system, terms, dq, dv), ACCELERATIONS)
+
+
+ACCELERATIONS = "initial accelerations"
+
+
+def _accelerations(
+    system: System, q: np.ndarray, v: np.ndarray, levels: np.ndarray, time: float
+) -> tuple[np.ndarray, Terms | None]:
+    """[a; lam] (n,), and the equations there with their partial derivatives by the design, if there are variables."""
     inputs = system.inputs(time, levels)
     terms = system.evaluate(inputs, q, v, np.zeros_like(q))
-    mass = terms.I_acc + system.unit_of_states
-    acc = solve_linear(system, mass, -(terms.inertial + terms.applied), "initial accelerations")
-    if not system.n_x:
-        return acc, np.zeros_like(dq)
-    terms = system.evaluate(inputs, q, v, acc, design=True)
-    dacc = solve_linear(
-        system, terms.I_acc + system.unit_of_states, -total_change(system, terms, dq, dv), "initial accelerations"
-    )
-    return acc, dacc
+    acc = solve_linear(system, terms.I_acc + system.unit_of_states, -(terms.inertial + terms.applied), ACCELERATIONS)
+    return acc, system.evaluate(inputs, q, v, acc, design=True) if system.n_x else None
+
+
+def through_accelerations(
+    system: System, levels: np.ndarray, motion: Motion, bar: np.ndarray, transposition: np.ndarray, time: float = 0.0
+) -> np.ndarray:
+    """What the design changes through [a; lam] of `with_accelerations`, backwards: (n_x, n_r) from derivatives `bar` (n, n_r) by these.
+
+        A dacc = - R_x,   so that   dacc^T bar = - R_x^T mu   with   A^T mu = bar
+
+    `transposition` (n_entries,) is the place of the transposed entry of every entry of the pattern.
+    """
+    v, dv = rates_of_states(system, motion.q, motion.dq, motion.v, motion.dv, time)
+    _, terms = _accelerations(system, motion.q, v, levels, time)
+    assert terms is not None
+    mu = solve_linear(system, (terms.I_acc + system.unit_of_states)[transposition], bar, ACCELERATIONS)
+    rows, variables = system.plan.touched_row, system.plan.touched_variable
+    change = terms.I_x[rows, variables] + terms.A_x[rows, variables]
+    found = np.zeros((system.n_x, mu.shape[1]))
+    np.add.at(found, variables, change[:, None] * mu[rows])
+    if np.any(motion.dq):
+        found += motion.dq.T @ (system.matrix(terms.I_q + terms.A_q).T @ mu)
+    if np.any(dv):
+        found += dv.T @ (system.matrix(terms.A_v).T @ mu)
+    return -found
 
 
 def total_change(system: System, terms: Terms, dq: np.ndarray, dv: np.ndarray) -> np.ndarray:
     """Derivative of the residual by the design at constant [a; lam], through coordinates, velocities and explicitly, (n, n_x)."""
-    stiffness = system.matrix(terms.I_q + terms.A_q)
-    return stiffness @ dq + system.matrix(terms.A_v) @ dv + terms.I_x + terms.A_x
+    change: np.ndarray = terms.I_x + terms.A_x
+    if np.any(dv):
+        change = system.matrix(terms.A_v) @ dv + change
+    return system.matrix(terms.I_q + terms.A_q) @ dq + change if np.any(dq) else change

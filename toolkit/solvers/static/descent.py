@@ -74,7 +74,7 @@ def _shift(system: System, terms) -> float:
     n_b = system.n_b
     if _plainly_stable(system, terms):
         return 0.0
-    matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
+    matrix = np.real(system.dense(static_matrix(system, terms)))
     stiffness, free = matrix[:n_b, :n_b], free_motions(matrix[:n_b, n_b:].T, system.weights[:n_b])
     if not free.shape[1]:
         return 0.0
@@ -93,7 +93,7 @@ def _shift(system: System, terms) -> float:
 def _plainly_stable(system: System, terms: Terms) -> bool:
     """Whether K is positive definite by so much that no closer look is needed."""
     n_b, residual = system.n_b, np.real(terms.inertial + terms.applied)[: system.n_b]
-    matrix = np.real(system.matrix(static_matrix(system, terms)).toarray())
+    matrix = np.real(system.dense(static_matrix(system, terms)))
     try:
         saddle = factorised(system, matrix)
     except SingularSystemError:

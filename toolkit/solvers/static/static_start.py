@@ -50,6 +50,6 @@ def _balancing(system: System, options: RunOptions, factor: float, q: np.ndarray
     """[0; lam] with the joint forces that come nearest to balancing the loads: their geometric stiffness may be all that there is."""
     zero, n_q = np.zeros_like(q), system.n_q
     terms = system.evaluate(inputs_at(system, options, factor), q, zero, zero)
-    transposed_phi_q = np.real(system.matrix(terms.I_acc).toarray()[:n_q, n_q:])
+    transposed_phi_q = np.real(system.dense(terms.I_acc)[:n_q, n_q:])
     multipliers = np.linalg.lstsq(transposed_phi_q, -np.real(terms.inertial + terms.applied)[:n_q])[0]
     return np.concatenate([zero[:n_q], multipliers]).astype(system.dtype)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from toolkit.equations.equations import Inputs, Plan, Terms, Work, allocate_terms, allocate_work
-from toolkit.foundation.kernel import inner, kernel
+from toolkit.foundation.kernel import inner, loop
 from toolkit.linear.linear_solver import LinearSolver, factorize, linear_solver, solve_refined_block
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.solvers.transient.newton import newton_matrix
@@ -67,6 +67,17 @@ def add_transposed(plan, values, factor, block, out):
 
 
 @inner
+def add_transposed_q(plan, terms, factor_i, factor_a, block, out):
+    """out += (factor_i I_q + factor_a A_q)^T block."""
+    for i in range(plan.n):
+        for e in range(plan.indptr[i], plan.indptr[i + 1]):
+            value = factor_i * terms.I_q[e] + factor_a * terms.A_q[e]
+            if value != 0:
+                for r in range(block.shape[1]):
+                    out[plan.indices[e], r] += value * block[i, r]
+
+
+@inner
 def add_design(plan, factor_i, factor_a, terms, block, gradient):
     """gradient += (factor_i I_x + factor_a A_x)^T block; gradient (n_x, n_r)."""
     for e in range(len(plan.touched_row)):
@@ -80,8 +91,7 @@ def add_design(plan, factor_i, factor_a, terms, block, gradient):
 def add_carried(plan, scheme, memory, gradient):
     """What the residual of the step above took from this state."""
     c_i, c_a, terms, bars, above = scheme.carried_inertial, scheme.carried_applied, memory.terms, memory.bars, memory.multiplier
-    add_transposed(plan, terms.I_q, c_i, above, bars.q)
-    add_transposed(plan, terms.A_q, c_a, above, bars.q)
+    add_transposed_q(plan, terms, c_i, c_a, above, bars.q)
     add_transposed(plan, terms.A_v, c_a, above, bars.v)
     add_transposed(plan, terms.I_acc, c_i, above, bars.acc)
     add_design(plan, c_i, c_a, terms, above, gradient)
@@ -121,8 +131,7 @@ def step_back(plan, scheme, ratio, memory):
     """Bars of the state before from those of this one; `ratio` is that of the lengths of this step and the one before."""
     bars, terms, mu = memory.bars, memory.terms, memory.multiplier
     h, beta, gamma = scheme.h, scheme.beta, scheme.gamma
-    add_transposed(plan, terms.I_q, scheme.weight_inertial, mu, bars.q)
-    add_transposed(plan, terms.A_q, scheme.weight_applied, mu, bars.q)
+    add_transposed_q(plan, terms, scheme.weight_inertial, scheme.weight_applied, mu, bars.q)
     add_transposed(plan, terms.A_v, scheme.weight_applied, mu, bars.v)
     for i in range(plan.n):
         for r in range(mu.shape[1]):
@@ -137,7 +146,7 @@ def step_back(plan, scheme, ratio, memory):
                 bars.q[i, r], bars.v[i, r], bars.aux[i, r], bars.acc[i, r] = 0.0, 0.0, 0.0, 0.0
 
 
-@kernel
+@loop
 def integrate_backwards(
     evaluator, plan, functions, curves, curves_x, lengths, ratios, levels, scheme, transposition, begins, ends, q, v, acc, by_q, by_v,
     by_acc, memory, gradient,

@@ -5,7 +5,9 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 """
 
 from toolkit.equations.equations import Inputs
-from toolkit.foundation.kernel import copy, inner, kernel
+from toolkit.foundation.kernel import inlined, loop
+from toolkit.linear.linear_solver import cheaper_anew
+from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -19,13 +21,18 @@ from toolkit.solvers.transient.step_memory import (
     LAST,
     LAST_ERROR,
     LATE_ERROR,
+    REST,
     STATUS,
     STEP,
 )
 
-REUSED, SHARP = 1e-13, 1e-7
+REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
 """Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve: one refinement with the converged Jacobian squares their relative error."""
+least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one
+refinement with the converged Jacobian squares that. Where new factors cost less, they are made."""
+ALIKE = 1e-4
+"""Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
+zero, not the digits of the matrix."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
 way there; further off it has left the path of equilibria."""
@@ -33,10 +40,12 @@ FADING = 0.8
 """Part of the local error before that is remembered from step to step: in an oscillation the estimate passes through zero."""
 
 
-@inner
+@inlined
 def begin(evaluator, plan, functions, inputs, scheme, history, memory):
     """Auxiliary acceleration and carried terms of the first step, from the consistent start."""
     memory.span[0] = 0
+    memory.learnt[:] = 0
+    forget_trend(memory)
     for i in range(plan.n_q):
         memory.aux[i] = history.acc[0, i]
         for x in range(plan.n_x):
@@ -47,9 +56,9 @@ def begin(evaluator, plan, functions, inputs, scheme, history, memory):
         carry_over(plan, scheme, memory, history.dq[0], history.dv[0], history.dacc[0])
 
 
-@inner
+@inlined
 def foresee(plan, scheme, history, step, memory):
-    """Predicted coordinates and velocities, and a first guess of [a; lam]: that of the step before."""
+    """Predicted coordinates and velocities, and a first guess of [a; lam]."""
     ratio = step_ratio(scheme.h, memory.span[0])
     if ratio != 1:
         rescale_auxiliary(ratio, history.acc[step], plan.n_q, memory.aux)
@@ -57,13 +66,13 @@ def foresee(plan, scheme, history, step, memory):
     memory.span[0] = scheme.h
     q, v, acc = history.q[step], history.v[step], history.acc[step + 1]
     predict(scheme, q, v, history.acc[step], memory.aux, plan.n_q, memory.q_predicted, memory.v_predicted)
-    copy(history.acc[step], acc)
+    guess(plan, ratio, memory, history.acc[step], acc)
     if not scheme.inertia:
         for i in range(plan.n_q):
             acc[i] = v[i] / scheme.h
 
 
-@inner
+@inlined
 def local_error(plan, scheme, weights, history, step, memory):
     """Estimated error that one step made in q, a part of the scene's size or in rad: error h^2 (w_+ - w_n), see `scheme`."""
     h, largest, before, after = scheme.h, 0.0, history.acc[step], history.acc[step + 1]
@@ -76,7 +85,7 @@ def local_error(plan, scheme, weights, history, step, memory):
     return abs(scheme.error) * h * h * largest
 
 
-@inner
+@inlined
 def strayed(plan, scheme, weights, history, step):
     """Whether a quasi-static step ends far from where the step before points to."""
     off, way = 0.0, 0.0
@@ -87,7 +96,7 @@ def strayed(plan, scheme, weights, history, step):
     return off > FREE + TRUSTED * way
 
 
-@inner
+@inlined
 def judge(plan, scheme, weights, control, history, step, memory, outcome):
     """Whether a converged step is good enough: CONVERGED, REJECTED or JUMPED."""
     outcome.correction[LAST_ERROR] = local_error(plan, scheme, weights, history, step, memory)
@@ -96,12 +105,12 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
     return CONVERGED if outcome.correction[LAST_ERROR] <= control.largest_error else REJECTED
 
 
-@inner
+@inlined
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian. With `ggl` derivatives are always those of the converged state: its joint forces
-    are quiet enough to show the last correction of the accelerations, REUSED over c_q.
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
+    always those of the converged state: its joint forces are quiet enough to show the last correction of accelerations, REUSED over c_q.
     """
     close = not control.modified and correction <= REUSED
     relinearize = plan.n_x > 0 and not close
@@ -111,15 +120,19 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
         evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
     if relinearize and not close:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        if control.modified or correction > SHARP:
+        changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
+        near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
+        known = ggl is None and not control.modified and memory.solver.mode[0] == 0
+        if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
-        elif ggl is not None:
+            return known and correction <= ALIKE
+        if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return close
 
 
-@kernel
+@loop
 def integrate(
     evaluator, plan, functions, curves, curves_x, lengths, levels, scheme, weights, control, begins, first, last, history, memory,
     ggl, outcome,
@@ -138,19 +151,23 @@ def integrate(
         now = with_step(scheme, lengths[step])
         inputs = Inputs(curves[step + 1], curves_x[step + 1], 1.0, levels[step], scheme.inertia, False)
         q, v, acc = history.q[step + 1], history.v[step + 1], history.acc[step + 1]
-        foresee(plan, now, history, step, memory)
         outcome.counts[STEP] = step
-        if ggl is not None:
-            begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
-        outcome.counts[STATUS] = newton(
-            evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
-        )
-        outcome.counts[ALL_ITERATIONS] += outcome.counts[ITERATIONS]
+        while True:
+            foresee(plan, now, history, step, memory)
+            if ggl is not None:
+                begin_ggl(evaluator, plan, functions, inputs, history.q[step], history.v[step], history.acc[step], memory, ggl)
+            outcome.counts[STATUS] = newton(
+                evaluator, plan, functions, inputs, now, weights, control, q, v, acc, memory, ggl, outcome
+            )
+            outcome.counts[ALL_ITERATIONS] += outcome.counts[ITERATIONS]
+            if outcome.counts[STATUS] == CONVERGED or memory.learnt[ORDER] == 0:
+                break
+            forget_trend(memory)
         if outcome.counts[STATUS] == CONVERGED:
             outcome.counts[STATUS] = judge(plan, now, weights, control, history, step, memory, outcome)
         if outcome.counts[STATUS] != CONVERGED:
             return
-        outcome.correction[LARGEST] = max(outcome.correction[LAST], outcome.correction[LARGEST])
+        outcome.correction[LARGEST] = max(outcome.correction[REST], outcome.correction[LARGEST])
         outcome.correction[LARGEST_ERROR] = max(outcome.correction[LAST_ERROR], outcome.correction[LARGEST_ERROR])
         fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[LAST], memory, ggl)
         if plan.n_x > 0:
@@ -159,6 +176,7 @@ def integrate(
             else:
                 ggl_sensitivity_step(evaluator, plan, functions, inputs, now, history, step, fresh, memory, ggl)
         advance_auxiliary(now, history.acc[step], acc, plan.n_q, memory.aux)
+        learn_trend(plan, now, weights, history.acc[step], acc, memory)
         if carries(scheme):
             carry_over(plan, now, memory, history.dq[step + 1], history.dv[step + 1], history.dacc[step + 1])
         outcome.correction[LATE_ERROR] = max(outcome.correction[LAST_ERROR], FADING * outcome.correction[LATE_ERROR])

@@ -4,12 +4,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.foundation.kernel import copy, inner
+from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
+from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, QUALITY, UNCHECKED, UNREFINED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
-from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST
+from toolkit.solvers.transient.step_memory import AT_FAULT, ITERATIONS, LAST, REST
 
 CONVERGED, NOT_CONVERGED, SINGULAR, NOT_FINITE, REJECTED, EASY, JUMPED = range(7)
 """What becomes of a step. Those of a run with error control: too large a local error; so small a one that the next step may be longer;
@@ -22,31 +23,43 @@ ROUND_OFF, STILL = 1e-13, 0.5
 """Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
 
 
+NEGLIGIBLE, FAR = 1e-15, 1e-6
+"""Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of;
+and a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+FADES = 0.5
+"""Part of what a correction is known to leave that is believed at least when it has left less."""
+OFTEN, SURPRISE = 20, 10.0
+"""Steps after which what a correction leaves is measured anew; and how many times larger than in the last step a first correction has to be
+to be looked into at once."""
+
+
 class Control(NamedTuple):
     """When a step is done, and whether it was a good one."""
 
     tolerance: float
     most: int  # iterations
     modified: bool  # whether factors are kept as long as they contract well
+    thorough: bool  # whether no first correction is the last: imaginary parts of a complex step decide nothing but have to settle
     left: float  # error that kept factors may leave, see `allowed`
     largest_error: float  # local error above which a step is rejected
     easy_error: float  # local error below which the run pauses, to go on with longer steps
 
 
-@inner
+@inlined
 def newton_matrix(plan, scheme, terms, jacobian):
     """d residual / d [a; lam] at n + 1: w_I (I_acc + c_q I_q) + w_A (c_q A_q + c_v A_v); without inertia I_acc for lam alone."""
     c_q, c_v = by_acceleration(scheme)
     w_i, w_a = scheme.weight_inertial, scheme.weight_applied
+    I_acc, I_q, A_q, A_v = terms.I_acc, terms.I_q, terms.A_q, terms.A_v  # looked up once, or nothing is done several at a time
     for e in range(len(jacobian)):
-        jacobian[e] = w_i * (terms.I_acc[e] + c_q * terms.I_q[e]) + w_a * (c_q * terms.A_q[e] + c_v * terms.A_v[e])
+        jacobian[e] = w_i * (I_acc[e] + c_q * I_q[e]) + w_a * (c_q * A_q[e] + c_v * A_v[e])
     if not scheme.inertia:
         for e in range(len(jacobian)):
             if plan.indices[e] < plan.n_q:
                 jacobian[e] -= w_i * terms.I_acc[e]
 
 
-@inner
+@inlined
 def is_finite(vector):
     """Whether no entry is infinite or not a number."""
     total = 0.0
@@ -55,7 +68,7 @@ def is_finite(vector):
     return np.isfinite(total)
 
 
-@inner
+@inlined
 def place(scheme, memory, count, acc, q, v):
     """Coordinates and velocities that belong to accelerations."""
     c_q, c_v = by_acceleration(scheme)
@@ -64,7 +77,7 @@ def place(scheme, memory, count, acc, q, v):
         v[i] = memory.v_predicted[i] + c_v * acc[i]
 
 
-@inner
+@inlined
 def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     """Subtract Newton's correction; its size and place go to `outcome`."""
     c_q, c_v = by_acceleration(scheme)
@@ -80,7 +93,7 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
     outcome.counts[AT_FAULT], outcome.correction[LAST] = worst, largest
 
 
-@inner
+@inlined
 def left_over(kept, iteration, before, size):
     """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
     if not kept or size == 0:
@@ -89,7 +102,7 @@ def left_over(kept, iteration, before, size):
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 
-@inner
+@inlined
 def allowed(control, scheme, kept):
     """Error that a step may leave: with the exact Jacobian the tolerance, which its own quadratic convergence undercuts by far.
 
@@ -102,7 +115,37 @@ def allowed(control, scheme, kept):
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
-@inner
+@inlined
+def learn_bend(learnt, before, size):
+    """What a correction by the exact Jacobian leaves, as a multiple of its square, from two that follow each other.
+
+    It depends on their direction (by forces of joints on light bodies a thousandfold), so that less than is known is believed by half.
+    """
+    learnt[BEND] = max(max(size, NEGLIGIBLE) / (before * before), FADES * learnt[BEND])
+    learnt[UNCHECKED] = 0
+
+
+@inlined
+def leaves_nothing(learnt, iteration, size):
+    """Whether the exact Jacobian leaves no more than round-off after a correction, by what the last ones left."""
+    if iteration == 0 and (learnt[UNCHECKED] >= OFTEN or size > SURPRISE * learnt[EXPECTED]):
+        return False
+    return learnt[BEND] > 0 and learnt[BEND] * size * size <= NEGLIGIBLE
+
+
+@inlined
+def precise_enough(plan, control, learnt):
+    """Whether a first correction like the last needs no refinement: even SURPRISE times as large it is off by less than anyone feels.
+
+    Where there are derivatives, refining tells how good the factors are for them.
+    """
+    if plan.n_x > 0 or control.thorough or learnt[UNREFINED] >= OFTEN:
+        return False
+    known = learnt[EXPECTED] > 0 and learnt[QUALITY] > 0
+    return known and SURPRISE * learnt[EXPECTED] * learnt[QUALITY] <= NEGLIGIBLE
+
+
+@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -111,9 +154,13 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
+    learnt, stiff, rough, once = memory.learnt, len(plan.constant.stiff_row) > 0, False, False
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
-        memory.work.rough[0] = int(iteration == 0)  # a first correction is far larger than its round-off
+        rough_before = rough
+        # a first correction that is not the last is far larger than its round-off
+        rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
+        memory.work.rough[0] = int(rough)
         evaluator(plan, functions, inputs, q, v, acc, not kept, False, memory.terms, memory.work)
         memory.work.rough[0] = 0
         for i in range(plan.n):
@@ -124,7 +171,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
         if ggl is None:
-            failed = solve(plan, kept, memory)
+            once = iteration == 0 and not kept and precise_enough(plan, control, learnt)
+            failed = solve(plan, kept, once, memory)
         else:
             failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
@@ -135,6 +183,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
         if ggl is not None:
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
+        outcome.correction[REST] = size
         if kept and iteration > 0 and not size <= SLOW * before:
             if STILL * before < size <= ROUND_OFF:
                 return CONVERGED
@@ -147,26 +196,43 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
+        if iteration == 0 and (control.thorough or (once and size > SURPRISE * learnt[EXPECTED])):
+            continue
+        if not kept and exact_before and before > (FAR if rough_before else 0.0):
+            learn_bend(learnt, before, size)
         stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
-        if left_over(kept, iteration, before, size) <= allowed(control, scheme, kept) or stagnated:
+        if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
+            return CONVERGED
+        if ggl is None and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
+            learnt[UNCHECKED] += 1
+            outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
     return NOT_CONVERGED
 
 
-@inner
-def solve(plan, kept, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
+@inlined
+def solve(plan, kept, once, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
+
+    The latter is refined, unless it is to be solved for `once`.
+    """
+    learnt = memory.learnt
     if kept:
         copy(memory.residual, memory.correction)
         apply_inverse(memory.solver, memory.correction)
         return -1
     failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    if failed < 0:
+    if failed < 0 and once:
+        copy(memory.residual, memory.correction)
+        apply_inverse(memory.solver, memory.correction)
+        learnt[UNREFINED] += 1
+    elif failed < 0:
         failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+        learnt[QUALITY], learnt[UNREFINED] = memory.solver.quality[0], 0
     return failed
 
 
-@inner
+@inlined
 def factorize_step(plan, scheme, memory, ggl):
     """Factors of the step's matrix, from the Jacobian; as `factorize`."""
     if ggl is None:

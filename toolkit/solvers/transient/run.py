@@ -48,10 +48,13 @@ def prepare_run(system: System, options: RunOptions | None = None) -> Run:
     options = options or system.scene.solver
     times = time_grid(options)
     lengths = step_lengths(times)
-    control = Control(options.tolerance, options.max_iterations, options.newton == "modified", left_by_kept(options), np.inf, 0.0)
+    modified = options.newton == "modified" and system.compiled  # a complex step is the judge, by exact Jacobians
+    control = Control(
+        options.tolerance, options.max_iterations, modified, not system.compiled, left_by_kept(options), np.inf, 0.0
+    )
     memory = allocate_memory(system.plan, system.lu_plan, system.weights, system.dtype)
     ggl = allocate_ggl(system.plan, system.weights, system.dtype) if options.formulation == "ggl" else None
-    outcome = Outcome(np.zeros(5, np.int64), np.zeros(5))
+    outcome = Outcome(np.zeros(5, np.int64), np.zeros(6))
     return Run(system, options, times, lengths, relaxed(lengths), scheme_of(options), control, memory, ggl, outcome)
 
 

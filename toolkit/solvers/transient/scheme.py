@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from toolkit.foundation.compiled.calls import by_value
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.kernel import inlined, inner
 
 
+@by_value
 class Scheme(NamedTuple):
     """One step of length h, from n to n + 1 =: +, with the auxiliary acceleration w:
 

@@ -50,12 +50,12 @@ def sensitivity_step(plan, scheme, history, step, fresh, memory):
     add_state_change(plan, terms, w_i, w_a, dq, dv, dacc, False, load)
     solve_refined_block(memory.solver, plan.indptr, plan.indices, memory.jacobian, fresh, load, dacc)
     c_q, c_v = by_acceleration(scheme)
-    for i in range(plan.n):
-        for x in range(plan.n_x):
-            dacc[i, x] = -dacc[i, x]
-            if i < plan.n_q:
-                dq[i, x] += c_q * dacc[i, x]
-                dv[i, x] += c_v * dacc[i, x]
+    flat_dq, flat_dv, flat_dacc = history.flat_dq[after], history.flat_dv[after], history.flat_dacc[after]
+    for k in range(len(flat_dacc)):
+        flat_dacc[k] = -flat_dacc[k]
+    for k in range(count):
+        flat_dq[k] += c_q * flat_dacc[k]
+        flat_dv[k] += c_v * flat_dacc[k]
     advance_auxiliary(scheme, history.flat_dacc[step], history.flat_dacc[after], count, memory.flat_daux)
 
 

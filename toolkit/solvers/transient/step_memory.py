@@ -34,6 +34,8 @@ class Memory(NamedTuple):
     pseudo_load: np.ndarray  # (n, n_x)
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
+    trend: np.ndarray  # (2, n) differences of [a; lam] behind the last step, see `extrapolation`
+    learnt: np.ndarray  # (6,) by `extrapolation.ORDER` and its neighbours
     guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
     v_predicted: np.ndarray
@@ -47,16 +49,16 @@ class Memory(NamedTuple):
 
 STATUS, STEP, ITERATIONS, AT_FAULT, ALL_ITERATIONS = range(5)
 """Places in `Outcome.counts`: what became of the last step, its number, its Newton iterations, the unknown at fault; those of all steps."""
-LAST, LARGEST, LAST_ERROR, LATE_ERROR, LARGEST_ERROR = range(5)
+LAST, LARGEST, LAST_ERROR, LATE_ERROR, LARGEST_ERROR, REST = range(6)
 """Places in `Outcome.correction`: Newton's last correction, the largest that a step was content with; the last local error, the largest of
-late, the largest of all steps."""
+late, the largest of all steps; the last correction, or what it left by estimate where that is why Newton stopped."""
 
 
 class Outcome(NamedTuple):
     """What the loop reports."""
 
     counts: np.ndarray  # (5,) by `STATUS` and its neighbours
-    correction: np.ndarray  # (5,) by `LAST` and its neighbours, relative to the scene's size
+    correction: np.ndarray  # (6,) by `LAST` and its neighbours, relative to the scene's size
 
 
 def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: type) -> Memory:
@@ -76,6 +78,8 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         pseudo_load=zeros(n, n_x),
         span=np.zeros(1),
         kept=np.zeros(1),
+        trend=zeros(2, n),
+        learnt=np.zeros(6),
         guess=zeros(n),
         q_predicted=zeros(n),
         v_predicted=zeros(n),

@@ -125,8 +125,8 @@ def _stiffnesses(
     inputs = system.inputs(float(solution.times[n]), LEVELS)
     bare = system.evaluate(system.inputs(float(solution.times[n]), LEVELS, 0.0), q, rest, rest)
     loaded = system.evaluate(inputs, q, v, acc)
-    of_bare, of_loaded = (np.real(system.matrix(static_matrix(system, terms)).toarray())[:n_q, :n_q] for terms in (bare, loaded))
-    I_acc = np.real(system.matrix(loaded.I_acc).toarray())
+    of_bare, of_loaded = (np.real(system.dense(static_matrix(system, terms)))[:n_q, :n_q] for terms in (bare, loaded))
+    I_acc = np.real(system.dense(loaded.I_acc))
     geometric = np.zeros((n_q, n_q))
     for body, law in known.items():
         where = elastic_coordinates(solution, body)

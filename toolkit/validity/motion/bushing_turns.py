@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.spatial.bushing import SpatialBushing
 from toolkit.system.marker_states import marker_states
@@ -25,8 +26,7 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
     if not bushings:
         return
     states = np.atleast_2d(np.real(solution.q))
-    some = np.unique(np.linspace(0, len(states) - 1, min(LOOKED_AT, len(states))).round().astype(int))
-    poses = np.real([marker_states(system, states[step]).y for step in some])
+    poses = np.real([marker_states(system, states[step]).y for step in spread(len(states) - 1, LOOKED_AT)])
     for name, load in bushings.items():
         first, second = (system.numbering.marker(grip) for grip in load.grips)
         cosine = (np.einsum("tk,tk->t", poses[:, first, 3:], poses[:, second, 3:]) - 1) / 2

@@ -9,6 +9,7 @@ import numpy as np
 from toolkit.compilation.numbering import grips_of
 from toolkit.compilation.quantities import named_loads
 from toolkit.foundation.kernel import plain
+from toolkit.foundation.spread import spread
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.friction import Friction
@@ -27,7 +28,7 @@ def creeping_friction(solution: Solution) -> Iterator[Caution]:
     for k, (name, load) in enumerate(named_loads(scene).items()):
         if not isinstance(load, Friction):
             continue
-        steps = np.unique(np.linspace(0, len(solution.times) - 1, LOOKED_AT).round().astype(int))
+        steps = np.array(spread(len(solution.times) - 1, LOOKED_AT))
         rates, times, width = np.abs(_rates(solution, name, k, steps)), solution.times[steps], float(np.real(load.width))
         slow = rates < width
         part = _integral(times, slow.astype(float)) / (times[-1] - times[0])

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.joints.both.cam import OnCam
 from toolkit.joints.kernels.profile import SEAM
@@ -56,8 +57,7 @@ def _passes(solution: Solution, name: str) -> bool:
     sine, cosine = joint.constraint(system.scene)[0].forms[-2], joint.constraint(system.scene)[0].forms[-3]
     markers = [system.numbering.marker(grip if joint.axes is None else (*grip, f"joints.{name}")) for grip in joint.grips]
     states = np.atleast_2d(np.real(solution.q))
-    some = np.unique(np.linspace(0, len(states) - 1, min(LOOKED_AT, len(states))).round().astype(int))
-    poses = [_vectors(np.real(marker_states(system, states[step]).y[markers])) for step in some]
+    poses = [_vectors(np.real(marker_states(system, states[step]).y[markers])) for step in spread(len(states) - 1, LOOKED_AT)]
     angles = np.unwrap([np.arctan2(_value(sine, vectors), _value(cosine, vectors)) for vectors in poses])
     return bool(angles.min() < -SEAM or angles.max() >= TURN - SEAM)
 

@@ -87,10 +87,10 @@ def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray, n
     inputs = system.inputs(time, LEVELS)
     q, forces, rest = np.append(found, np.zeros(system.n - n_q)), np.zeros(system.n), np.zeros(system.n)
     terms = system.evaluate(inputs, q, rest, forces)
-    scaled = system.matrix(terms.I_acc).toarray()[:n_q, n_q:] / system.weights[:n_q, None]
+    scaled = system.dense(terms.I_acc)[:n_q, n_q:] / system.weights[:n_q, None]
     forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
     terms = system.evaluate(inputs, q, rest, forces)
-    return terms.inertial + terms.applied, system.matrix(static_matrix(system, terms)).toarray(), forces
+    return terms.inertial + terms.applied, system.dense(static_matrix(system, terms)), forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.controllers import DistanceControlled
 from toolkit.loads.springs import PointSpring
@@ -31,7 +32,7 @@ def springs_through_zero(solution: Solution) -> Iterator[Caution]:
     }
     if not springs:
         return
-    some = np.unique(np.linspace(0, last, min(LOOKED_AT, last + 1)).round().astype(int))
+    some = np.array(spread(last, LOOKED_AT))
     for (name, spring), turns in zip(springs.items(), _turns(solution, list(springs.values()), some), strict=True):
         closer = (np.arange(some[at], some[at + 1] + 1) for at in turns)
         found = next((int(every[at[0]]) for every in closer if len(at := _turns(solution, [spring], every)[0])), None)

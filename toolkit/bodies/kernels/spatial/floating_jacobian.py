@@ -4,27 +4,30 @@ They follow from the head of that file with dA/dbeta_k = A_k, dV/dbeta_k = V_k, 
 dW/dbeta_k' = 2 V_k and dX/dbeta_k'' = A_k.
 """
 
-from toolkit.bodies.kernels.spatial.floating_kernel import (
+from toolkit.bodies.kernels.spatial.floating_kernel import add_spatial_block
+from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
+from toolkit.bodies.kernels.spatial.small_matrices import (
+    add_matrix,
+    add_nine_rows,
+    add_three_rows,
+    along,
     by_transpose,
     flat_product,
-    multiply_spatial_block,
     product,
     transposed_product,
-    turned_dot,
 )
 from toolkit.foundation.kernel import inner
 from toolkit.kinematics.spatial import second_products
 
 
 @inner
-def add_moving_rows(part, frames, b, work, at, width, I_acc, I_q, A_q, A_v):
+def add_moving_rows(part, frames, b, work, border, I_acc, I_q, A_q, A_v):
     """Entries of the rows r by r, beta and c, and of the mass matrix below."""
     n_b, n, (n0, n1, n2) = part.turns[b], part.n_f[b], work.first
-    tail = (3 + n_b) * width
     for i in range(3):
-        I_acc[at[i * width + i]] += part.mass[b]
+        I_acc[border[i] + i] += part.mass[b]
         for k in range(n_b):
-            place, A_k, V_k = at[i * width + 3 + k], frames.A_k[b, k, i], frames.V_k[b, k, i]
+            place, A_k, V_k = border[i] + 3 + k, frames.A_k[b, k, i], frames.V_k[b, k, i]
             mass, by_acc, by_q, by_v = 0 * n0[0], 0 * n0[0], 0 * n0[0], 0 * n0[0]
             for j in range(3):
                 mass += A_k[j] * n0[j]
@@ -32,27 +35,26 @@ def add_moving_rows(part, frames, b, work, at, width, I_acc, I_q, A_q, A_v):
                 by_q += 2 * V_k[j] * n1[j] + frames.W_k[b, k, i, j] * n0[j]
                 by_v += 2 * A_k[j] * n1[j] + 2 * V_k[j] * n0[j]
             I_acc[place] += mass
-            I_acc[at[(3 + k) * width + i]] += mass
+            I_acc[border[3 + k] + i] += mass
             I_q[place] += by_acc
             A_q[place] += by_q
             A_v[place] += by_v
-        for j in range(n):
-            place, moment = at[i * width + 3 + n_b + j], part.moment[part.moment_start[b] + 1 + j]
-            mass, by_acc, by_q, by_v = 0 * n0[0], 0 * n0[0], 0 * n0[0], 0 * n0[0]
-            for k in range(3):
-                mass += frames.A[b, i, k] * moment[k]
-                by_acc += frames.X[b, i, k] * moment[k]
-                by_q += frames.W[b, i, k] * moment[k]
-                by_v += 2 * frames.V[b, i, k] * moment[k]
-            I_acc[place] += mass
-            I_acc[at[tail + j * (3 + n_b) + i]] += mass
-            I_q[place] += by_acc
-            A_q[place] += by_q
-            A_v[place] += by_v
+        if n > 0:
+            place, start = border[i] + 3 + n_b, part.moment_start[b] + 1
+            A, X, W, V = frames.A[b, i], frames.X[b, i], frames.W[b, i], frames.V[b, i]
+            add_three_rows(X[0], X[1], X[2], part.moment, start, I_q[place : place + n])
+            add_three_rows(W[0], W[1], W[2], part.moment, start, A_q[place : place + n])
+            add_three_rows(2 * V[0], 2 * V[1], 2 * V[2], part.moment, start, A_v[place : place + n])
+            line = work.lines[0, :n]
+            line[:] = 0
+            add_three_rows(A[0], A[1], A[2], part.moment, start, line)
+            for j in range(n):
+                I_acc[place + j] += line[j]
+                I_acc[border[3 + n_b + j] + i] += line[j]
 
 
 @inner
-def add_turning_block(part, frames, state, b, acc, gravity, scale, work, at, width, I_acc, I_q, A_q, A_v):
+def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
     """Entries beta by beta; by column l with the products A_l S^T, X_l S^T, V_l S^T and W_l S^T.
 
     The sums in `work` that A_k is multiplied with get the terms of r'' and g too, for the products with A_kl.
@@ -77,7 +79,7 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, at, wid
         by_transpose(A_l, work.s_v, 2.0, by_rate)
         by_transpose(V_l, work.s_q, 2.0, by_rate)
         for row in range(part.turns[b]):
-            place, A_k = at[(n_r + row) * width + n_r + column], state.A_k[b, row]
+            place, A_k = border[n_r + row] + n_r + column, state.A_k[b, row]
             I_acc[place] += product(A_k, mass)
             I_q[place] += product(A_k, inertial) + work.curved_inertial[row, column]
             A_q[place] += product(A_k, applied) + work.curved_applied[row, column]
@@ -85,60 +87,73 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, at, wid
 
 
 @inner
-def add_bent_rows(part, state, b, acc, gravity, scale, work, at, width, I_acc, I_q, A_q, A_v):
+def fill_pairs(state, b, k, pairs):
+    """Products of the frame's matrices that the entries between beta_k and c are made of; in brackets the place of each.
+
+    A_k^T A [0], A^T A_k [1], A_k^T X + X^T A_k [2], A^T X_k + A_k^T X [3], A_k^T V [4], V^T A_k [5], A^T V_k [6], A^T V_k + A_k^T V [7],
+    A_k^T W + W^T A_k [8], A^T W_k + A_k^T W [9]
+    """
+    A, A_k = state.A[b], state.A_k[b, k]
+    transposed_product(A_k, A, pairs[0])
+    transposed_product(A, A_k, pairs[1])
+    transposed_product(A_k, state.X[b], pairs[2])
+    transposed_product(A, state.X_k[b, k], pairs[3])
+    transposed_product(A_k, state.V[b], pairs[4])
+    transposed_product(state.V[b], A_k, pairs[5])
+    transposed_product(A, state.V_k[b, k], pairs[6])
+    transposed_product(A, state.V_k[b, k], pairs[7])
+    transposed_product(A_k, state.W[b], pairs[8])
+    transposed_product(A, state.W_k[b, k], pairs[9])
+    add_matrix(pairs[2], pairs[3])
+    add_matrix(pairs[4], pairs[7])
+    add_matrix(pairs[8], pairs[9])
+    transposed_product(state.X[b], A_k, pairs[10])
+    transposed_product(state.W[b], A_k, pairs[11])
+    add_matrix(pairs[10], pairs[2])
+    add_matrix(pairs[11], pairs[8])
+
+
+@inner
+def add_bent_rows(part, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
     """Entries beta by c and c by beta."""
-    n_r, n_b, frame = part.moves[b], part.turns[b], part.frame[b]
-    tail = (n_r + n_b) * width
-    for k in range(n_b):
-        A_k, V_k = state.A_k[b, k], state.V_k[b, k]
-        mass, X_row, V_row, W_row, X_column, V_column, W_column, V_turned = (
-            work.pairs[0], work.pairs[1], work.pairs[2], work.pairs[3], work.pairs[4], work.pairs[5], work.pairs[6], work.pairs[7]
-        )  # fmt: skip
-        transposed_product(A_k, state.A[b], mass)
-        transposed_product(A_k, state.X[b], X_row)
-        transposed_product(A_k, state.V[b], V_row)
-        transposed_product(A_k, state.W[b], W_row)
-        transposed_product(state.A[b], state.X_k[b, k], X_column)
-        transposed_product(state.A[b], V_k, V_column)
-        transposed_product(state.A[b], state.W_k[b, k], W_column)
-        transposed_product(state.A[b], A_k, V_turned)
-        for i in range(3):
-            for j in range(3):
-                X_column[i, j] += X_row[i, j]
-                W_column[i, j] += W_row[i, j]
-                work.pairs[8][i, j] = V_column[i, j] + V_row[i, j]
-        for i in range(1, 1 + part.n_f[b]):
-            row, column = at[(n_r + k) * width + n_r + n_b + i - 1], at[tail + (i - 1) * (n_r + n_b) + n_r + k]
-            moment, z, dz, ddz = part.moment[part.moment_start[b] + i], work.q[i], work.v[i], work.acc[i]
-            inertia = both(mass, z)
-            fall = scale * turned_dot(A_k, moment, gravity)
-            I_acc[row] += inertia
-            I_acc[column] += inertia
-            I_q[row] += flat_product(mass, ddz) + flat_product(X_row, z) + both(X_row, z)
-            I_q[column] += flat_product(X_column, z)
-            A_q[row] += 2 * flat_product(V_row, dz) + flat_product(W_row, z) + both(W_row, z) - fall
-            A_q[column] += 2 * flat_product(work.pairs[8], dz) + flat_product(W_column, z) - fall
-            A_v[row] += 2 * both(V_row, z)
-            A_v[column] += 2 * flat_product(V_turned, dz) + 2 * flat_product(V_column, z)
-            if n_r > 0:
-                pull = turned_dot(A_k, moment, acc[frame : frame + 3])
-                I_q[row] += pull
-                I_q[column] += pull
+    n_r, n, start, pairs = part.moves[b], part.n_f[b], part.moment_start[b] + 1, work.pairs
+    mass, by_acc, by_q, by_v = work.lines[0, :n], work.lines[1, :n], work.lines[2, :n], work.lines[3, :n]
+    for k in range(part.turns[b]):
+        A_k, row = state.A_k[b, k], border[n_r + k] + n_r + part.turns[b]
+        fill_pairs(state, b, k, pairs)
+        work.lines[:] = 0
+        add_nine_rows(pairs[1], 1.0, work.q, 1, mass)
+        add_nine_rows(pairs[3], 1.0, work.q, 1, by_acc)
+        add_nine_rows(pairs[7], 2.0, work.v, 1, by_q)
+        add_nine_rows(pairs[9], 1.0, work.q, 1, by_q)
+        add_nine_rows(pairs[1], 2.0, work.v, 1, by_v)
+        add_nine_rows(pairs[6], 2.0, work.q, 1, by_v)
+        row_acc, row_q = I_q[row : row + n], A_q[row : row + n]
+        add_nine_rows(pairs[0], 1.0, work.acc, 1, row_acc)
+        add_nine_rows(pairs[2], 1.0, work.q, 1, row_acc)
+        add_nine_rows(pairs[4], 2.0, work.v, 1, row_q)
+        add_nine_rows(pairs[8], 1.0, work.q, 1, row_q)
+        add_nine_rows(pairs[5], 2.0, work.q, 1, A_v[row : row + n])
+        x, y, z = -scale * along(A_k, 0, gravity), -scale * along(A_k, 1, gravity), -scale * along(A_k, 2, gravity)
+        add_three_rows(x, y, z, part.moment, start, by_q)
+        add_three_rows(x, y, z, part.moment, start, row_q)
+        if n_r > 0:
+            pull = acc[part.frame[b] : part.frame[b] + 3]
+            x, y, z = along(A_k, 0, pull), along(A_k, 1, pull), along(A_k, 2, pull)
+            add_three_rows(x, y, z, part.moment, start, by_acc)
+            add_three_rows(x, y, z, part.moment, start, row_acc)
+        for j in range(n):
+            place = border[n_r + part.turns[b] + j] + n_r + k
+            I_acc[row + j] += mass[j]
+            I_acc[place] += mass[j]
+            I_q[place] += by_acc[j]
+            A_q[place] += by_q[j]
+            A_v[place] += by_v[j]
 
 
 @inner
-def both(matrix, nine):
-    """<matrix, transpose of nine numbers in a row>: with Q[a, b] z^ for the nine, (z^^T Q[a, b]) contracted with the matrix."""
-    total = 0 * nine[0]
-    for i in range(3):
-        for j in range(3):
-            total += matrix[i, j] * nine[3 * j + i]
-    return total
-
-
-@inner
-def add_bent_block(part, b, work, I_acc, I_q, A_q, A_v):
-    """Entries c by c."""
+def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
+    """Entries c by c from a list of entries."""
     for e in range(part.entry_start[b], part.entry_start[b + 1]):
         if part.entry_row[e] > 0 and part.entry_column[e] > 0:
             place, nine = part.entry_position[e], part.second[e]
@@ -149,15 +164,41 @@ def add_bent_block(part, b, work, I_acc, I_q, A_q, A_v):
 
 
 @inner
-def spatial_jacobian(part, frames, state, q, v, acc, scale, work, I_acc, I_q, A_q, A_v):
-    """Derivatives of the residual by q, v and a."""
+def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
+    """The same from whole matrices, three of the nine at a time."""
+    n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
+    for i in range(1, n):
+        place, at = border[size + i - 1] + size, part.matrix_start[b] + 9 * n * i + 1
+        mass, by_acc = I_acc[place : place + n - 1], I_q[place : place + n - 1]
+        by_q, by_v = A_q[place : place + n - 1], A_v[place : place + n - 1]
+        x, y, z = part.matrix[at : at + n - 1], part.matrix[at + 4 * n : at + 5 * n - 1], part.matrix[at + 8 * n : at + 9 * n - 1]
+        for j in range(n - 1):
+            mass[j] += x[j] + y[j] + z[j]
+        for a in range(3):
+            x, y, z = part.matrix[at : at + n - 1], part.matrix[at + n : at + 2 * n - 1], part.matrix[at + 2 * n : at + 3 * n - 1]
+            t_x, t_y, t_z = work.turned[a, 0], work.turned[a, 1], work.turned[a, 2]
+            b_x, b_y, b_z = work.bent[a, 0], work.bent[a, 1], work.bent[a, 2]
+            r_x, r_y, r_z = 2 * work.rate[a, 0], 2 * work.rate[a, 1], 2 * work.rate[a, 2]
+            for j in range(n - 1):
+                by_acc[j] += t_x * x[j] + t_y * y[j] + t_z * z[j]
+                by_q[j] += b_x * x[j] + b_y * y[j] + b_z * z[j]
+                by_v[j] += r_x * x[j] + r_y * y[j] + r_z * z[j]
+            at += 3 * n
+
+
+@inner
+def spatial_linearized(part, frames, state, q, v, acc, scale, work, inertial, applied, I_acc, I_q, A_q, A_v):
+    """Residual of all bodies whose frame turns, and its derivatives by q, v and a."""
     for b in range(len(part.frame)):
         multiply_spatial_block(part, state, b, q, v, acc, work)
-        at = part.border[part.border_start[b] :]
-        width = part.moves[b] + part.turns[b] + part.n_f[b]
+        add_spatial_block(part, state, b, acc, part.gravity, scale, work, inertial, applied)
+        border = part.border[part.border_start[b] :]
         if part.moves[b] > 0:
-            add_moving_rows(part, state, b, work, at, width, I_acc, I_q, A_q, A_v)
-        add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, at, width, I_acc, I_q, A_q, A_v)
+            add_moving_rows(part, state, b, work, border, I_acc, I_q, A_q, A_v)
+        add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
         if part.n_f[b] > 0:
-            add_bent_rows(part, state, b, acc, part.gravity, scale, work, at, width, I_acc, I_q, A_q, A_v)
-        add_bent_block(part, b, work, I_acc, I_q, A_q, A_v)
+            add_bent_rows(part, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
+        if part.full[b] == 1:
+            add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v)
+        else:
+            add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v)

@@ -18,6 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
+from toolkit.bodies.kernels.spatial.small_matrices import add_nine_rows, add_three_rows, along, product, turned_dot
 from toolkit.foundation.kernel import inner
 
 
@@ -35,14 +37,19 @@ class SpatialFloating(NamedTuple):
     n_f: np.ndarray  # (n_b,)
     mass: np.ndarray  # (n_blocks,)
     moment_start: np.ndarray  # (n_blocks,) into the next
-    moment: np.ndarray  # (..., 3) N^T
+    moment: np.ndarray  # (3, ...) N
+    full: np.ndarray  # (n_b,) 1 if the Q[a, b] are kept as whole matrices, 0 if as a list of entries
+    matrix_start: np.ndarray  # (n_blocks,) into the next
+    matrix: np.ndarray  # rows of Q[a, b]: for each row of z^ the nine rows a, b, b running fastest
     entry_start: np.ndarray  # (n_blocks + 1,) into the next three
-    entry_row: np.ndarray  # entries of all Q[a, b] on their common pattern, numbered in z^
+    entry_row: np.ndarray  # entries of all Q[a, b] on their common pattern, numbered in z^, row by row
     entry_column: np.ndarray
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     entry_position: np.ndarray  # (entries of bodies,) where they are stored, if row and column > 0
-    border_start: np.ndarray  # (n_b,) into the next: (frame, frame + n_f) rows, then (n_f, frame)
-    border: np.ndarray
+    border_start: np.ndarray  # (n_b,) into the next
+    border: (
+        np.ndarray
+    )  # where each row of a body begins; the frame's columns come first, behind them c in rows that have all of it
     gravity: np.ndarray  # (3,)
     gravity_variable: np.ndarray  # (n_d,) variables that change it
     design_gravity: np.ndarray  # (n_d, 3)
@@ -50,7 +57,7 @@ class SpatialFloating(NamedTuple):
     def work(self, dtype: type) -> "SpatialFloatingWork":
         """Scratch memory."""
         n = 1 + int(max(self.n_f, default=0))
-        shapes = [(3, 3)] + [(n, 9)] * 3 + [(3, 3)] * 8 + [(9, 3, 3)] + [(4, 4)] * 2
+        shapes = [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)]
         return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
@@ -58,7 +65,9 @@ class SpatialFloatingWork(NamedTuple):
     """Products of one block with the current state."""
 
     first: np.ndarray  # (3, 3): N z^, N z', N a^
-    q: np.ndarray  # (1 + n_f, 9): Q[a, b] z^, b running fastest
+    z: np.ndarray  # (3, 1 + n_f): z^, z', a^
+    sums: np.ndarray  # (3, 9) scratch memory
+    q: np.ndarray  # (9, 1 + n_f): Q[a, b] z^, b running fastest
     v: np.ndarray  # with z'
     acc: np.ndarray  # with a^
     s_q: np.ndarray  # (3, 3): S(z^, z^)
@@ -69,101 +78,10 @@ class SpatialFloatingWork(NamedTuple):
     turned: np.ndarray  # A^T X
     rate: np.ndarray  # A^T V
     bent: np.ndarray  # A^T W
-    pairs: np.ndarray  # (9, 3, 3) scratch memory
+    pairs: np.ndarray  # (12, 3, 3) scratch memory
     curved_inertial: np.ndarray  # (4, 4) products with A_kl
     curved_applied: np.ndarray
-
-
-@inner
-def entry_of(vector, elastic, i, leading):
-    """Entry i of [leading; c] for the elastic part c of a global vector, whose first entry is number `elastic`."""
-    return leading + 0 * vector[0] if i == 0 else vector[elastic + i - 1]
-
-
-@inner
-def transposed_product(a, b, out):
-    """out = a^T b for matrices of three by three."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] = a[0, i] * b[0, j] + a[1, i] * b[1, j] + a[2, i] * b[2, j]
-
-
-@inner
-def by_transpose(a, s, factor, out):
-    """out += factor a s^T for matrices of three by three."""
-    for i in range(3):
-        for j in range(3):
-            out[i, j] += factor * (a[i, 0] * s[j, 0] + a[i, 1] * s[j, 1] + a[i, 2] * s[j, 2])
-
-
-@inner
-def product(a, b):
-    """<a, b>, the sum of products of all nine entries."""
-    total = 0 * a[0, 0]
-    for i in range(3):
-        for j in range(3):
-            total += a[i, j] * b[i, j]
-    return total
-
-
-@inner
-def flat_product(matrix, nine):
-    """The same, the second matrix as nine numbers in a row."""
-    total = 0 * nine[0]
-    for i in range(3):
-        for j in range(3):
-            total += matrix[i, j] * nine[3 * i + j]
-    return total
-
-
-@inner
-def turned_dot(matrix, vector, other):
-    """other . (matrix vector)."""
-    total = 0 * vector[0]
-    for i in range(3):
-        total += other[i] * (matrix[i, 0] * vector[0] + matrix[i, 1] * vector[1] + matrix[i, 2] * vector[2])
-    return total
-
-
-@inner
-def multiply_spatial_block(part, frames, block, q, v, acc, work):
-    """All products of one block's invariants with z^, z' and a^."""
-    body = part.block_body[block]
-    n, elastic = part.n_f[body], part.frame[body] + part.moves[body] + part.turns[body]
-    for i in range(1 + n):
-        for k in range(9):
-            work.q[i, k], work.v[i, k], work.acc[i, k] = 0, 0, 0
-    for array in (work.first, work.s_q, work.s_v, work.s_acc, work.inertial, work.applied):
-        array[:] = 0
-    for i in range(1 + n):
-        z, dz, ddz = entry_of(q, elastic, i, 1.0), entry_of(v, elastic, i, 0.0), entry_of(acc, elastic, i, 0.0)
-        for k in range(3):
-            moment = part.moment[part.moment_start[block] + i, k]
-            work.first[0, k] += moment * z
-            work.first[1, k] += moment * dz
-            work.first[2, k] += moment * ddz
-    for e in range(part.entry_start[block], part.entry_start[block + 1]):
-        i, j = part.entry_row[e], part.entry_column[e]
-        z, dz, ddz = entry_of(q, elastic, j, 1.0), entry_of(v, elastic, j, 0.0), entry_of(acc, elastic, j, 0.0)
-        for k in range(9):
-            entry = part.second[e, k]
-            work.q[i, k] += entry * z
-            work.v[i, k] += entry * dz
-            work.acc[i, k] += entry * ddz
-    for i in range(1 + n):
-        z = entry_of(q, elastic, i, 1.0)
-        for k in range(9):
-            work.s_q[k // 3, k % 3] += z * work.q[i, k]
-            work.s_v[k // 3, k % 3] += z * work.v[i, k]
-            work.s_acc[k // 3, k % 3] += z * work.acc[i, k]
-    by_transpose(frames.A[body], work.s_acc, 1.0, work.inertial)
-    by_transpose(frames.X[body], work.s_q, 1.0, work.inertial)
-    by_transpose(frames.V[body], work.s_v, 2.0, work.applied)
-    by_transpose(frames.W[body], work.s_q, 1.0, work.applied)
-    if n > 0:
-        transposed_product(frames.A[body], frames.X[body], work.turned)
-        transposed_product(frames.A[body], frames.V[body], work.rate)
-        transposed_product(frames.A[body], frames.W[body], work.bent)
+    lines: np.ndarray  # (5, 1 + n_f) scratch memory
 
 
 @inner
@@ -184,13 +102,27 @@ def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, 
         applied[row] += product(frames.A_k[b, k], work.applied) - scale * turned_dot(frames.A_k[b, k], n0, gravity)
         if n_r > 0:
             inertial[row] += turned_dot(frames.A_k[b, k], n0, acc[frame : frame + 3])
-    for i in range(1, 1 + n):
-        row, moment = frame + n_r + n_b + i - 1, part.moment[part.moment_start[block] + i]
-        inertial[row] += work.acc[i, 0] + work.acc[i, 4] + work.acc[i, 8] + flat_product(work.turned, work.q[i])
-        applied[row] += 2 * flat_product(work.rate, work.v[i]) + flat_product(work.bent, work.q[i])
-        applied[row] -= scale * turned_dot(frames.A[b], moment, gravity)
-        if n_r > 0:
-            inertial[row] += turned_dot(frames.A[b], moment, acc[frame : frame + 3])
+    if n > 0:
+        first = frame + n_r + n_b
+        add_bent_residual(
+            part, frames, block, b, acc, gravity, scale, work, inertial[first : first + n], applied[first : first + n]
+        )
+
+
+@inner
+def add_bent_residual(part, frames, block, b, acc, gravity, scale, work, inertial, applied):
+    """Terms of the rows c."""
+    A, start = frames.A[b], part.moment_start[block] + 1
+    for i in range(len(inertial)):
+        inertial[i] += work.acc[0, 1 + i] + work.acc[4, 1 + i] + work.acc[8, 1 + i]
+    add_nine_rows(work.turned, 1.0, work.q, 1, inertial)
+    add_nine_rows(work.rate, 2.0, work.v, 1, applied)
+    add_nine_rows(work.bent, 1.0, work.q, 1, applied)
+    x, y, z = along(A, 0, gravity), along(A, 1, gravity), along(A, 2, gravity)
+    add_three_rows(-scale * x, -scale * y, -scale * z, part.moment, start, applied)
+    if part.moves[b] > 0:
+        pull = acc[part.frame[b] : part.frame[b] + 3]
+        add_three_rows(along(A, 0, pull), along(A, 1, pull), along(A, 2, pull), part.moment, start, inertial)
 
 
 @inner
@@ -224,6 +156,6 @@ def add_gravity_design(part, frames, b, scale, work, A_x):
             A_x[frame + i, x] -= scale * part.mass[b] * change[i]
         for k in range(n_b):
             A_x[frame + n_r + k, x] -= scale * turned_dot(frames.A_k[b, k], work.first[0], change)
-        for i in range(1, 1 + n):
-            moment = part.moment[part.moment_start[b] + i]
-            A_x[frame + n_r + n_b + i - 1, x] -= scale * turned_dot(frames.A[b], moment, change)
+        for i in range(n):
+            fall = turned_dot(frames.A[b], part.moment[:, part.moment_start[b] + 1 + i], change)
+            A_x[frame + n_r + n_b + i, x] -= scale * fall

@@ -46,6 +46,21 @@ def direction_force(first, y, work):
 
 
 @inlined
+def translation(joints, j, k, column, n, by_row, by_column, levels, work, I_acc, A_q, A_v):
+    """What `direction_rows` comes to for coordinate number `column` of the joint, which moves nothing but number k of the poses, where
+    rows are linear in these."""
+    rows = joints.of[j, N_ROWS]
+    for i in range(rows):
+        g = work.slope[i, 0, k]
+        if g != 0:
+            at = by_row[i * n + column]
+            I_acc[at] += levels[0] * g
+            I_acc[by_column[column * rows + i]] += g
+            A_q[at] += levels[2] * g
+            A_v[at] += levels[1] * g
+
+
+@inlined
 def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v):
     """Derivatives of the residual by q, v, a and lam, scattered into the pattern."""
     a, b = joints.of[j, 0], joints.of[j, 1]
@@ -58,6 +73,10 @@ def joint_jacobian(joints, j, markers, state, levels, work, I_acc, I_q, A_q, A_v
         m = joints.of[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
             local = k - markers.start[m] + side * n_a
+            if k < markers.start[m] + 2 and markers.frame[m] >= 0 and not joints.of[j, CURVED]:
+                number = 3 * side + k - markers.start[m]
+                translation(joints, j, number, local, n, by_row, by_column, levels, work, I_acc, A_q, A_v)
+                continue
             direction_rows(joints, j, 3 * side, state.B[k], state.B_v[k], state.B_a[k], state.b_q[k], levels, work)
             for i in range(rows):
                 at, transposed = by_row[i * n + local], by_column[local * rows + i]

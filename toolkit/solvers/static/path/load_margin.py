@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from toolkit.description.run_options import RunOptions
-from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.errors import NoLimitPointError
 from toolkit.solvers.static.acting import GrowingLoads
 from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at
 from toolkit.solvers.static.path.continuation import bifurcation
@@ -35,7 +35,7 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
     ------
     BifurcationError
         The path loses its stability at a bifurcation before.
-    ConvergenceError
+    NoLimitPointError
         There is no limit point below the load factor `up_to`, or in `options.path_steps` steps.
     """
     equations = PathEquations(system, options, GrowingLoads(system, options))
@@ -50,9 +50,10 @@ def next_limit_point(system: System, options: RunOptions, begin: np.ndarray, up_
         factor = arc.end.factor
         if factor > up_to:
             break
-    raise ConvergenceError(
+    raise NoLimitPointError(
         f"the path of equilibria has no limit point up to {factor:.4g} times the load: nothing snaps through there. Raise `up_to` (and "
-        "solver.path_steps), or leave the load margin out."
+        "solver.path_steps), or leave the load margin out.",
+        factor,
     )
 
 

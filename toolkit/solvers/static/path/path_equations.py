@@ -28,11 +28,11 @@ class PathEquations:
     def linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Residual (n,) and its derivative by [q; lam], (n, n)."""
         terms = self._terms(z, self.acting.at(float(z[-1])))
-        return np.real(terms.inertial + terms.applied), np.real(self.system.matrix(static_matrix(self.system, terms)).toarray())
+        return np.real(terms.inertial + terms.applied), np.real(self.system.dense(static_matrix(self.system, terms)))
 
     def load(self, z: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """d residual / d factor (n,) where the residual is known."""
-        terms = self._terms(z, self.acting.more(float(z[-1])))
+        terms = self._terms(z, self.acting.more(float(z[-1])), linearize=False)
         return np.real(terms.inertial + terms.applied) - residual + self._driven_rows(float(z[-1]))
 
     def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -40,9 +40,9 @@ class PathEquations:
         dtype = self.system.dtype
         return np.where(self._of_q, z[: self.n], 0.0).astype(dtype), np.where(self._of_q, 0.0, z[: self.n]).astype(dtype)
 
-    def _terms(self, z: np.ndarray, inputs: Inputs) -> Terms:
+    def _terms(self, z: np.ndarray, inputs: Inputs, linearize: bool = True) -> Terms:
         q, acc = self.padded(z)
-        return self.system.evaluate(inputs, q, np.zeros_like(q), acc)
+        return self.system.evaluate(inputs, q, np.zeros_like(q), acc, linearize=linearize)
 
     def _driven_rows(self, factor: float) -> np.ndarray:
         """- df / d factor in the last row of every driver."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from toolkit.compilation.conversions import ints, starts
+from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.records import CONSTANT, LINEAR, PAIR
 from toolkit.joints.rows import BETWEEN, Form, Row, forms_of
 
@@ -57,18 +59,69 @@ def _planar_pair(i: int, k: int) -> tuple[tuple[int, int], int, float]:
     return (pair, 0, 1.0) if first == second else (pair, 1, 1.0 if first == 1 else -1.0)
 
 
-def form_numbers(terms: list[Terms], numbers: np.ndarray, dtype: type) -> dict[str, np.ndarray]:
-    """Places and values of all forms, these from the numbers of all joints."""
-    start = form_starts(terms)
-    place: list[int] = []
+@dataclass(frozen=True)
+class JointForms:
+    """Forms of all joints of a scene, and where each of their numbers stands; the same at all numbers of the scene.
+
+    Attributes
+    ----------
+    rows
+        Of every joint, with any values.
+    start, place
+        See `Joints`.
+    at, sign
+        Place of each number in `Joints.value`, and what it is multiplied by there.
+    owner
+        Row of the joint, form of the row, kind, place of the term and which of its values each number is.
+    first
+        Of each joint's numbers, and how many there are.
+    """
+
+    rows: list[tuple[Row, ...]]
+    start: np.ndarray
+    place: np.ndarray
+    at: np.ndarray
+    sign: np.ndarray
+    owner: list[tuple[int, int, int, int, int]]
+    first: np.ndarray
+
+    def numbers(self, given: np.ndarray, dtype: type) -> dict[str, np.ndarray]:
+        """Places and values of all forms, these from the numbers of all joints."""
+        value: np.ndarray = np.zeros(len(self.place), dtype)
+        np.add.at(value, self.at, self.sign * given)
+        return {"start": self.start, "place": self.place, "value": value}
+
+    def changes(self, changes: list[list[tuple[int, int, float]]]) -> dict[str, np.ndarray]:
+        """Place and derivative of every number of a form that a variable changes, see `Joints`; (variable, number, derivative) by joint."""
+        found = [(x, self.first[j] + number, value) for j, each in enumerate(changes) for x, number, value in each]
+        table = [(x, *self.owner[n][:4]) for x, n, _ in found]
+        values = [self.sign[n] * value * UNITS[self.owner[n][4]] for _, n, value in found]
+        return {
+            "design": np.array(table, np.int64).reshape(-1, 5),
+            "design_value": np.array(values, float).reshape(-1, 2),
+        }
+
+
+PLANE, UNITS = 2, np.eye(2)
+
+
+def joint_forms(joints: Sequence[Joint]) -> JointForms:
+    """The forms of joints, in the plane or in space."""
+    planar = all(joint.dimension == PLANE for joint in joints)
+    rows = [tuple(joint.constraint(None)) for joint in joints]
+    terms = [planar_terms(form) if planar else spatial_terms(form) for each in rows for form in forms_of(each)]
+    start, place, owner, signs = form_starts(terms), list[int](), list[tuple[int, int, int, int, int]](), list[float]()
     for each in terms:
         place += [0, *each.linear, *(vector for pair in each.pairs for vector in pair)]
-    value: np.ndarray = np.zeros(len(place), dtype)
-    slots = [(first, pairs, slot) for (first, pairs), each in zip(start, terms, strict=False) for slot in each.slots]
-    for number, (first, pairs, slot) in zip(numbers, slots, strict=True):
-        at, v, sign = _place(first, pairs, slot)
-        value[at + v] += sign * number
-    return {"start": start, "place": ints([place]), "value": value}
+    forms = [(i, f) for each in rows for i, row in enumerate(each) for f in range(len(row.forms))]
+    for (i, f), (first, pairs), own in zip(forms, start, terms, strict=False):
+        for slot in own.slots:
+            term, v, sign = _place(first, pairs, slot)
+            owner.append((i, f, slot[0], int(term), v))
+            signs.append(sign)
+    counts = [sum(len(form.numbers) for form in forms_of(each)) for each in rows]
+    at = ints([[term + v for *_, term, v in owner]])
+    return JointForms(rows, start, ints([place]), at, np.array(signs, float), owner, starts(counts))
 
 
 def form_starts(terms: list[Terms]) -> np.ndarray:
@@ -94,22 +147,3 @@ def felt(rows: list[tuple[Row, ...]], most: int) -> dict[str, Any]:
             vectors = {place // 3 for form in forms for place, _ in form.linear}
             found.append(sorted(vectors | {vector for form in forms for pair in form.pairs for vector in pair[:2]}))
     return {"felt_start": starts([len(vectors) for vectors in found]), "felt": ints(found)}
-
-
-def number_changes(rows: list[tuple[Row, ...]], terms: list[Terms], changes: list) -> dict[str, np.ndarray]:
-    """Start, places and derivative of every number of a form that a variable changes, see `Joints`."""
-    table: list[tuple[int, ...]] = []
-    values, start, before = [], form_starts(terms), 0
-    for each, found in zip(rows, changes, strict=True):
-        owners = [(i, f) for i, row in enumerate(each) for f in range(len(row.forms))]
-        slots = [(at, before + n, slot) for n, at in enumerate(owners) for slot in terms[before + n].slots]
-        for x, number, value in found:
-            owner, form, slot = slots[number]
-            at, v, sign = _place(start[form, 0], start[form, 1], slot)
-            table.append((x, *owner, slot[0], at))
-            values.append(sign * value * np.eye(2)[v])
-        before += len(owners)
-    return {
-        "design": np.array(table, np.int64).reshape(-1, 5),
-        "design_value": np.array(values, float).reshape(-1, 2),
-    }

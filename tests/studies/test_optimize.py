@@ -1,0 +1,327 @@
+"""Optima of studies against closed forms; what must not come out as one; and what survives an interruption."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import toolkit as ffrf
+from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
+from toolkit.command_line.cli import app
+from toolkit.foundation.errors import InputError
+from toolkit.studies.optimization.optimality import optimality_of
+from toolkit.studies.optimization.optimize import STORE, optimized
+from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
+from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.optimization.verification import solved_again
+from toolkit.studies.study.evaluation import Evaluation, State
+from toolkit.studies.study.evaluator import Evaluator
+from toolkit.studies.study.fingerprint import fingerprint
+from toolkit.studies.study.problem import Problem, problem_of
+from toolkit.studies.study.store import Store, StudyFileError
+from toolkit.studies.study.study_reader import read_study
+
+LOAD = '"loads.push.force.y"'
+DROP = f"""
+scene = "scene.toml"
+[variables]
+{LOAD} = {{ between = [-200.0, -10.0] }}
+k = {{ of = ["loads.left.stiffness", "loads.right.stiffness"], between = [-300.0, 200.0] }}
+[objective]
+minimize = "rise"
+[constraints]
+load_margin = {{ above = 1.25 }}
+"""
+"""The largest drop with a quarter of the limit load in reserve: softest springs do not help, since load and limit load go together, so that
+only the load times 1/stiffness counts; the load's own bound decides between them."""
+QUICK = "\n[search]\ncertify = false\nwarm_starts = true\n"
+
+
+def study(folder: Path, text: str, **scene: str) -> Problem:
+    return problem_of(read_study(write_truss(folder, text, **scene)))
+
+
+def only_load(folder: Path, rest: str = "", objective: str = 'minimize = "rise"', least: float = -200.0) -> Problem:
+    """The truss with its load as the only variable."""
+    text = f'scene = "scene.toml"\n[variables]\n{LOAD} = {{ between = [{least}, -10.0] }}\n[objective]\n{objective}\n'
+    return study(folder, text + rest)
+
+
+@pytest.mark.parametrize(("method", "optimality", "close"), [("slsqp", 1e-7, 1e-5), ("trust-constr", 1e-4, 1e-3)])
+def test_the_drop_that_keeps_a_load_margin_and_its_price_are_those_of_the_closed_form(tmp_path, method, optimality, close):
+    """What the residual leaves of the limit's slack is some ten times itself; the slope of the drop grows towards the limit point."""
+    problem = only_load(
+        tmp_path,
+        f'[constraints]\nload_margin = {{ above = 1.25 }}\n[search]\nmethod = "{method}"\noptimality = {optimality}\ncertify = false\n',
+    )
+    found = optimized(problem)
+    wanted = limit_load() / 1.25
+    y = height(wanted)
+    assert found.success, found.verdict
+    assert -found.variables["loads.push.force.y"] == pytest.approx(wanted, rel=close)
+    assert found.values["rise"] == pytest.approx(y - 0.5, rel=10 * close)
+    assert found.values["load_margin"] == pytest.approx(1.25, rel=close)
+    price = next(each for each in found.prices if each.name == "load_margin")
+    exact = -limit_load() / 1.25**2 / force_slope(y)  # drise/dload dload/dmargin
+    assert price.active
+    assert price.price == pytest.approx(abs(exact), rel=20 * close)
+    assert (price.unit, found.again.margins[""][1]) == ("m", True)
+    assert found.evaluations < 40
+
+
+def test_a_variable_of_several_numbers_moves_them_from_where_they_stand(tmp_path):
+    """With the load fixed the stiffest springs rise the most; both move by the same."""
+    text = DROP.replace(f"{LOAD} = {{ between = [-200.0, -10.0] }}\n", "").replace("minimize", "maximize")
+    found = optimized(study(tmp_path, text + QUICK))
+    assert found.variables == {"k": 200.0}
+    assert found.values["rise"] == pytest.approx(height(30.0, STIFFNESS + 200.0) - 0.5, rel=1e-9)
+    stiff = [found.scene.number(f"loads.{side}.stiffness") for side in ("left", "right")]
+    assert stiff == [STIFFNESS + 200.0] * 2
+    price = next(each for each in found.prices if each.name == "k")
+    y = height(30.0, 1200.0)
+    assert price.price == pytest.approx(-force(y) / STIFFNESS / force_slope(y) * STIFFNESS / 1200.0, rel=1e-6)
+
+
+CASES = """
+[constraints]
+rise = { above = -0.12 }
+[cases.soft]
+"loads.left.stiffness" = 900.0
+"loads.right.stiffness" = 900.0
+[cases.stiff]
+"""
+
+
+def test_every_case_keeps_the_constraints(tmp_path):
+    found = optimized(only_load(tmp_path, CASES + QUICK))
+    wanted = force(0.38, 900.0)
+    assert -found.variables["loads.push.force.y"] == pytest.approx(wanted, rel=1e-6)
+    assert found.values["soft.rise"] == pytest.approx(-0.12, rel=1e-5)
+    assert found.values["stiff.rise"] == pytest.approx(height(wanted) - 0.5, rel=1e-5)
+    assert [each.active for each in found.prices] == [True, False]
+
+
+@pytest.mark.parametrize(
+    "objective",
+    [
+        "minimize = { rise = 2.0, load_margin = -0.3 }",
+        "maximize = { rise = 2.0, load_margin = -0.3 }",
+        'minimize = "rise"\nover_cases = "worst"\naggregation = 30.0',
+        'maximize = { rise = 0.5, load_margin = 1.0 }\nover_cases = "worst"\naggregation = 30.0',
+    ],
+)
+def test_slopes_of_sums_and_of_the_worst_case_are_those_of_a_complex_step_and_of_differences(tmp_path, objective):
+    problem = only_load(tmp_path, CASES, objective)
+    program, evaluator = Program(problem), Evaluator(problem, Store())
+    design = np.array([-34.0])  # the soft case snaps through at 38.6
+    found = evaluator(0, design, False)
+    value, slopes = program.objective(found.values)
+    for place in np.ndindex(found.values.shape):
+        stepped = found.values.astype(complex)
+        stepped[place] += 1e-30j
+        assert program.objective(stepped)[0].imag / 1e-30 == pytest.approx(slopes[place], rel=1e-10, abs=1e-14)
+    if "worst" in objective:
+        each = found.values @ np.array([problem.study.objective.weights.get(name, 0.0) for name in problem.responses])
+        worst = (max if "minimize" in objective else min)(each)
+        assert 0 <= (value - worst) * problem.study.objective.sign <= np.log(2) / 30
+    step = 1e-3
+    sides = [program.values(evaluator(0, design + sign * step, False)) for sign in (1, -1)]
+    exact, size = program.values(found), problem.scales[0]
+    assert (sides[0].f - sides[1].f) / (2 * step) * size == pytest.approx(exact.df[0], rel=1e-6)  # the square of the step
+    assert (sides[0].c - sides[1].c) / (2 * step) * size == pytest.approx(exact.dc[:, 0], rel=1e-6)
+
+
+def test_multipliers_of_a_quadratic_program_balance_its_slopes(tmp_path):
+    """min (z0 - 2)^2 + (z1 - 2)^2 with z0 + z1 <= 1 and z within [0, 1]: at (1/2, 1/2) with the multiplier 3."""
+    program = Program(study(tmp_path, DROP))
+    z = np.array([0.5, 0.5])
+    values = Values(4.5, 2 * (z - 2), np.array([0.0]), np.array([[-1.0, -1.0]]))
+    left = optimality_of(program, z, values, 3.0)
+    assert left.multipliers == pytest.approx([3.0])
+    assert left.residual < 1e-15
+    elsewhere = np.array([0.6, 0.4])
+    away = optimality_of(program, elsewhere, values._replace(df=2 * (elsewhere - 2)), 3.0)
+    assert not away.met(1e-2, 1e-6)
+
+
+def test_a_search_that_ends_at_a_cliff_is_no_success(tmp_path):
+    """Without a load margin the largest drop is at the limit point, beyond which there is nothing."""
+    found = optimized(only_load(tmp_path, "[search]\ncertify = false\nevaluations = 60\n"))
+    assert found.failed > 0
+    assert -found.variables["loads.push.force.y"] < limit_load()
+    assert not found.success
+    assert "not-optimal" in found.verdict.codes
+    with pytest.raises(NoOptimumError, match="KKT residual"):
+        found.check()
+    assert all(each.values.size == 0 for each in found.solved if each.failed)
+
+
+def test_a_study_may_stop_at_the_first_failed_design(tmp_path):
+    found = optimized(only_load(tmp_path, '[search]\ncertify = false\nfailures = "stop"\n'))
+    assert found.failed == 1
+    assert "says to stop" in found.search.ended
+
+
+def snapped(problem: Problem, load: float) -> Evaluation:
+    """The start design as one would have it who has passed a snap-through: a stable equilibrium, but no path leads there."""
+    y = snapped_height(load)
+    clean = Evaluator(problem, Store())(0, problem.start, False)
+    q = clean.states[0].q.copy()
+    q[np.argmax(np.abs(q - _undeformed(problem)))] += y - height(load)
+    warm = replace(clean, states=(State(q, clean.states[0].multipliers),))
+    store = Store()
+    store.keep(warm)
+    found = Evaluator(problem, store)(0, problem.start + 1e-3, True)
+    assert found.values[0, 0] == pytest.approx(snapped_height(load - 1e-3) - 0.5, rel=1e-9)
+    return replace(found, design=problem.start.copy())
+
+
+def _undeformed(problem: Problem) -> np.ndarray:
+    scene = problem.scene.with_number("loads.push.force.y", -1e-6)
+    return Evaluator(replace(problem, scene=scene), Store())(0, np.array([-1e-6]), False).states[0].q
+
+
+def test_an_equilibrium_beyond_a_snap_through_is_found_out_and_the_search_repeated_from_the_unloaded_state(tmp_path):
+    problem = only_load(tmp_path, "[constraints]\nrise = { above = -1.5 }" + QUICK, least=-40.0)
+    beyond = snapped(problem, 30.0)
+    again = solved_again(problem, beyond)
+    assert "beyond a snap-through" in again.refusal
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    store = Store(folder / STORE, fingerprint(problem))
+    store.keep(beyond)  # as if a warm start had led the search there
+    store.write()
+    found = optimized(problem, folder)
+    assert found.searches[0].lane == 1  # repeated without warm starts
+    assert found.success
+    assert found.values["rise"] == pytest.approx(height(40.0) - 0.5, rel=1e-9)
+
+
+def same(one: Optimum, other: Optimum) -> None:
+    """All designs of two runs to the bit."""
+    assert len(one.solved) == len(other.solved)
+    for a, b in zip(one.solved, other.solved, strict=True):
+        assert (a.lane, a.design.tobytes(), a.reason, a.values.tobytes(), a.gradients.tobytes()) == (
+            b.lane, b.design.tobytes(), b.reason, b.values.tobytes(), b.gradients.tobytes(),
+        )  # fmt: skip
+        assert [(s.q.tobytes(), s.multipliers.tobytes()) for s in a.states] == [
+            (s.q.tobytes(), s.multipliers.tobytes()) for s in b.states
+        ]
+
+
+KILLED = """
+import os, signal, sys
+import toolkit as ffrf
+ffrf.optimize(sys.argv[1], output=sys.argv[2], progress=lambda done, total: os.kill(os.getpid(), signal.SIGKILL) if done > 5 else None)
+"""
+
+
+def test_a_killed_study_goes_on_to_the_same_bits_and_solves_nothing_twice(tmp_path):
+    text = DROP + "[search]\ncertify = false\nstarts = 2\nwarm_starts = true\n"
+    path, folder = write_truss(tmp_path, text), tmp_path / "kept"
+    run = subprocess.run([sys.executable, "-c", KILLED, path, folder], env=os.environ, cwd=Path(__file__).parents[2], check=False)
+    assert run.returncode == -signal.SIGKILL
+    problem = problem_of(read_study(path))
+    kept = Store(folder / STORE, fingerprint(problem))
+    assert 0 < kept.found < 7  # what was solved within the last moment may be lost
+    found, whole = optimized(problem, folder), optimized(problem)
+    same(found, whole)
+    assert found.failed == whole.failed
+    again = Store(folder / STORE, fingerprint(problem))
+    assert again.found == len(whole.solved) > kept.found
+    solved = {(each.lane, each.design.tobytes()) for each in again}
+    assert len(solved) == again.found
+
+
+def test_a_store_of_another_study_is_left_as_it_is(tmp_path):
+    folder = tmp_path / "kept"
+    folder.mkdir()
+    optimized(only_load(tmp_path, QUICK.replace("certify", "evaluations = 3\ncertify")), folder)
+    before = (folder / STORE).read_bytes()
+    with pytest.raises(StudyFileError, match="belongs to another study"):
+        optimized(only_load(tmp_path, "[constraints]\nrise = { above = -0.1 }"), folder)
+    assert (folder / STORE).read_bytes() == before
+
+
+PLAIN = 'scene = "scene.toml"\n[variables]\n' + LOAD + " = { between = [-60.0, -10.0] }\n[objective]\n" + 'minimize = "rise"\n'
+WRONG = {
+    "unknown variable": (PLAIN.replace("push.force.y", "pull.force.y"), "unknown design variable 'loads.pull.force.y'"),
+    "unknown response": (
+        PLAIN.replace('"rise"', '"fall"'),
+        "objective: no response 'fall', there is none of that name; possible here: ",
+    ),
+    "unknown constraint": (PLAIN + "[constraints]\nfall = { below = 1.0 }", "constraints.fall: no response 'fall'"),
+    "unknown key": (PLAIN + "[serach]\nstarts = 2", "did you mean 'search'"),
+    "empty bounds": (PLAIN.replace("[-60.0, -10.0]", "[-10.0, -60.0]"), "holds nothing"),
+    "start outside": (
+        PLAIN.replace("[-60.0, -10.0]", "[-60.0, -40.0]"),
+        "the scene stands at -30, which is not between -60 and -40",
+    ),
+    "contradiction": (PLAIN + "[constraints]\nrise = { above = 1.0, below = 0.5 }", "contradict each other"),
+    "no limit": (PLAIN + "[constraints]\nrise = { scale = 1.0 }", "needs a limit"),
+    "two objectives": (PLAIN + 'maximize = "rise"', "one of `minimize` and `maximize`"),
+    "modes": ('analysis = "modes"\n' + PLAIN, "frequencies are responses of statics"),
+    "margin of a motion": (
+        'analysis = "motion"\n' + PLAIN + "[constraints]\nload_margin = { above = 1.1 }",
+        'Write analysis = "statics"',
+    ),
+    "case of a variable": (PLAIN + f"[cases.more]\n{LOAD} = -40.0", "is driven by the variable"),
+    "unknown number of a case": (PLAIN + '[cases.more]\n"loads.pull.torque" = 1.0', "cases.more: "),
+    "worst of nothing": (PLAIN + 'over_cases = "worst"', "`aggregation`"),
+    "unknown response kind": (PLAIN + '[responses]\nnew = { type = "nothing" }', "responses.new.type = 'nothing' is unknown"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_wrong_studies_are_refused_in_clear_words(tmp_path, name):
+    text, words = WRONG[name]
+    with pytest.raises(InputError) as error:
+        study(tmp_path, text)
+    assert words in str(error.value)
+
+
+def test_an_objective_that_no_variable_moves_is_refused(tmp_path):
+    with pytest.raises(InputError, match="no variable moves sway"):
+        optimized(only_load(tmp_path, objective='minimize = "sway"'))
+
+
+def test_a_study_of_which_no_start_can_be_solved_says_why(tmp_path):
+    text = PLAIN.replace("[-60.0, -10.0]", "[-500.0, -300.0]") + "[search]\nstarts = 3\n"
+    problem = study(tmp_path, text, **{"-30.0": "-400.0"})
+    with pytest.raises(NoOptimumError, match=r"not one design could be solved(.|\n)*start 3: the static path ends at"):
+        optimized(problem)
+
+
+def test_python_and_the_command_give_the_same_optimum(tmp_path):
+    path = write_truss(tmp_path, DROP.replace("[-300.0, 200.0]", "[-100.0, 200.0]"))  # with its gradients certified
+    run = CliRunner().invoke(app, ["optimize", str(path), "--json", "--quiet", "-o", str(tmp_path / "out")])
+    assert run.exit_code == 0, run.output
+    record = json.loads(run.stdout)
+    found = ffrf.optimize(path, output=tmp_path / "out")  # from the store
+    assert record["optimum"]["variables"] == found.variables
+    assert record["optimum"]["responses"]["rise"] == {"value": found.values["rise"], "unit": "m"}
+    assert record["optimality"] == found.optimality < 1e-4
+    assert (record["evaluations"], record["failed"], record["success"]) == (found.evaluations, found.failed, True)
+    assert record["verdict"]["trusted"] == found.verdict.trusted
+    assert {each["of"] for each in record["optimum"]["multipliers"]} >= {"load_margin"}
+    assert record["wall_s"] > 0
+    assert json.loads((tmp_path / "out" / "optimum.json").read_text()) == record
+    drawn = {file.relative_to(tmp_path / "out").as_posix() for file in (tmp_path / "out").rglob("*.png")}
+    assert {"history.png", "before/step-0.png", "after/step-0.png"} <= drawn
+
+
+def test_the_command_exits_with_an_error_where_there_is_no_optimum(tmp_path):
+    path = write_truss(tmp_path, PLAIN.replace("-60.0", "-200.0") + "[search]\ncertify = false\nevaluations = 4\n")
+    run = CliRunner().invoke(app, ["optimize", str(path), "--quiet", "--no-pictures", "-o", str(tmp_path / "out")])
+    assert run.exit_code == 1
+    assert "no optimum was found" in run.stderr
+    assert "NOT TO BE TRUSTED" in run.stdout

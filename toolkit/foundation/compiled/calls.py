@@ -1,0 +1,63 @@
+"""Calls of compiled formulas from Python: records go by their addresses, and the code for the types of arguments is looked up once."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+from numba import typeof
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.core.registry import CPUDispatcher
+
+from toolkit.foundation.compiled.packed import Formula, Packed, key_of
+
+R = TypeVar("R")
+
+
+def call(function: Callable, *arguments: Any) -> Any:
+    """Call a kernel; records among its arguments go as one address each, see `packed`."""
+    if not isinstance(function, CPUDispatcher):
+        return function(*arguments)
+    given = [in_memory(each) for each in arguments]
+    return compiled_for(function, given).entry_point(*given)
+
+
+def formula_for(function: CPUDispatcher, *arguments: Any) -> Any:
+    """A kernel as an argument for others, as it is compiled for the types of arguments."""
+    if not isinstance(function, CPUDispatcher):
+        return function
+    return Formula(compiled_for(function, [in_memory(each) for each in arguments]))
+
+
+def by_value(record: type[R]) -> type[R]:
+    """Decorator of a small record that formulas make themselves: they hand it on by its words."""
+    _BY_VALUE.add(record)
+    return record
+
+
+_BY_VALUE: set[type] = set()
+
+
+def in_memory(given: Any) -> Any:
+    """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`."""
+    if not isinstance(given, tuple) or type(given) in _BY_VALUE:
+        return given
+    return Packed(given) if hasattr(given, "_fields") or any(isinstance(each, Formula | tuple) for each in given) else given
+
+
+def compiled_for(function: CPUDispatcher, given: list[Any]) -> Any:
+    """A kernel as numba compiles it for the types of arguments `in_memory`; to have numba look at these takes longer than a short run."""
+    key = function, *map(key_of, given)
+    if key not in _COMPILED:
+        kinds = tuple(map(typeof, given))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+            if "_compile_for_args" in vars(function):  # an inner formula, which refuses
+                function._compile_for_args(*given)  # type: ignore[attr-defined]
+            function.compile(kinds)
+        _COMPILED[key] = function.overloads[kinds]
+    return _COMPILED[key]
+
+
+_COMPILED: dict[Any, Any] = {}

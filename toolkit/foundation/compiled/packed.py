@@ -1,0 +1,153 @@
+"""Records for compiled code as one address: where their numbers and arrays are stands in memory, written once.
+
+numba hands a record on by all its words, a thousand of them for a scene, in every call between formulas; to read them is most of the work
+of its compiler, and to collect them takes longer than a short run.
+"""
+
+from __future__ import annotations
+
+import warnings
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+from numba import typeof
+from numba.core import types
+from numba.core.errors import NumbaExperimentalFeatureWarning
+from numba.core.typing.typeof import typeof_impl
+
+from toolkit.foundation.compiled.formula_stamp import layout
+
+
+class PackedType(types.Type):
+    """What numba calls a `Packed`: it follows from the types of all that is in it.
+
+    Parameters
+    ----------
+    of : type of the record, or of the tuple of functions
+    """
+
+    def __init__(self, of: types.BaseTuple) -> None:
+        self.of: Any = of
+        kind = getattr(of, "instance_class", tuple).__name__
+        super().__init__(name=f"Packed{kind}_{sha256(layout(of).encode()).hexdigest()[:16]}")
+
+
+class FormulaType(types.FunctionType):
+    """A compiled formula of one signature, whoever it is."""
+
+
+class Formula:
+    """A formula, compiled for one signature, as an argument for others, which are compiled without its code.
+
+    Parameters
+    ----------
+    compiled : what numba's compiler has made
+    """
+
+    def __init__(self, compiled: Any) -> None:
+        self.compiled, self.kind = compiled, FormulaType(compiled.signature)
+        self.address = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+
+    def __reduce__(self) -> str:
+        raise TypeError("addresses hold in one process alone")
+
+
+class Packed:
+    """A record in memory, as one address. The words that it is made of:
+
+    an array    address, shape, strides in bytes
+    a number    its own bits
+    a formula   its address
+    None        nothing
+    a record, a tuple    the words of all that is in it
+
+    Parameters
+    ----------
+    record : a named tuple, or a tuple of formulas; kept as long as this
+    """
+
+    __slots__ = ("address", "kind", "record", "words")
+
+    def __init__(self, record: tuple) -> None:
+        words: list[Any] = []
+        self.kind = _kinds(_collect(record, words), record)
+        self.record, self.words = record, np.array(words, np.int64)
+        self.address = self.words.ctypes.data
+
+
+@typeof_impl.register(Packed)
+@typeof_impl.register(Formula)
+def _typeof_known(given: Any, _context: Any) -> types.Type:
+    kind: types.Type = given.kind
+    return kind
+
+
+_KNOWN: dict[Any, PackedType] = {}
+
+
+def _kinds(key: Any, record: tuple) -> PackedType:
+    """The type of a record with such contents; numba's own way to find it takes long."""
+    if key not in _KNOWN:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
+            _KNOWN[key] = PackedType(typeof(record))
+    return _KNOWN[key]
+
+
+def key_of(given: Any) -> Any:
+    """What the type of an argument follows from."""
+    if isinstance(given, np.ndarray):
+        flags = given.flags
+        return given.dtype.str, given.ndim, flags.c_contiguous, flags.f_contiguous, flags.aligned, flags.writeable
+    if isinstance(given, Packed):
+        return id(given.kind)  # of which there is one for ever: `_KNOWN`
+    if isinstance(given, Formula):
+        return given.kind
+    if isinstance(given, tuple):
+        return type(given), *map(key_of, given)
+    return type(given)
+
+
+def _collect(given: Any, words: list[Any]) -> Any:
+    """Append the words of a value; what its type follows from, as `key_of`."""
+    if isinstance(given, np.ndarray):
+        words.append(given.__array_interface__["data"][0])
+        words += given.shape
+        words += given.strides
+        return key_of(given)
+    if isinstance(given, tuple):
+        return type(given), *[_collect(each, words) for each in given]
+    if isinstance(given, Formula):
+        words.append(given.address)
+        return given.kind
+    if isinstance(given, float):
+        words.append(int(np.float64(given).view(np.int64)))
+    elif given is not None:
+        words.append(int(given))
+    return type(given)
+
+
+def words_of(kind: Any) -> int:
+    """How many words a value of a type takes.
+
+    Raises
+    ------
+    NotImplementedError
+        Nobody has said how such a value is kept.
+    """
+    if isinstance(kind, types.Array):
+        return 1 + 2 * kind.ndim
+    if isinstance(kind, types.Tuple | types.UniTuple | types.NamedTuple | types.NamedUniTuple):
+        return sum(words_of(part) for part in kind.types)
+    if isinstance(kind, types.NoneType):
+        return 0
+    if isinstance(kind, types.Integer | types.Float | types.Boolean | FormulaType):
+        return 1
+    raise NotImplementedError(f"a record with {kind}")
+
+
+def inside(kind: Any) -> Any:
+    """Type by which a formula has a part of a packed record: records and tuples of formulas stay where they are."""
+    records = isinstance(kind, types.BaseNamedTuple) or (isinstance(kind, types.UniTuple) and isinstance(kind.dtype, FormulaType))
+    return PackedType(kind) if records else kind

@@ -1,0 +1,44 @@
+"""An optimisation as a picture: the objective and the constraints of every design, in the order in which they were solved."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.render.sheet import COLORS, sheet
+from toolkit.report.drawing import Drawing
+from toolkit.studies.optimization.optimum import Optimum
+from toolkit.studies.optimization.prices import objective_of
+from toolkit.studies.optimization.search import Found
+
+LEAST = 1e-12
+"""Violations below are drawn here."""
+
+
+def history(found: Optimum) -> Drawing:
+    """One panel for the objective of all searches, one for the largest violation of a constraint."""
+    name, unit = objective_of(found.search.program)
+    constrained = bool(found.search.program.rows)
+    with sheet(2.7 * (1 + constrained) + 0.4, 1 + constrained, sharex=True) as (figure, axes):
+        for k, search in enumerate(found.searches):
+            _search(axes[:, 0], found, search, COLORS[k % len(COLORS)], f"start {search.lane // 2 + 1}")
+        axes[0, 0].set_ylabel(f"{name}, {unit}" if unit else name)
+        axes[-1, 0].set_xlabel("designs of the search")
+        if constrained:
+            axes[1, 0].set_ylabel("largest violation, in parts of the limit")
+            axes[1, 0].set_yscale("log")
+        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    caption = "Objective and largest violation of every design of the searches; crosses are designs that could not be solved."
+    return Drawing("history", "Designs of the optimisation", caption, figure)
+
+
+def _search(panels: np.ndarray, found: Optimum, search: Found, color: str, label: str) -> None:
+    """Curves of one search, with crosses at the foot of the first panel for what failed."""
+    mine = [each for each in found.solved if each.lane == search.lane]
+    good = [k for k, each in enumerate(mine) if not each.failed]
+    objectives = [float(search.program.objective(mine[k].values)[0]) for k in good]
+    panels[0].plot(good, objectives, color=color, marker=".", label=label)
+    lost = [k for k, each in enumerate(mine) if each.failed]
+    panels[0].plot(lost, [0.02] * len(lost), "x", color=color, transform=panels[0].get_xaxis_transform())
+    if len(panels) > 1:
+        violations = [max(LEAST, float(np.max(-search.program.values(mine[k]).c))) for k in good]
+        panels[1].plot(good, violations, color=color, marker=".")

@@ -1,0 +1,61 @@
+"""How nearly a design meets the conditions of Karush, Kuhn and Tucker, and at which multipliers.
+
+    dF = sum of lam_i dc_i,   lam >= 0,   lam_i c_i = 0,   c >= 0;   bounds of variables are constraints like all others
+
+The multipliers are those of non-negative least squares of the first and the third condition together, so that nothing has to be decided
+about which constraints are active.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from toolkit.studies.optimization.program import Program, Values
+
+FLOOR = 1e-4
+"""Part of the largest derivative met that is never too small to compare with: an objective can vanish at its optimum."""
+
+
+class Optimality(NamedTuple):
+    """What is left of the conditions at a design.
+
+    Attributes
+    ----------
+    residual
+        Largest entry of what multipliers cannot balance, and of the products of multipliers and constraints, in parts of the objective, or
+        of its largest derivative there if that is more: by less than this part it would change over the whole range of a variable.
+    violation
+        Largest violation of a constraint, in parts of its size.
+    multipliers
+        Of all constraints, (m,).
+    at_bounds
+        Multipliers of the least and the largest values of the variables, (2, n).
+    """
+
+    residual: float
+    violation: float
+    multipliers: np.ndarray
+    at_bounds: np.ndarray
+
+    def met(self, optimality: float, feasibility: float) -> bool:
+        """Whether nothing of size is left."""
+        return self.residual <= optimality and self.violation <= feasibility
+
+
+def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float) -> Optimality:
+    """What is left at z; `largest` is the largest derivative of the objective that the search has met, a small part of which counts where
+    the objective and its derivatives vanish."""
+    n, identity = len(z), np.eye(len(z))
+    constraints = np.concatenate([found.c, z, program.top - z])
+    slopes = np.vstack([found.dc, identity, -identity])
+    matrix = np.vstack([slopes.T, np.diag(constraints)])
+    wanted = np.concatenate([found.df, np.zeros(len(constraints))])
+    multipliers, _ = nnls(matrix, wanted)
+    left = np.abs(matrix @ multipliers - wanted)
+    scale = max(abs(found.f), float(np.max(np.abs(found.df))), FLOOR * largest, np.finfo(float).tiny)
+    violation = max(0.0, float(np.max(-constraints)))
+    m = len(found.c)
+    return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n))

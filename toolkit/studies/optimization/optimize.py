@@ -1,0 +1,210 @@
+"""The best design of a study: searched for from several starts, solved again, and judged."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.responses.response import Response
+from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
+from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
+from toolkit.studies.optimization.program import Program
+from toolkit.studies.optimization.search import Found, Search
+from toolkit.studies.optimization.starts import starts_of
+from toolkit.studies.optimization.verification import Again, certified, said_of_runs, solved_again
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.evaluator import Evaluator
+from toolkit.studies.study.fingerprint import fingerprint
+from toolkit.studies.study.problem import Problem
+from toolkit.studies.study.store import Store
+
+Progress = Callable[[int, int], None]
+STORE = "study.h5"
+"""Name of the store in the folder of a study."""
+ROUND_OFF = 1e-13
+"""Relative change of a response that nothing has to have brought about."""
+ASIDE = (0.0, 0.9, 0.3, 0.05)
+"""Parts of the way from the start to the middle of the bounds where an objective is looked at that nothing seems to move."""
+SAME = 1e-3
+"""Relative difference of objectives by which two optima are told apart."""
+
+
+def optimized(problem: Problem, folder: Path | None = None, progress: Progress | None = None) -> Optimum:
+    """Search for the best design of a problem.
+
+    Parameters
+    ----------
+    problem
+        The checked study.
+    folder
+        Where all designs are kept, and found again after an interruption; None keeps nothing.
+    progress
+        Called with the designs solved and the most that may be.
+
+    Raises
+    ------
+    InputError
+        No variable moves the objective; or the folder holds another study.
+    NoOptimumError
+        Not one design could be solved.
+    """
+    begun = time.perf_counter()
+    store = Store(None if folder is None else folder / STORE, fingerprint(problem))
+    evaluator, options = Evaluator(problem, store), problem.study.search
+    known_wall = sum(each.wall for each in store)
+    count, asked = options.starts * options.evaluations, 0
+
+    def tell(_: Evaluation) -> None:
+        nonlocal asked
+        asked += 1
+        if progress:
+            progress(min(asked, count), count)
+
+    with store.written_at_the_end():
+        starts = starts_of(problem, options.starts)
+        _refuse_idle_objective(problem, evaluator, starts[0])
+        searches: list[Found] = []
+        for k, start in enumerate(starts):
+            known = next((each.best.design for each in searches if each.best is not None), None)
+            searches.append(Search(Program(problem), evaluator, 2 * k, options.warm_starts, tell).run(start, known))
+        _refuse_all_failed(problem, store, searches)
+        order = sorted((k for k, each in enumerate(searches) if each.best is not None), key=lambda k: _rank(searches[k]))
+        chosen, again = searches[order[0]], None
+        for k in order:
+            found, again = _verified(problem, evaluator, searches[k], tell)
+            searches[k] = chosen = found
+            if not again.refusal:
+                break
+        assert again is not None
+    first = next(iter(store.of(0)), None)
+    cautions = [*_cautions(problem, chosen, again, searches), *said_of_runs(again)]
+    if options.certify and not again.refusal and chosen.best is not None:
+        cautions += certified(problem, chosen.best, again)
+    costs = _prices(chosen)
+    wall = time.perf_counter() - begun + known_wall
+    good = first if first is not None and not first.failed else None
+    return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall)
+
+
+def _rank(found: Found) -> tuple[bool, float, float]:
+    """The order in which designs of searches are tried: feasible ones by their objective, then the least violated."""
+    assert found.best is not None
+    assert found.optimality is not None
+    problem = found.program.problem
+    feasible = found.optimality.violation <= problem.study.search.feasibility
+    value = problem.study.objective.sign * float(found.program.objective(found.best.values)[0])
+    return (not feasible, value if feasible else found.optimality.violation, 0.0)
+
+
+def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[Evaluation], None]) -> tuple[Found, Again]:
+    """A search's design solved again; where that fails after warm starts, the search is repeated without them."""
+    assert found.best is not None
+    again = solved_again(problem, found.best)
+    if again.refusal and problem.kind == "static" and found.lane % 2 == 0 and problem.study.search.warm_starts:
+        repeated = Search(Program(problem), evaluator, found.lane + 1, False, tell).run(found.start, problem.start)
+        if repeated.best is not None:
+            return repeated, solved_again(problem, repeated.best)
+    return found, again
+
+
+def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.ndarray) -> None:
+    """Refuse an objective that no variable moves, here or elsewhere."""
+    program, solved = Program(problem), 0
+    middle = (problem.bounds[0] + problem.bounds[1]) / 2
+    for part in ASIDE:
+        lane, warm = (-1, False) if part else (0, problem.study.search.warm_starts)
+        found = evaluator(lane, program.design(program.scaled(start + part * (middle - start))), warm)
+        solved += not found.failed
+        if not found.failed and np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
+            return
+    if solved < 2:
+        return  # the start is stationary or cannot be solved, and nothing else could be
+    raise InputError(
+        f"objective: no variable moves {objective_of(Program(problem))[0]}: its derivatives are zero, by "
+        f"{', '.join(problem.variables)}. Choose other variables, or another response."
+    )
+
+
+def _undecided(problem: Problem, found: Evaluation) -> float:
+    """How much of the objective round-off may decide: of a place or an angle what Newton leaves undecided."""
+    sizes = {"angle": 1.0, "length": problem.scene.size}
+    total = 0.0
+    for k, name in enumerate(problem.responses):
+        response = problem.scene.responses.get(name)
+        size = sizes.get(response.unit_quantity, 0.0) if isinstance(response, Response) else 0.0
+        left = ROUND_OFF * float(np.max(np.abs(found.values[:, k]))) + problem.scene.solver.tolerance * size
+        total += abs(problem.study.objective.weights.get(name, 0.0)) * left
+    return total
+
+
+def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) -> None:
+    if any(each.best is not None for each in searches):
+        return
+    reasons = []
+    for found in searches:
+        first = next((each.reason for each in store.of(found.lane)), found.ended)
+        reasons.append(f"start {found.lane // 2 + 1}: {first}")
+    raise NoOptimumError(
+        "not one design could be solved, so that there is nothing to begin from.\n"
+        + "\n".join(dict.fromkeys(reasons))
+        + "\nMend the scene until `ffrf statics` or `ffrf simulate` solves it, or ask for more starts."
+    )
+
+
+def _prices(found: Found) -> tuple[Price, ...]:
+    assert found.best is not None
+    assert found.optimality is not None
+    return tuple(prices(found.program, found.best, found.optimality))
+
+
+def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found]) -> Iterator[Caution]:
+    """What speaks against the design being the optimum."""
+    assert found.best is not None
+    assert found.optimality is not None
+    left, options = found.optimality, problem.study.search
+    values = found.program.values(found.best)
+    if again.refusal:
+        yield Caution("not-found-again", f"solved again along the path from the unloaded state: {again.refusal}")
+    if left.violation > options.feasibility:
+        row = found.program.rows[int(np.argmin(values.c))]
+        yield Caution(
+            "infeasible",
+            f"no design keeps all constraints: the nearest has {row.label} off its limit {row.limit:g} by {left.violation * row.size:.3g} "
+            f"{problem.unit_of(row.response)}; {found.ended}. Widen bounds or limits, or give more starts.".replace("  ", " "),
+        )
+    if not left.met(options.optimality, options.feasibility):
+        yield Caution(
+            "not-optimal",
+            f"the KKT residual is {left.residual:.1e} of the objective, and {options.optimality:.1e} is wanted: {found.ended}. Give "
+            "more evaluations, more starts, or the other method.",
+        )
+    if dependent(found.program, found.best, left):
+        yield Caution("prices", "active limits depend on each other: their prices can be shared in other ways too.", doubt=False)
+    idle = [name for k, name in enumerate(problem.variables) if not np.any(found.best.gradients[:, :, k])]
+    if idle:
+        yield Caution("idle", f"nothing that the study asks for depends on {', '.join(idle)}.", doubt=False)
+    yield from _other_optima(problem, found, searches)
+    failed, count = sum(each.failed for each in searches), sum(each.evaluations for each in searches)
+    if failed:
+        yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
+
+
+def _other_optima(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+    """That other searches have ended elsewhere."""
+    assert found.best is not None
+    mine = float(found.program.objective(found.best.values)[0])
+    others = [each for each in searches if each.arrived and each is not found and each.best is not None]
+    values = [float(each.program.objective(each.best.values)[0]) for each in others if each.best is not None]
+    elsewhere = [value for value in values if abs(value - mine) > SAME * max(abs(value), abs(mine))]
+    if elsewhere:
+        yield Caution(
+            "local-optima",
+            f"{len(elsewhere)} of {len(searches)} searches ended in other optima, with objectives from {min(elsewhere):.6g} to "
+            f"{max(elsewhere):.6g}; there may be better ones still.",
+            doubt=False,
+        )

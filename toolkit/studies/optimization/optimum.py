@@ -1,0 +1,211 @@
+"""What an optimisation returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Verdict
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.optimization.prices import Price, objective_of
+from toolkit.studies.optimization.search import Found
+from toolkit.studies.optimization.verification import Again, scene_at
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.problem import Problem, by_case
+from toolkit.system.solution import Solution
+
+
+class NoOptimumError(ToolkitError, ArithmeticError):
+    """A study has no design that can be called an optimum."""
+
+
+@dataclass(frozen=True)
+class Optimum:
+    """The best design of a study, and how far it can be trusted.
+
+    Attributes
+    ----------
+    problem
+        The study with its scene.
+    search
+        The search that found it.
+    searches
+        All of them, in the order of their starts.
+    again
+        The design solved anew.
+    prices
+        What its limits cost.
+    verdict
+        Whether it is an optimum, and can be trusted.
+    first
+        The design that the scene stands at, None if it cannot be solved.
+    solved
+        All designs of all searches, in their order.
+    wall
+        Time of all searches, also before an interruption, and of solving the optimum again, in s.
+    """
+
+    problem: Problem
+    search: Found
+    searches: tuple[Found, ...]
+    again: Again
+    prices: tuple[Price, ...]
+    verdict: Verdict
+    first: Evaluation | None
+    solved: tuple[Evaluation, ...]
+    wall: float
+
+    @property
+    def design(self) -> Evaluation:
+        """The design as the search had it."""
+        assert self.search.best is not None
+        return self.search.best
+
+    @property
+    def variables(self) -> dict[str, float]:
+        """Variable -> its value."""
+        return dict(zip(self.problem.variables, map(float, self.design.design), strict=True))
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """Numbers of the scene, as `Model.at` takes them: a variable that moves several is the first of them here."""
+        return self.problem.numbers(self.design.design)
+
+    @property
+    def objective(self) -> float:
+        """The objective as the study states it."""
+        return float(self.search.program.objective(self.design.values)[0])
+
+    @property
+    def optimality(self) -> float:
+        """KKT residual in parts of the objective, or of its largest derivative."""
+        assert self.search.optimality is not None
+        return self.search.optimality.residual
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Response, with its case before it where cases have names -> value of the run with finer steps, or of the search without one."""
+        found = {
+            label: float(value)
+            for k, name in enumerate(self.problem.responses)
+            for label, value in zip(by_case(self.problem.cases, name), self.design.values[:, k], strict=True)
+        }
+        for case, result in self.again.results.items():
+            found |= {by_case([case], name)[0]: float(value) for name, value in result.values.items()}
+        return found
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Response, with its case -> label of its unit."""
+        return {name: self.problem.unit_of(name.rpartition(".")[2]) for name in self.values}
+
+    @property
+    def values_before(self) -> dict[str, float]:
+        """What objective and constraints look at where the scene stands; empty if that cannot be solved."""
+        if self.first is None:
+            return {}
+        names = [by_case(self.problem.cases, name) for name in self.problem.responses]
+        return {
+            label: float(value)
+            for labels, values in zip(names, self.first.values.T, strict=True)
+            for label, value in zip(labels, values, strict=True)
+        }
+
+    @property
+    def scene(self) -> Scene:
+        """The scene at the optimum, in the first case: `compile` takes it."""
+        return scene_at(self.problem, next(iter(self.problem.cases)), self.design.design)
+
+    def before_and_after(self) -> dict[str, Solution]:
+        """Runs of the first case: "before", where the scene stands, if that can be solved, and "after", at the optimum."""
+        case = next(iter(self.problem.cases))
+        found = {}
+        if self.first is not None:
+            found["before"] = solve(prepare(scene_at(self.problem, case, self.first.design)), self.problem.kind)
+        if case in self.again.results:
+            found["after"] = self.again.results[case].solution
+        return found
+
+    @property
+    def said(self) -> list[str]:
+        """The distance to snap-through, and what it took, as sentences."""
+        lines = []
+        for case, (factor, found) in self.again.margins.items():
+            where = f"{case}: " if case else ""
+            lines.append(
+                f"{where}snaps through at {factor:.4g} times the load."
+                if found
+                else f"{where}nothing snaps through up to {factor:.4g} times the load."
+            )
+        return [*lines, f"{self.evaluations} designs, {self.failed} of which could not be solved, in {self.wall:.1f} s."]
+
+    @property
+    def evaluations(self) -> int:
+        """Designs that were solved."""
+        return sum(each.evaluations for each in self.searches)
+
+    @property
+    def failed(self) -> int:
+        """How many of them could not be."""
+        return sum(each.failed for each in self.searches)
+
+    @property
+    def success(self) -> bool:
+        """Whether it is an optimum: feasible, stationary, and found again along the path from the unloaded state."""
+        return not set(self.verdict.codes) & {"not-optimal", "infeasible", "not-found-again"}
+
+    def _wall_of(self, search: Found) -> float:
+        return sum(each.wall for each in self.solved if each.lane == search.lane)
+
+    def check(self) -> None:
+        """Raise what is to be said if it is no optimum.
+
+        Raises
+        ------
+        NoOptimumError
+            Says what is missing.
+        """
+        if not self.success:
+            why = [each.text for each in self.verdict.warnings if each.code in ("not-optimal", "infeasible", "not-found-again")]
+            raise NoOptimumError("no optimum was found: " + " ".join(why))
+
+    def record(self) -> dict[str, Any]:
+        """The JSON object."""
+        name, unit = objective_of(self.search.program)
+        margins = {case: {"load_factor": value, "found": found} for case, (value, found) in self.again.margins.items()}
+        values, units = self.values, self.units
+        return {
+            "success": self.success,
+            "objective": {"of": name, "value": self.objective, "unit": unit},
+            "optimum": {
+                "variables": self.variables,
+                "responses": {each: {"value": values[each], "unit": units[each]} for each in values},
+                "multipliers": [each.record() for each in self.prices],
+                "snap_through": margins.get("", margins) or None,
+                "changes_by_finer_steps": self.again.changes,
+            },
+            "optimality": self.optimality,
+            "violation": self.search.optimality.violation if self.search.optimality else None,
+            "evaluations": self.evaluations,
+            "failed": self.failed,
+            "wall_s": self.wall,
+            "searches": [{**_search_record(self.problem, each), "wall_s": self._wall_of(each)} for each in self.searches],
+            **self.verdict.record(),
+        }
+
+
+def _search_record(problem: Problem, found: Found) -> dict[str, Any]:
+    best, left = found.best, found.optimality
+    return {
+        "start": dict(zip(problem.variables, map(float, found.start), strict=True)),
+        "variables": None if best is None else dict(zip(problem.variables, map(float, best.design), strict=True)),
+        "objective": None if best is None else float(found.program.objective(best.values)[0]),
+        "optimality": None if left is None else left.residual,
+        "violation": None if left is None else left.violation,
+        "evaluations": found.evaluations,
+        "failed": found.failed,
+        "arrived": found.arrived,
+        "ended": found.ended,
+    }

@@ -1,0 +1,193 @@
+"""One search: a method of SciPy within a box that leaves out what failed, until the conditions of an optimum are met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from toolkit.studies.optimization.methods import METHODS
+from toolkit.studies.optimization.optimality import Optimality, optimality_of
+from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.evaluator import Evaluator
+
+BACK = 0.5
+"""Part of the way to a failed design that the next box reaches."""
+NEAREST = 1e-5
+"""Size of a box, in parts of the variables' ranges, below which failed designs stand all around."""
+AGAIN = 3
+"""How often a method that gave up begins anew where it stood."""
+FIRST_SLOPE = 0.2
+"""Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
+Tell = Callable[[Evaluation], None]
+
+
+class _Ended(Exception):
+    """Why a method is to stop; no error."""
+
+
+class _Arrived(_Ended):
+    """The conditions of an optimum are met."""
+
+
+class _Spent(_Ended):
+    """No more designs may be solved, or no more may fail."""
+
+
+class _Failed(_Ended):
+    """A design could not be solved."""
+
+    def __init__(self, z: np.ndarray) -> None:
+        super().__init__()
+        self.z = z
+
+
+@dataclass(frozen=True)
+class Found:
+    """How one search ended.
+
+    Attributes
+    ----------
+    lane
+        Its number in the store.
+    best
+        The design where it ended: feasible and of the least objective, or else the one that violates its constraints least; None if not one
+        could be solved.
+    optimality
+        What is left of the conditions there.
+    program
+        The functions as they were scaled.
+    ended
+        Why it ended, in words.
+    evaluations, failed
+        Designs solved, and how many of them failed.
+    """
+
+    lane: int
+    start: np.ndarray
+    best: Evaluation | None
+    optimality: Optimality | None
+    program: Program
+    ended: str
+    evaluations: int
+    failed: int
+    arrived: bool
+
+
+class Search:
+    """What one search knows."""
+
+    def __init__(self, program: Program, evaluator: Evaluator, lane: int, warm: bool, tell: Tell) -> None:
+        self.program, self.evaluator, self.lane, self.warm, self.tell = program, evaluator, lane, warm, tell
+        self.options = program.problem.study.search
+        self.done: dict[bytes, Evaluation] = {}
+        self.largest = 0.0
+        self.last: np.ndarray | None = None
+
+    @property
+    def failed(self) -> int:
+        """Designs that could not be solved."""
+        return sum(each.failed for each in self.done.values())
+
+    def run(self, start: np.ndarray, known: np.ndarray | None) -> Found:
+        """Search from a start; where that fails, from designs on the way to a known one."""
+        try:
+            z = self._first(start, known)
+            ended = "no design near the start could be solved" if z is None else self._within_boxes(z)
+            arrived = False
+        except _Arrived:
+            ended, arrived = "the conditions of an optimum are met", True
+        except _Spent as why:
+            ended, arrived = str(why), False
+        best, left = self._best()
+        return Found(self.lane, start, best, left, self.program, ended, len(self.done), self.failed, arrived)
+
+    def _first(self, start: np.ndarray, known: np.ndarray | None) -> np.ndarray | None:
+        """The first design that can be solved, on the way from the start to the known one; it sets the unit of the objective."""
+        z, back = self.program.scaled(start), None if known is None else self.program.scaled(known)
+        for _ in range(1 if back is None else 4):
+            found = self._evaluated(self.program.design(z))
+            if not found.failed:
+                size = float(np.max(np.abs(self.program.values(found).df)))
+                self.program = replace(self.program, unit=size / FIRST_SLOPE if size > 0 else 1.0)
+                self._visited(z)
+                return z
+            if back is not None:
+                z = back + BACK * (z - back)
+        return None
+
+    def _within_boxes(self, z: np.ndarray) -> str:
+        """Run the method; what failed is left out by the next box. Returns why it was given up."""
+        radius, again = np.inf, 0
+        while True:
+            centre = self.last if self.last is not None else z
+            low, high = np.maximum(0.0, centre - radius), np.minimum(self.program.top, centre + radius)
+            try:
+                METHODS[self.options.method](self._functions, centre, low, high, self._visited, self.options.evaluations)
+            except _Failed as failure:
+                if self.options.failures == "stop":
+                    return "a design could not be solved, and the study says to stop there"
+                last = self.last if self.last is not None else z
+                radius = BACK * float(np.max(np.abs(failure.z - last)))
+                if radius < NEAREST:
+                    return "designs all around cannot be solved: it stands at the edge of what can"
+                continue
+            if np.isfinite(radius):
+                radius = np.inf if radius > 1.0 else 8 * radius
+                again += self.last is None or bool(np.array_equal(self.last, centre))
+            else:
+                again += 1
+            if again > AGAIN:
+                return "the method made no progress any more"
+
+    def _evaluated(self, design: np.ndarray) -> Evaluation:
+        key = design.tobytes()
+        if key not in self.done:
+            if len(self.done) >= self.options.evaluations:
+                raise _Spent(f"{self.options.evaluations} designs were solved, as many as the study allows")
+            found = self.evaluator(self.lane, design, self.warm)
+            self.done[key] = found
+            self.tell(found)
+            if found.failed and self.failed >= self.options.most_failures:
+                raise _Spent(f"{self.failed} designs could not be solved, as many as the study allows")
+        return self.done[key]
+
+    def _functions(self, z: np.ndarray) -> Values:
+        """F and c at z.
+
+        Raises
+        ------
+        _Failed
+            The design could not be solved.
+        """
+        found = self._evaluated(self.program.design(z))
+        if found.failed:
+            raise _Failed(np.array(z))
+        values = self.program.values(found)
+        self.largest = max(self.largest, float(np.max(np.abs(values.df))))
+        return values
+
+    def _visited(self, z: np.ndarray) -> None:
+        """A design that the method has accepted: the next box is about this one, unless it is an optimum."""
+        values, z = self._functions(z), np.clip(z, 0.0, self.program.top)
+        self.last = z
+        left = optimality_of(self.program, z, values, self.largest)
+        if left.met(self.options.optimality, self.options.feasibility):
+            raise _Arrived
+
+    def _best(self) -> tuple[Evaluation | None, Optimality | None]:
+        """The feasible design of the least objective, else the least violated one; with what is left of the conditions."""
+        judged = []
+        for found in self.done.values():
+            if not found.failed:
+                z, values = self.program.scaled(found.design), self.program.values(found)
+                left = optimality_of(self.program, z, values, self.largest)
+                feasible = left.violation <= self.options.feasibility
+                judged.append(((not left.met(self.options.optimality, self.options.feasibility), not feasible,
+                                values.f if feasible else left.violation), found, left))  # fmt: skip
+        if not judged:
+            return None, None
+        _, found, left = min(judged, key=lambda each: each[0])
+        return found, left

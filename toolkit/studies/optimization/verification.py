@@ -1,0 +1,159 @@
+"""An optimum solved again: along the path from the unloaded state, with finer steps, and with its gradients certified."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from toolkit.description.run_options import RunOptions
+from toolkit.foundation.errors import NoLimitPointError, ToolkitError
+from toolkit.foundation.verdict import Caution
+from toolkit.responses.load_margin import LoadMargin
+from toolkit.scene.changed_numbers import with_numbers
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.certificate.certificate import certify
+from toolkit.sensitivity.direct import direct
+from toolkit.sensitivity.result import Result
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.evaluator import load_margin
+from toolkit.studies.study.problem import FAR, Problem, by_case
+from toolkit.studies.study.study_file import LOAD_MARGIN
+
+ANOTHER = 1e-5
+"""Change of a response, in parts of its size, by which an equilibrium is another one than that of the search: finer load steps and a warm
+start change nothing but round-off."""
+COARSE = 1e-2
+"""The same of a motion, whose steps were too long for what was wanted of it."""
+DIGITS = 1e-8
+"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`."""
+
+
+@dataclass(frozen=True)
+class Again:
+    """What came of solving a design again.
+
+    Attributes
+    ----------
+    results
+        Case -> run with finer steps, with all responses of the scene; those before the one that failed.
+    refusal
+        Why the design is none after all; empty if nothing speaks against it.
+    changes
+        Response, with its case -> change by the finer steps in parts of its size.
+    margins
+        Case -> load factor of the first limit point, or of what was searched without finding any; whether one was found.
+    """
+
+    results: dict[str, Result]
+    refusal: str
+    changes: dict[str, float]
+    margins: dict[str, tuple[float, bool]]
+    cautions: tuple[Caution, ...] = ()
+
+
+def solved_again(problem: Problem, found: Evaluation) -> Again:
+    """Solve a design of a search anew in all cases, without anything that the search knew."""
+    results: dict[str, Result] = {}
+    margins: dict[str, tuple[float, bool]] = {}
+    changes: dict[str, float] = {}
+    cautions: list[Caution] = []
+    for k, case in enumerate(problem.cases):
+        where = f"{case}: " if case else ""
+        try:
+            results[case] = direct(finer(scene_at(problem, case, found.design)), list(problem.variables), problem.kind)
+            if _has_margin(problem):
+                margins[case] = _margin(problem, results[case], where, cautions)
+        except ToolkitError as error:
+            return Again(results, f"{where}{error}", changes, margins)
+        values = {**results[case].values, **({LOAD_MARGIN: margins[case][0]} if case in margins else {})}
+        for name, before in zip(problem.responses, found.values[k], strict=True):
+            after = min(values[name], problem.margin_up_to or FAR) if name == LOAD_MARGIN else values[name]
+            limit = problem.study.constraints.get(name)
+            size = max([abs(before), *(abs(each) for each in (limit.limits if limit else ()) if each is not None)])
+            changes[by_case([case], name)[0]] = abs(after - before) / (size or 1.0)
+    return Again(results, _changed(problem, changes), changes, margins, tuple(cautions))
+
+
+def _changed(problem: Problem, changes: dict[str, float]) -> str:
+    worst = max(changes, key=lambda name: changes[name])
+    if problem.kind == "static" and changes[worst] > ANOTHER:
+        return (
+            f"the path from the unloaded state leads to another equilibrium: {worst} changes by {100 * changes[worst]:.3g} %. The design "
+            "of the search lies beyond a snap-through."
+        )
+    if changes[worst] > COARSE:
+        return f"with steps half as long {worst} changes by {100 * changes[worst]:.3g} %. Give the scene a smaller solver.step."
+    return ""
+
+
+def _has_margin(problem: Problem) -> bool:
+    solver = problem.scene.solver
+    return problem.kind == "static" and solver.equilibrium == "rest" and solver.continuation == "load"
+
+
+def _margin(problem: Problem, result: Result, where: str, cautions: list[Caution]) -> tuple[float, bool]:
+    """Load factor of the first limit point and whether there is one; a path that cannot be followed is said, unless it is asked for."""
+    up_to = max(problem.margin_up_to or 0.0, FAR)
+    try:
+        value = load_margin(result.solution, up_to)[0]
+    except NoLimitPointError as error:
+        return error.reached, False
+    except ToolkitError as error:
+        factor = getattr(error, "load_factor", None)
+        if problem.margin_up_to is not None and (factor is None or factor < problem.margin_up_to):
+            raise
+        cautions.append(Caution("load-margin", f"{where}the path beyond the full load: {error}", doubt=False))
+        return (float(factor), True) if factor is not None else (1.0, False)
+    return value, value < up_to
+
+
+def scene_at(problem: Problem, case: str, design: np.ndarray) -> Scene:
+    """The scene of a case at a design; load margins, which need not exist, are found beside it."""
+    responses = {name: each for name, each in problem.scene.responses.items() if not isinstance(each, LoadMargin)}
+    scene = problem.scene.model_copy(update={"responses": responses})
+    return with_numbers(scene, {**problem.cases[case], **problem.numbers(design)})[0]
+
+
+def finer(scene: Scene) -> Scene:
+    """The scene with steps half as long."""
+    options: RunOptions = scene.solver
+    times = None if options.times is None else [float(t) for t in options.times]
+    halved: dict[str, Any] = {"step": options.step / 2, "load_steps": 2 * options.load_steps}
+    if options.local_error is not None:
+        halved["local_error"] = options.local_error / 4
+    if times is not None:
+        between = [(a + b) / 2 for a, b in pairwise(times)]
+        halved["times"] = tuple(sorted([*times, *between]))
+    return scene.model_copy(update={"solver": options.model_copy(update=halved)})
+
+
+def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Caution]:
+    """What independent methods have against the gradients at a design; nothing if they agree."""
+    for k, case in enumerate(problem.cases):
+        where = f"{case}: " if case else ""
+        scene = scene_at(problem, case, found.design)
+        asked: dict[str, Any] = {name: scene.responses[name] for name in problem.asked}
+        if LOAD_MARGIN in problem.responses and again.margins[case][1] and found.values[k][-1] < (problem.margin_up_to or 0.0):
+            asked[LOAD_MARGIN] = LoadMargin(up_to=problem.margin_up_to or FAR)
+        try:
+            certificate = certify(scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind)
+            certificate.check(DIGITS)
+        except ToolkitError as error:
+            yield Caution("gradients", f"{where}the gradients at the optimum could not be certified: {error}")
+            continue
+        known = again.results[case].verdict.warnings if case in again.results else ()
+        yield from (_in(where, each) for each in certificate.verdict.warnings if each not in known and each.code == "differences")
+
+
+def _in(where: str, caution: Caution) -> Caution:
+    return Caution(caution.code, f"{where}{caution.text}", caution.doubt)
+
+
+def said_of_runs(again: Again) -> Iterator[Caution]:
+    """What the runs at the optimum say about themselves."""
+    for case, result in again.results.items():
+        yield from (_in(f"{case}: " if case else "", each) for each in result.verdict.warnings)

@@ -1,0 +1,57 @@
+"""How an optimum is looked for."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from toolkit.description.description import Description
+from toolkit.description.quantity import Quantity
+from toolkit.description.run_options import Count
+
+Part = Annotated[float, Field(strict=True, gt=1e-12, lt=1.0), Quantity("none")]
+
+
+class Search(Description):
+    """How an optimum is looked for, and when it is found.
+
+    Attributes
+    ----------
+    method
+        "slsqp", sequential quadratic programming, the cheapest for some tens of variables; or "trust-constr", an interior-point method with
+        a trust region, which takes more designs and smaller steps. Both are SciPy's.
+    starts
+        How many searches: the first begins where the scene stands, others at the points of Sobol's sequence within the bounds.
+    evaluations
+        Most designs that one search may solve.
+    optimality
+        The search ends where the KKT residual is below this part of the objective, or of its largest derivative there: so much would
+        be gained, at most, over the whole range of a variable.
+    feasibility
+        By how much of its scale a constraint may be violated.
+    warm_starts
+        Whether statics begins in the equilibrium of the nearest design that was solved before, which halves its time, but can lead a search
+        to equilibria beyond a snap-through. An optimum is always solved again along the path from the unloaded state; if it is not found
+        there, the search is repeated without warm starts.
+    failures
+        What to do where a design cannot be solved: "step-back", search on from the last design in a box that leaves out the failed one;
+        or "stop", end the search there.
+    most_failures
+        Failed designs after which a search ends.
+    gradients
+        How a motion is differentiated: "direct", or "adjoint" for many variables.
+    certify
+        Whether gradients at the optimum are compared with a complex step and differences.
+    """
+
+    method: Literal["slsqp", "trust-constr"] = "slsqp"
+    starts: Count = 1
+    evaluations: Count = 100
+    optimality: Part = 1e-4
+    feasibility: Part = 1e-6
+    warm_starts: bool = False
+    failures: Literal["step-back", "stop"] = "step-back"
+    most_failures: Count = 20
+    gradients: Literal["direct", "adjoint"] = "direct"
+    certify: bool = True

@@ -1,0 +1,185 @@
+"""What a study file holds: a scene, what of it may change, and what is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
+
+from toolkit.description.description import Description, Number, Pair, Positive, Registered
+from toolkit.studies.study.search_options import Search
+
+LOAD_MARGIN = "load_margin"
+"""A response that every study of statics has: the load factor of the first limit point."""
+_MODES = '"modes" has no gradients of its own: frequencies are responses of statics. Write analysis = "statics", and under [responses] '
+_HINT = 'for example first = { type = "frequency", number = 1 }'
+
+
+class StudyVariable(Description):
+    """A number of the scene that may change, or several that one variable moves.
+
+    Attributes
+    ----------
+    between
+        Least and largest value.
+    of
+        Paths of numbers of one unit that the variable moves: its value is by how much, 0 where the scene stands. Without it the variable
+        is the number that its own name leads to, a path or a short name of the scene.
+    factors
+        Of each of these numbers: by how much it moves where the variable moves by one. All are one by default.
+    scale
+        What a large change of it is; by default its whole range.
+    """
+
+    between: Pair
+    of: tuple[str, ...] | None = Field(default=None, min_length=1)
+    factors: tuple[Number, ...] | None = None
+    scale: Positive | None = None
+
+    @model_validator(mode="after")
+    def _fit(self) -> Self:
+        low, high = self.between
+        if low >= high:
+            raise ValueError(
+                f"between = [{low:g}, {high:g}] holds nothing; write the smaller bound first, and the larger one second"
+            )
+        if self.factors is not None and self.of is None:
+            raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        return self
+
+
+class Limit(Description):
+    """What a response must keep to, in every case.
+
+    Attributes
+    ----------
+    below, above
+        Largest and least value.
+    between
+        Both of them.
+    scale
+        What a large change of the response is; by default the size of the limit, or 1 if that is zero.
+    """
+
+    below: Number | None = None
+    above: Number | None = None
+    between: Pair | None = None
+    scale: Positive | None = None
+
+    @model_validator(mode="after")
+    def _fit(self) -> Self:
+        if self.between is not None and (self.below is not None or self.above is not None):
+            raise ValueError("`between` says both limits; leave out `below` and `above`")
+        low, high = self.limits
+        if low is None and high is None:
+            raise ValueError("a constraint needs a limit: `below`, `above` or `between`")
+        if low is not None and high is not None and low >= high:
+            raise ValueError(
+                f"nothing is above {low:g} and below {high:g}: these limits contradict each other. Exchange or mend them"
+            )
+        return self
+
+    @property
+    def limits(self) -> tuple[float | None, float | None]:
+        """The least and the largest value; None where there is no limit."""
+        return self.between if self.between is not None else (self.above, self.below)
+
+
+def _weighted(value: Any) -> Any:
+    """A response alone counts once."""
+    return {value: 1.0} if isinstance(value, str) else value
+
+
+Weights = Annotated[
+    dict[str, Number] | None,
+    BeforeValidator(_weighted),
+    WithJsonSchema(
+        {"anyOf": [{"type": "string"}, {"type": "object", "additionalProperties": {"type": "number"}, "minProperties": 1}]}
+    ),
+]
+
+
+class Objective(Description):
+    """What is to be as small, or as large, as it can be.
+
+    Attributes
+    ----------
+    minimize, maximize
+        A response, or responses with weights: { shape_mse = 1.0, mass = 2.0 }. One of the two.
+    over_cases
+        Of several cases their "sum", or the "worst": a smooth maximum (KS), which is a little above the largest.
+    aggregation
+        How sharp the smooth maximum is, in 1/(unit of the objective): it is above the largest by at most log(cases)/aggregation.
+    """
+
+    minimize: Weights = None
+    maximize: Weights = None
+    over_cases: Literal["sum", "worst"] = "sum"
+    aggregation: Positive | None = None
+
+    @model_validator(mode="after")
+    def _fit(self) -> Self:
+        if (self.minimize is None) == (self.maximize is None):
+            raise ValueError("an objective is one of `minimize` and `maximize`; write one of them, with a response or weights")
+        if not self.weights or not all(self.weights.values()):
+            raise ValueError("the objective needs responses with weights that are not zero; leave out what does not count")
+        if (self.over_cases == "worst") != (self.aggregation is not None):
+            raise ValueError('`aggregation`, in 1/(unit of the objective), belongs to over_cases = "worst"; write both or none')
+        return self
+
+    @property
+    def weights(self) -> Mapping[str, float]:
+        """Response -> weight."""
+        return (self.minimize if self.minimize is not None else self.maximize) or {}
+
+    @property
+    def sign(self) -> float:
+        """1 to minimize, -1 to maximize."""
+        return 1.0 if self.minimize is not None else -1.0
+
+
+def _analysis(value: Any) -> Any:
+    if value == "modes":
+        raise ValueError(_MODES + _HINT)
+    return value
+
+
+class Study(Description):
+    """A study of a scene: variables, an objective, constraints, and cases.
+
+    Attributes
+    ----------
+    scene
+        The scene file, sought from the folder of the study file.
+    analysis
+        What is solved for every design: "statics" or "motion". Frequencies are responses of statics.
+    variables
+        Path or short name of a number of the scene, or a new name of several numbers -> between which bounds it may be.
+    objective
+        What is to be as small or as large as possible.
+    constraints
+        Response -> its limits, in every case. `load_margin` is built in: the load factor of the first limit point.
+    cases
+        Name -> numbers of the scene that are others there, by path or short name. The same design is solved in all cases; without any, the
+        scene itself is the only one.
+    responses
+        Responses beside those of the scene, written as there.
+    search
+        How the optimum is looked for.
+    directory
+        Folder that the scene's path starts from; for a study file its own.
+    """
+
+    scene: str
+    analysis: Annotated[Literal["statics", "motion"], BeforeValidator(_analysis)] = "statics"
+    variables: dict[str, StudyVariable] = Field(min_length=1)
+    objective: Objective
+    constraints: dict[str, Limit] = Field(default_factory=dict)
+    cases: dict[str, dict[str, Number]] = Field(default_factory=dict)
+    responses: dict[str, Annotated[Registered, WithJsonSchema({"type": "object", "required": ["type"]})]] = Field(
+        default_factory=dict
+    )
+    search: Search = Search()
+    directory: Annotated[Path, WithJsonSchema({"type": "string"})] = Path()

@@ -1,0 +1,44 @@
+"""Studies in TOML: the same objects as in Python, with errors that name the file, the key and what would be right."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pydantic import ValidationError
+
+from toolkit.description.validation_messages import messages
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.toml_file import read_toml
+from toolkit.scene_file.reader import responses_from_table
+from toolkit.studies.study.study_file import Study
+
+
+def read_study(path: str | Path) -> Study:
+    """Read a study file.
+
+    Parameters
+    ----------
+    path
+        The file, in TOML.
+
+    Returns
+    -------
+    study
+        The study, checked as far as it can be without its scene.
+
+    Raises
+    ------
+    InputError
+        The file is missing, is no TOML, or a key or value is wrong; all wrong keys are reported at once.
+    """
+    path = Path(path)
+    table = read_toml(path, "a study in TOML")
+    problems: list[str] = []
+    responses = responses_from_table(table.get("responses", {}), problems)
+    if not problems:
+        given = {**table, "responses": responses, "directory": path.parent}
+        try:
+            return Study.model_validate(given)
+        except ValidationError as error:
+            problems += messages(error, Study, given, "", {})
+    raise InputError("\n".join(f"{path.name}: {problem}" for problem in problems))
