@@ -129,14 +129,15 @@ def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, computed
             found = whole(contraction)
             if np.any(found.data):
                 terms[name].append((part.factors, np.ravel_multi_index(found.coords, found.shape), found.data))
-    return {name: _polynomial(found, list(parameters)) for name, found in terms.items() if found}
+    return {name: polynomial_of(found, list(parameters)) for name, found in terms.items() if found}
 
 
 Term = tuple[Monomial, np.ndarray, np.ndarray]
 """A monomial, places in the flattened invariant, and the coefficients there."""
 
 
-def _polynomial(terms: list[Term], parameters: list[str]) -> Polynomial:
+def polynomial_of(terms: list[Term], parameters: list[str]) -> Polynomial:
+    """The polynomial of a list of terms, in the numbers of the parameters."""
     width = max(len(factors) for factors, _, _ in terms)
     factor, power = np.full((len(terms), width), -1), np.zeros((len(terms), width), np.int64)
     for k, (factors, _, _) in enumerate(terms):

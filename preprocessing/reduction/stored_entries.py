@@ -78,6 +78,17 @@ def derivatives(
     return {item: _joined(rows) for item, rows in found.items()}
 
 
+def joined_rates(rates: Rates, parameters: Sequence[str]) -> dict[str, Derivatives]:
+    """All entries that are not zero as one list for every item that has any; `rates` parameter -> item -> derivative."""
+    found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
+    for parameter, items in rates.items():
+        for item, rate in items.items():
+            if np.any(rate):
+                entry = np.flatnonzero(rate)
+                found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
+    return {item: _joined(rows) for item, rows in found.items()}
+
+
 def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
     numbers, entries, values = zip(*((np.full(len(entry), k), entry, value) for k, entry, value in rows), strict=True)
     return Derivatives(np.concatenate(numbers), np.concatenate(entries), np.concatenate(values))

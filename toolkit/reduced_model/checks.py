@@ -11,6 +11,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import LOCAL, Elements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import (
     InterfacePoint,
@@ -39,7 +40,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads", "elements")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -54,6 +55,10 @@ SHAPES: dict[Any, dict[str, str]] = {
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
     Outline: {"position": "p2z", "edges": "e3"},
+    Elements: {
+        "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
+        "stiffness": "euu", "damping": "euu", "stress_operator": "su",
+    },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
     },
@@ -61,7 +66,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u; others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:
@@ -81,7 +86,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6}
+    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -93,7 +98,7 @@ def check(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
     for name, load in (model.surface_loads or {}).items():
         _fit_all(path, f"surface_loads/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "surface"):
+    for part in ("stress", "shape", "mesh", "outline", "elements", "surface"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     _check_numbers(model, path)
@@ -164,8 +169,8 @@ def _largest(array: np.ndarray) -> EntryScale:
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    for item, derivatives in (model.derivatives or {}).items():
-        place = f"derivatives/{item}"
+    for item, derivatives in {**(model.derivatives or {}), **(model.element_derivatives or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}derivatives/{item}"
         _fit_all(path, place, derivatives, sizes)
         _numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
         _numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
@@ -174,9 +179,9 @@ def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
-    for item, polynomial in (model.affine or {}).items():
-        place = f"affine/{item}"
-        names = SHAPES[type(model.invariants)]
+    for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}affine/{item}"
+        names = [*SHAPES[type(model.invariants)], *(f"elements.{name}" for name in SHAPES[Elements])]
         if item not in names:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)
@@ -184,10 +189,13 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
         _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
-        nominal = getattr(model.invariants, item)
+        if item.startswith("elements.") and model.elements is None:
+            continue
+        nominal = model.item(item)
         here = places(nominal, polynomial.entry)
         difference = np.abs(polynomial.at(p, here) - nominal.ravel()[here])
-        if not np.all(difference <= ROUND_OFF * sizes_of[item].at(here)):
+        size = sizes_of[item] if item in sizes_of else _largest(nominal)
+        if not np.all(difference <= ROUND_OFF * size.at(here)):
             _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")
 
 
@@ -211,6 +219,9 @@ def _numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: 
 def _check_numbers(model: ReducedModel, path: Path) -> None:
     """Numbers of nodes, elements, ends and fibres that pictures index with."""
     mesh, stress, outline, surface = model.mesh, model.stress, model.outline, model.surface
+    elements = model.elements
+    if elements is not None and not np.isin(elements.connectivity, np.arange(len(elements.nodes))).all():
+        _refuse(path, "elements/connectivity", f"names nodes other than 0 to {len(elements.nodes) - 1}")
     for name in ("triangles", "lines"):
         if surface is not None and not np.isin(getattr(surface, name), np.arange(len(surface.position))).all():
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")

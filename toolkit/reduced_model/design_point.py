@@ -51,6 +51,11 @@ class DesignPoint:
             )
 
     @cached_property
+    def kept(self) -> dict[Any, Any]:
+        """What others have made of the model at this design, for as long as the design is remembered."""
+        return {}
+
+    @cached_property
     def _p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
@@ -125,13 +130,14 @@ class DesignPoint:
 
     def _evaluated(self, item: str) -> np.ndarray:
         nominal = self.model.item(item)
-        told = self.model.derivatives is not None and self.model.affine is not None
+        told = None not in self.model.dependence(item)
         if not self._steps or (told and not self.moves(item)):
             return nominal
         by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
         self._check(item, by_tangent)
-        polynomial = self.model.affine.get(item)  # type: ignore[union-attr]
-        tangents = {k: self.model.derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
+        derivatives, polynomials = self.model.dependence(item)
+        polynomial = (polynomials or {}).get(item)
+        tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
         reached = () if polynomial is None else (polynomial.entry,)
         here = places(nominal, *reached, *(entry for entry, _ in tangents.values()))
         own = nominal.ravel()[here]
@@ -173,7 +179,8 @@ class DesignPoint:
             Nothing that was loaded tells a derivative at this design.
         """
         wanted = np.array([numbers.get(name, -1) for name in self.model.parameters])
-        polynomial, tangent = (self.model.affine or {}).get(item), (self.model.derivatives or {}).get(item, NONE)
+        derivatives, polynomials = self.model.dependence(item)
+        polynomial, tangent = (polynomials or {}).get(item), (derivatives or {}).get(item, NONE)
         linear = tangent.renumbered(wanted)
         self._check(item, [int(k) for k in np.unique(tangent.parameter) if wanted[k] >= 0])
         return linear if polynomial is None else linear + polynomial.rates(np.real(self._p)).renumbered(wanted)
@@ -190,17 +197,17 @@ class DesignPoint:
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
 
     def _is_tangent(self, item: str, k: int) -> bool:
-        tangent = (self.model.derivatives or {}).get(item)
+        tangent = (self.model.dependence(item)[0] or {}).get(item)
         return tangent is not None and tangent.depends_on(k)
 
     def _depends(self, item: str, k: int) -> bool:
-        polynomial = (self.model.affine or {}).get(item)
+        polynomial = (self.model.dependence(item)[1] or {}).get(item)
         return self._is_tangent(item, k) or (polynomial is not None and polynomial.depends_on(k))
 
     def _check(self, item: str, by_tangent: list[int]) -> None:
         """Refuse what the file does not tell; a tangent leads away from the nominal design only where that was asked for."""
         names = self.model.parameters
-        if self.model.derivatives is None or self.model.affine is None:
+        if None in self.model.dependence(item):
             first = names[next(iter(self._steps), 0)]
             raise InputError(
                 f"{first!r} has no derivatives in reduced model {self.model.label}: nothing there tells how {item} depends on it. "

@@ -8,6 +8,8 @@ import numpy as np
 from scipy.sparse import coo_array
 
 from toolkit.bodies.model_body import DEPENDENCE
+from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.compilation.quantities import STEP
 from toolkit.description.description import Positive
 from toolkit.description.point import BodyPoint
 from toolkit.description.quantity import Quantity
@@ -26,7 +28,7 @@ from toolkit.system.solution import Solution
 
 def stress_operator(scene: Scene, body: str) -> np.ndarray:
     """Components of stress per elastic coordinate at the scene's parameter values, shape (n_s, 1 or 6, n_f)."""
-    operator = design_point(scene, body).value("stress_operator")
+    operator = flexible_body(scene, body).stress_operator(scene)
     return operator[:, None] if operator.ndim == 2 else operator
 
 
@@ -75,9 +77,22 @@ def _rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives
     names = {name: k for k, (name, _, _) in enumerate(driven)}
     if not any(name in scene.model(flexible_body(scene, body).model).nominal for name in names):
         return NONE
+    if item == "stress_operator" and isinstance(scene.bodies.get(body), CutBody):
+        return _rates_by_steps(solution, body)
     found = design_point(scene, body, *DEPENDENCE, *parts).rates(item, names)
     columns, factors = (np.array(each) for each in zip(*(numbers for _, *numbers in driven), strict=True))
     return Derivatives(columns[found.parameter], found.entry, factors[found.parameter] * found.value)
+
+
+def _rates_by_steps(solution: Solution, body: str) -> Derivatives:
+    """Those of the stress operator of a cut body, whose chords turn with its nodes: a complex step through what makes it."""
+    scene, found = solution.system.scene, [NONE]
+    for x, variable in enumerate(solution.system.design):
+        if any(model_parameter(scene, body, path) for path in variable.paths):
+            change = np.imag(stress_operator(scene.moved(variable, 1j * STEP), body)).ravel() / STEP
+            entry = np.flatnonzero(change)
+            found.append(Derivatives(np.full(len(entry), x), entry, change[entry]))
+    return sum(found[1:], found[0])
 
 
 def model_parameter(scene: Scene, body: str, path: str) -> str:
