@@ -187,12 +187,12 @@ class DesignPoint:
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
-        told = ((part or {}).get(item) for part in (self.model.derivatives, self.model.affine))
+        told = ((part or {}).get(item) for part in self.model.dependence(item))
         return any(each is not None and each.depends_on_any(self._steps) for each in told)
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""
-        items = self.model.derivatives or {}
+        items = [*(self.model.derivatives or {}), *(self.model.element_derivatives or {})]
         moved = [k for k, step in self._steps.items() if np.real(step) != 0]
         return [self.model.parameters[k] for k in moved if any(self._is_tangent(item, k) for item in items)]
 
