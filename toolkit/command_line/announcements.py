@@ -69,9 +69,12 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
         typer.echo(f"{watch.functions} functions compiled in {watch.seconds:.0f} s{kept}.", err=True)
 
 
-EXPECTED = {2: (220, 40), 3: (250, 60)}
-"""How many functions are compiled at most, and in how many seconds, by the dimension of space: measured by
-`python -m tests.benchmarks.first_run` in processor time of a common server."""
+EXPECTED = {2: (200, 55), 3: (250, 85)}
+"""How many functions are compiled at most, and in how many seconds, by the dimension of space.
+
+Measured by `python -m tests.benchmarks.first_run`, in processor time of a busy common server: in the plane 178 functions in 43 s for a
+motion, which an equilibrium shares, 8 in 3 s for its adjoint, 12 in 7 s for stabilised index 2; in space 227 in 70 s, 8 in 3 s, 12 in 8 s.
+Formulas of kinds of joints and loads come apart."""
 
 
 @contextmanager

@@ -54,13 +54,10 @@ class Formula:
 
 
 class Packed:
-    """A record in memory, as one address. The words that it is made of:
+    """A record in memory, as one address.
 
-    an array    address, shape, strides in bytes
-    a number    its own bits
-    a formula   its address
-    None        nothing
-    a record, a tuple    the words of all that is in it
+    Of an array there stand address, shape and strides in bytes, of a number its own bits, of a formula its address, of None nothing, and of
+    a record or a tuple the words of all that is in it.
 
     Parameters
     ----------
