@@ -61,7 +61,11 @@ class Polynomial:
 
     def __call__(self, p: np.ndarray, size: int) -> np.ndarray:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
-        return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
+        return self.at(p, np.arange(size))
+
+    def at(self, p: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """The same at some places in their order, among which are all that are not zero."""
+        return scattered(np.searchsorted(places, self.entry), self._weights(p, self.power)[self.term] * self.value, len(places))
 
     def rates(self, p: np.ndarray) -> Derivatives:
         """Derivatives by all parameters, one entry for every factor of every term; places can occur more than once."""
