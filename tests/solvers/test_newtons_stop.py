@@ -114,7 +114,7 @@ def test_what_newton_reports_is_what_it_left():
 def test_a_complex_step_never_stops_after_its_first_correction():
     """Decisions look at real parts; imaginary ones are exact one correction later."""
     scene = read_scene(FOUR_BARS, {"solver.end_time": "0.02"})
-    path = scene.design["m_1"]
+    path = "bodies.coupler1.density"
     run = simulate(compile_scene(scene.with_number(path, scene.number(path) + 1e-30j)))
     assert run.newton_iterations >= 2 * run.steps
 
