@@ -73,7 +73,11 @@ def record(count: int, block: np.ndarray) -> Record:
     return Record(count, count == 7, (3, 4), np.array([5.0, 6.0]), Deep(np.arange(6.0).reshape(2, 3), None, 0.5), block)
 
 
-BLOCKS = {"rows": np.arange(4.0).reshape(2, 2), "columns": np.asfortranarray(np.arange(4.0).reshape(2, 2)), "part": np.eye(4)[::2, ::2]}
+BLOCKS = {
+    "rows": np.arange(4.0).reshape(2, 2),
+    "columns": np.asfortranarray(np.arange(4.0).reshape(2, 2)),
+    "part": np.eye(4)[::2, ::2],
+}
 
 
 @pytest.mark.parametrize("layout", BLOCKS)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -33,6 +34,10 @@ class Derivatives:
     def depends_on(self, parameter: int) -> bool:
         """Whether there is an entry for the parameter."""
         return parameter in self._parameters
+
+    def depends_on_any(self, parameters: Collection[int]) -> bool:
+        """Whether there is one of them."""
+        return not self._parameters.isdisjoint(parameters)
 
     @cached_property
     def _parameters(self) -> frozenset[int]:
@@ -76,6 +81,10 @@ class Polynomial:
     def depends_on(self, parameter: int) -> bool:
         """Whether the parameter occurs."""
         return parameter in self._parameters
+
+    def depends_on_any(self, parameters: Collection[int]) -> bool:
+        """Whether there is one of them."""
+        return not self._parameters.isdisjoint(parameters)
 
     @cached_property
     def _parameters(self) -> frozenset[int]:

@@ -87,6 +87,16 @@ class DesignPoint:
 
     def interface(self, name: str) -> InterfacePoint:
         """One interface point; its range is that of the nominal design."""
+        if name not in self._interfaces:
+            self._interfaces[name] = self._interface(name)
+        return self._interfaces[name]
+
+    @cached_property
+    def _interfaces(self) -> dict[str, InterfacePoint]:
+        """Those that were asked for."""
+        return {}
+
+    def _interface(self, name: str) -> InterfacePoint:
         point = self.model.interfaces[name]  # type: ignore[index]
         changed = {key: self.value(f"interfaces.{name}.{key}") for key in ("arc_length", "position", "rotation")}
         return InterfacePoint(arc_length_range=point.arc_length_range, **changed)
@@ -170,7 +180,8 @@ class DesignPoint:
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
-        return any(self._depends(item, k) for k in self._steps)
+        told = ((part or {}).get(item) for part in (self.model.derivatives, self.model.affine))
+        return any(each is not None and each.depends_on_any(self._steps) for each in told)
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""
