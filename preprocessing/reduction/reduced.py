@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,9 +14,11 @@ from preprocessing.basis.reduction import reduced_basis
 from preprocessing.discretisation.discretisation import STEP, Change, DesignSpace, derivative_of
 from preprocessing.discretisation.following_places import with_places
 from preprocessing.reduction.contracted import Rate, contracted
+from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants
 
@@ -32,6 +34,9 @@ class Reduced:
     affine: dict[str, Polynomial]
     interfaces: dict[str, InterfacePoint]
     stress: StressPoints
+    elements: Elements | None = None
+    element_derivatives: dict[str, Derivatives] | None = None
+    element_affine: dict[str, Polynomial] | None = None
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -43,6 +48,7 @@ class Reduced:
             "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
+            **{name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine")},
         }
 
 
@@ -68,19 +74,34 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
-    d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
     rates = (
         (parameter, Rate(change.matrices, d, _item_rates(change, basis, d)))
-        for (parameter, change), d in zip(changes.items(), d_z, strict=True)
+        for (parameter, change), d in zip(changes.items(), _shape_rates(basis, list(changes.values())), strict=True)
     )
     size = float(np.ptp(np.real(nominal.nodes), axis=0).max())
     interfaces = with_held_points(nominal.interfaces(basis.z), nominal.positions(basis.z)[..., 1:], size)
     found = contracted(
         nominal.parts, matrices, space.values, basis.z, rates, interfaces, computed=choice.kind != "full", exact=bool(exact)
     )
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points)
+    if not element_parts(nominal.nodes.shape[1], choice.kind):
+        return Reduced(space, basis, *found, interfaces, nominal.stress_points)
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *element_sums(space, nominal))
+
+
+def element_parts(dimension: int, basis: str) -> tuple[str, ...]:
+    """Parts of a reduced model that hold its elements one by one: planar ones with all nodal coordinates have them."""
+    return ("elements", "element_derivatives", "element_affine") if dimension == 2 and basis == "full" else ()
+
+
+def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray]:
+    """dZ by each parameter; where no shape follows the design, one after the other."""
+    if basis.parts:
+        yield from np.moveaxis(basis.rates([change.rates for change in changes]), -1, 0)
+    else:
+        yield from (basis.rates([change.rates])[:, :, 0] for change in changes)
 
 
 def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:
-    stepped = change.stepped.items(basis.z + 1j * STEP * d_z)
-    return {name: derivative_of(value) for name, value in stepped.items()}
+    stepped = basis.z.astype(complex)
+    stepped.imag = STEP * d_z
+    return {name: derivative_of(value) for name, value in change.stepped.items(stepped).items()}

@@ -41,6 +41,16 @@ class ModelBody(Body):
     extrapolation: Literal["none", "first-order"] = "none"
 
     @property
+    def dependence(self) -> tuple[str, ...]:
+        """Parts of its model that tell how what it needs depends on the parameters."""
+        return DEPENDENCE
+
+    @property
+    def parted(self) -> bool:
+        """Whether it is cut into parts with frames of their own."""
+        return False
+
+    @property
     @abstractmethod
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:
         """Key of the body's table -> point -> displacement at the start in the body's own axes, or its velocity: what is written of it."""
@@ -79,7 +89,7 @@ class ModelBody(Body):
         places = {name: s for name, s in scene.arc_lengths(self).items() if place_parameter(name) in model.nominal}
         follows = {place_parameter(name): s for name, s in places.items()}
         moved = any(model.nominal.get(name) != value for name, value in {**self.model_values(), **follows}.items())
-        model = scene.model(self.model, *(DEPENDENCE if moved else ()), *parts)
+        model = scene.model(self.model, *(self.dependence if moved else ()), *parts)
         design = design_at(model, self.model_values(), first_order)
         for name in places:
             if design.moves(f"interfaces.{name}.arc_length"):
@@ -89,6 +99,10 @@ class ModelBody(Body):
                     "point by its arc length in the skin file."
                 )
         return design_at(model, {**self.model_values(), **follows}, first_order) if follows else design
+
+    def stress_operator(self, scene: Placed) -> np.ndarray:
+        """Stress per elastic coordinate at the scene's parameter values, (n_s, n_f) or of solids (n_s, 6, n_f)."""
+        return self.design_point(scene).value("stress_operator")
 
     def invariants(self, scene: Placed) -> Any:
         """Invariants at the scene's parameter values."""

@@ -55,7 +55,8 @@ def users_by_name(scene: Scene) -> dict[str, list[Item]]:
     """Name -> items that name it, whatever they mean by it."""
     found: dict[str, list[Item]] = {}
     for group in GROUPS:
-        for name, item in getattr(scene, group).items():
+        items = scene.all_bodies() if group == "bodies" else getattr(scene, group)
+        for name, item in items.items():
             for word in _words(item):
                 found.setdefault(word, []).append((group, name))
     return found

@@ -53,7 +53,11 @@ def markers(system: System) -> list[Line]:
     found, rigid = [], rigid_bodies(system)
     for name, body in system.scene.all_bodies().items():
         used = {point for owner, point, *_ in system.numbering.markers if owner == name}
-        known = (system.scene.model(body.model).interfaces or {}) if isinstance(body, ModelBody) else {}
+        known = (
+            (system.scene.model(body.model).interfaces or {})
+            if name in system.scene.bodies and isinstance(body, ModelBody)
+            else {}
+        )
         idle = set(known) - {getattr(system.scene.interface(point), "interface", "") for point in used if point != CENTRE}
         if name not in rigid:
             found.append(Line(name, len(used), len(idle), f"nothing looks at {', '.join(sorted(idle))}" if idle else ""))

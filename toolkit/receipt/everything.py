@@ -13,7 +13,7 @@ from toolkit.system.system import System
 def grounded_bodies(scene: Scene) -> dict[str, ModelBody]:
     """Flexible bodies whose frame has no coordinates."""
     bodies = {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody)}
-    return {name: body for name, body in bodies.items() if not body.has_frame}
+    return {name: body for name, body in bodies.items() if not body.has_frame and not body.parted}
 
 
 def with_frames(scene: Scene) -> Scene:

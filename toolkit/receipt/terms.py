@@ -7,14 +7,15 @@ import numpy as np
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import ModelBody
 from toolkit.receipt.line import Line
+from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 
 
 def terms(system: System) -> list[Line]:
     """Mass, stiffness, damping, terms of a rotating frame, weight, and loads."""
-    numbers = {name: number for number, name in enumerate(system.scene.all_bodies()) if name in system.scene.bodies}
-    flexible = {name: number for name, number in numbers.items() if isinstance(system.scene.body(name), ModelBody)}
-    rigid = [number for name, number in numbers.items() if name not in flexible]
+    numbers = {name: number for number, name in enumerate(system.scene.all_bodies())}
+    flexible = {name: numbers[name] for name in deforming(system.scene)}
+    rigid = [numbers[name] for name in rigid_bodies(system)]
     lines = [line for name, number in flexible.items() for line in _flexible(system, number, name)]
     if rigid:
         lines += _rigid(system, rigid)

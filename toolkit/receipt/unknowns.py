@@ -5,11 +5,14 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.bodies.body import Body
+from toolkit.joints.joint import Joint
 from toolkit.linear.sparse_analysis import LUPlan
 from toolkit.receipt.everything import grounded_bodies
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import frame_of, rigid_bodies
+from toolkit.scene.cut_scene import Tie
 from toolkit.scene.space import SPACES
+from toolkit.system.flexible_bodies import deforming
 from toolkit.system.system import System
 
 IDLE = {
@@ -23,7 +26,7 @@ IDLE = {
 def coordinates(system: System) -> list[Line]:
     """Coordinates of each flexible body, and of all rigid ones."""
     scene, rigid = system.scene, rigid_bodies(system)
-    bodies = {name: body for name, body in scene.bodies.items() if name not in rigid}
+    bodies = deforming(scene)
     lines = [Line(name, len(body.coordinate_names(scene)), *_missing(body)) for name, body in bodies.items()]
     own = [scene.bodies[name] for name in rigid]
     kept, most = sum(body.frame_size for body in own), scene.space.frame_size * len(own)
@@ -43,7 +46,7 @@ def rows(system: System) -> list[Line]:
     """Constraint rows of the joints by their kind, and those that would hold a grounded frame if it could move."""
     joints = list(system.scene.joints.values())
     kinds = {
-        kind: [len(joint.row_names) for joint in joints if joint.kind == kind] for kind in dict.fromkeys(j.kind for j in joints)
+        kind: [len(joint.row_names) for joint in joints if _kind(joint) == kind] for kind in dict.fromkeys(map(_kind, joints))
     }
     whole = system.scene.space.frame_size  # rows that hold a frame, a quaternion's length among them
     held = [
@@ -52,6 +55,10 @@ def rows(system: System) -> list[Line]:
     lengths = len(system.numbering.length)
     quaternions = [Line(f"{lengths} lengths of quaternions", lengths)] if lengths else []
     return [*(Line(f"{len(sizes)} {kind}", sum(sizes)) for kind, sizes in kinds.items()), *quaternions, *held]
+
+
+def _kind(joint: Joint) -> str:
+    return "between parts of bodies" if isinstance(joint, Tie) else joint.kind
 
 
 def matrix(system: System) -> list[Line]:

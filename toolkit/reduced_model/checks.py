@@ -9,8 +9,10 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
+from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.entry_scales import entry_scales
+from toolkit.reduced_model.elements import LOCAL, Elements
+from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -22,6 +24,7 @@ from toolkit.reduced_model.model import (
     generalized_mass,
 )
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
+from toolkit.reduced_model.thin_arrays import listed, places, sparing
 
 RIGID = 1e-12
 """Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7."""
@@ -37,7 +40,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads", "elements")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -52,6 +55,10 @@ SHAPES: dict[Any, dict[str, str]] = {
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
     Outline: {"position": "p2z", "edges": "e3"},
+    Elements: {
+        "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
+        "stiffness": "euu", "damping": "euu", "stress_operator": "su",
+    },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
     },
@@ -59,7 +66,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u; others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:
@@ -79,7 +86,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6}
+    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -91,7 +98,7 @@ def check(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
     for name, load in (model.surface_loads or {}).items():
         _fit_all(path, f"surface_loads/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "surface"):
+    for part in ("stress", "shape", "mesh", "outline", "elements", "surface"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     _check_numbers(model, path)
@@ -125,17 +132,17 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
     scales = _sizes(inv)
     if isinstance(inv, SpatialInvariants):
         own = {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)}
-        scales |= {f"second_moment[{k}]": scales["second_moment"][k] for k in range(3)}
+        root = scales["second_moment"].column
+        scales |= {f"second_moment[{k}]": EntryScale(root, root) for k in range(3)}
         place, mass = "second_moment", spatial_generalized_mass(inv)
     else:
         own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)}
         place, mass = "inertia", generalized_mass(inv)
     for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
-        if np.any(np.abs(matrix - sign * matrix.T) > ROUND_OFF * scales[name]):
+        entry, difference = listed(abs(sparing(matrix) - sign * sparing(matrix).T))
+        if np.any(difference > ROUND_OFF * scales[name].at(entry)):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    try:
-        np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
-    except np.linalg.LinAlgError:
+    if not positive_definite(mass - RIGID * np.eye(len(mass))):
         _refuse(
             path,
             f"invariants/{place}",
@@ -143,20 +150,27 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
         )
 
 
-def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
+def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
     """What a difference in every entry of the invariants is compared with.
 
     Whatever is a matter of mass can vanish as a whole, but for round-off, and is compared with what it could be. Stiff bodies
     leave more round-off in their soft motions than these are stiff: stiffness, damping and stress, which do not vanish, are
     compared with their largest entry.
     """
-    of_mass = {name: scale for name, scale in entry_scales(inv).items() if name not in OF_STIFFNESS}
-    return of_mass | {name: np.abs(getattr(inv, name)).max(initial=0) for name in OF_STIFFNESS}
+    return entry_factors(inv) | {name: _largest(getattr(inv, name)) for name in OF_STIFFNESS}
+
+
+def _largest(array: np.ndarray) -> EntryScale:
+    """The largest entry for all."""
+    rows = sparing(array)
+    return EntryScale(
+        np.full(len(array.reshape(-1, array.shape[-1])), abs(rows).max() if array.size else 0.0), np.ones(array.shape[-1])
+    )
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
-    for item, derivatives in (model.derivatives or {}).items():
-        place = f"derivatives/{item}"
+    for item, derivatives in {**(model.derivatives or {}), **(model.element_derivatives or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}derivatives/{item}"
         _fit_all(path, place, derivatives, sizes)
         _numbers_below(path, f"{place}/parameter", derivatives.parameter, len(model.nominal), "parameters")
         _numbers_below(path, f"{place}/entry", derivatives.entry, _size(model, path, place, item), "entries")
@@ -165,9 +179,9 @@ def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
 def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     """Polynomials of the parameters, which give the invariants at the nominal design."""
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
-    for item, polynomial in (model.affine or {}).items():
-        place = f"affine/{item}"
-        names = SHAPES[type(model.invariants)]
+    for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
+        place = f"{'element_' * item.startswith('elements.')}affine/{item}"
+        names = [*SHAPES[type(model.invariants)], *(f"elements.{name}" for name in SHAPES[Elements])]
         if item not in names:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)
@@ -175,9 +189,13 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
         _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
-        nominal = getattr(model.invariants, item)
-        difference = polynomial(p, nominal.size) - nominal.ravel()
-        if not np.all(np.abs(difference).reshape(nominal.shape) <= ROUND_OFF * sizes_of[item]):
+        if item.startswith("elements.") and model.elements is None:
+            continue
+        nominal = model.item(item)
+        here = places(nominal, polynomial.entry)
+        difference = np.abs(polynomial.at(p, here) - nominal.ravel()[here])
+        size = sizes_of[item] if item in sizes_of else _largest(nominal)
+        if not np.all(difference <= ROUND_OFF * size.at(here)):
             _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")
 
 
@@ -201,6 +219,9 @@ def _numbers_below(path: Path, place: str, numbers: np.ndarray, end: int, what: 
 def _check_numbers(model: ReducedModel, path: Path) -> None:
     """Numbers of nodes, elements, ends and fibres that pictures index with."""
     mesh, stress, outline, surface = model.mesh, model.stress, model.outline, model.surface
+    elements = model.elements
+    if elements is not None and not np.isin(elements.connectivity, np.arange(len(elements.nodes))).all():
+        _refuse(path, "elements/connectivity", f"names nodes other than 0 to {len(elements.nodes) - 1}")
     for name in ("triangles", "lines"):
         if surface is not None and not np.isin(getattr(surface, name), np.arange(len(surface.position))).all():
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")

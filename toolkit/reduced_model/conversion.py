@@ -61,6 +61,10 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
         nominal_units={name: _label(dimensions[name], label, model.units, units) for name, label in model.nominal_units.items()},
         derivatives=_each(model.derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)),
         affine=_each(model.affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
+        element_derivatives=_each(
+            model.element_derivatives, lambda item, found: _derivatives(found, scale.flat(item), parameter)
+        ),
+        element_affine=_each(model.element_affine, lambda item, found: _polynomial(found, scale.flat(item), parameter)),
         interfaces=_each(model.interfaces, lambda _, point: scale.part(point, point=True)),
         surface_loads=_each(model.surface_loads, lambda _, load: scale.part(load)),
         **{name: part and scale.part(part) for name, part in _single_parts(model).items()},
@@ -68,7 +72,7 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "surface")}
+    return {name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "elements", "surface")}
 
 
 def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:
@@ -88,7 +92,8 @@ class _Scales:
         self.model, self.units = model, units
         self.length = factor(LENGTH, model.units, units)
         coordinate = np.where(_moving(model), self.length, 1.0)
-        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate)}
+        local = np.tile([self.length, self.length, 1.0], 2)
+        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate), "u": 1 / local, "w": 1 / np.append(1.0, local)}
 
     def part(self, part: Any, point: bool = False) -> Any:
         """All arrays of one object."""

@@ -16,6 +16,7 @@ from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -39,11 +40,14 @@ PARTS: dict[str, Any] = {
     "shape": Shape,
     "mesh": Mesh,
     "outline": Outline,
+    "elements": Elements,
+    "element_derivatives": Derivatives,
+    "element_affine": Polynomial,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
 }
 """Groups of the file; those in `_NAMED` hold several named objects. In space `invariants` are `SpatialInvariants`."""
-_NAMED = ("derivatives", "affine", "interfaces", "surface_loads")
+_NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:

@@ -11,6 +11,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
+from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
 MEAN_AXES = "mean axes (Buckens)"
@@ -175,6 +176,9 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     outline: Outline | None = None
+    elements: Elements | None = None  # of planar bodies that keep all nodal coordinates
+    element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
+    element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
@@ -203,6 +207,11 @@ class ReducedModel:
     def label(self) -> str:
         """The file's name, for messages."""
         return repr(self.path.name) if self.path else "(not from a file)"
+
+    def dependence(self, item: str) -> tuple[dict[str, Derivatives] | None, dict[str, Polynomial] | None]:
+        """The derivatives and polynomials that an item's are among; None where they were not loaded."""
+        own = item.startswith("elements.")
+        return (self.element_derivatives, self.element_affine) if own else (self.derivatives, self.affine)
 
     def item(self, name: str) -> np.ndarray:
         """An array at the nominal design, by its item name."""

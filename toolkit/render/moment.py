@@ -11,6 +11,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
+from toolkit.scene.cut_scene import Tie
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
@@ -87,9 +88,9 @@ class Moment(ABC):
         return {point: self.position(body, point) for body, point in reversed(moving_first)}
 
     def components(self) -> list[Component]:
-        """All joints and loads that grip bodies."""
+        """All joints and loads that grip bodies, but for those that tie the parts of a cut body."""
         every = [*self.scene.joints.values(), *self.scene.loads.values()]
-        return [each for each in every if isinstance(each, Component)]
+        return [each for each in every if isinstance(each, Component) and not isinstance(each, Tie)]
 
     def grips(self) -> list[tuple[str, str]]:
         """(body, point) wherever a joint or load grips, each once."""

@@ -6,10 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
+from toolkit.responses.cut_shape import cut_positions
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.responses.stress.stress import design_rates
@@ -45,6 +48,9 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
     ------
     number of the variable, derivatives (n_t, n_k, 2)
     """
+    if isinstance(solution.system.scene.bodies.get(body), CutBody):
+        yield from _rates_of_cut(solution, body, coordinates)
+        return
     state = np.real(np.column_stack([np.ones(len(coordinates)), coordinates]))
     for item, sign in (("shape.position", 1), ("shape.target", -1)):
         size = design_point(solution.system.placed, body, "shape").model.item(item).shape
@@ -56,11 +62,41 @@ def gap_rates(solution: Solution, body: str, coordinates: np.ndarray) -> Iterato
 
 
 def gaps(solution: Solution, body: str, steps: slice = slice(-1, None)) -> tuple[np.ndarray, np.ndarray]:
-    """Vectors from target to body at every node, at some steps (n_t, n_k, 2), and their derivatives by q_f (n_k, 2, n_f)."""
+    """Vectors from target to body at every node, at some steps (n_t, n_k, 2), and their derivatives by the coordinates `moving` it.
+
+    These are (n_k, 2, n_f), the same at all steps; of a cut body, whose parts turn, (n_t, n_k, 2, n).
+    """
+    if isinstance(solution.system.scene.bodies.get(body), CutBody):
+        return _gaps_of_cut(solution, body, solution.q[steps, moving(solution, body)])
     shape = target_shape(solution.system.placed, body)
     place, place_q = shape.position[:, :, 0], shape.position[:, :, 1:]
     elastic = solution.q[steps, elastic_coordinates(solution, body)]
     return place + np.einsum("kif,tf->tki", place_q, elastic) - shape.target, place_q
+
+
+def moving(solution: Solution, body: str) -> slice:
+    """The coordinates that move a body against its target, on the second axis of q."""
+    if isinstance(solution.system.scene.bodies.get(body), CutBody):
+        return solution.coordinates(body)
+    found: slice = elastic_coordinates(solution, body)
+    return found
+
+
+def _gaps_of_cut(solution: Solution, body: str, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    scene = solution.system.scene
+    target = target_shape(scene, body).target
+    places, slopes = zip(*(cut_positions(scene, body, state) for state in q), strict=True)
+    return np.stack(places) - target, np.stack(slopes)
+
+
+def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """By a complex step through what makes the shapes of the parts."""
+    scene = solution.system.scene
+    for x, variable in enumerate(solution.system.design):
+        if any(path.startswith(f"bodies.{body}.") for path in variable.paths):
+            moved = scene.moved(variable, 1j * STEP)
+            target = target_shape(moved, body).target
+            yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
 
 
 def shape_error(solution: Solution, body: str) -> tuple[np.ndarray, np.ndarray]:
@@ -85,9 +121,10 @@ def distances(solution: Solution, body: str, steps: slice) -> tuple[np.ndarray, 
     Where the distance is exactly zero the derivative does not exist and is nan.
     """
     gap, gap_q = gaps(solution, body, steps)
-    where = elastic_coordinates(solution, body)
+    where = moving(solution, body)
     error = np.sqrt(np.einsum("tki,tki->tk", gap, gap))
-    change = np.einsum("tki,kif,tfx->tkx", gap, gap_q, solution.dq[steps, where], optimize=True)
+    axes = "kif" if gap_q.ndim == 3 else "tkif"
+    change = np.einsum(f"tki,{axes},tfx->tkx", gap, gap_q, solution.dq[steps, where], optimize=True)
     for x, rate in gap_rates(solution, body, solution.q[steps, where]):
         change[:, :, x] += np.einsum("tki,tki->tk", gap, rate)
     zero = error.real[:, :, None] == 0
@@ -117,8 +154,9 @@ class ShapeResponse(Instant):
     def chain(self, solution: Solution, step: int, value: complex, weights: np.ndarray) -> Partials:
         """Partials of a response from its derivatives by the gap vectors, shape (n_k, 2)."""
         value_q, design, weights = np.zeros(solution.system.n_q), np.zeros(solution.system.n_x), np.real(weights)
-        where = elastic_coordinates(solution, self.body)
-        value_q[where] = np.einsum("ki,kif->f", weights, np.real(gaps(solution, self.body)[1]))
+        where = moving(solution, self.body)
+        gap_q = gaps(solution, self.body, slice(step, step + 1))[1]
+        value_q[where] = np.einsum("ki,kif->f", weights, np.real(gap_q if gap_q.ndim == 3 else gap_q[0]))
         for x, rate in gap_rates(solution, self.body, solution.q[step : step + 1, where]):
             design[x] += np.sum(weights * rate[0])
         return Partials(value, q=value_q, design=design)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, Literal, Self, TypeVar
@@ -95,6 +95,10 @@ class Scene(Description):
         """
         known(name, (*self.bodies, "ground"), "the scene", "body")
         return self.all_bodies()[name]
+
+    def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
+        """Bodies with coordinates and mass of their own: these names, or all, with the parts of a cut body in its place."""
+        return tuple(self.bodies if names is None else names)
 
     def interface(self, point: str) -> Point | BodyPoint:
         """The point as it was written.

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.scene import Scene
@@ -26,8 +29,17 @@ def flexible_body(scene: Scene, body: str) -> ModelBody:
     return found
 
 
-def elastic_coordinates(solution: Solution, body: str) -> slice:
-    """Where the elastic coordinates of a body are on the second axis of q."""
+def deforming(scene: Scene) -> dict[str, ModelBody]:
+    """The flexible bodies that have coordinates: of a cut body its parts."""
+    return {
+        name: body for name, body in scene.all_bodies().items() if isinstance(body, ModelBody) and not isinstance(body, CutBody)
+    }
+
+
+def elastic_coordinates(solution: Solution, body: str) -> Any:
+    """Where the elastic coordinates of a body are on the second axis of q: a slice, or the numbers of those of all parts of a cut body."""
+    if isinstance(found := solution.system.scene.bodies.get(body), CutBody):
+        return solution.system.numbering.first[body] + found.elastic_places
     whole = solution.coordinates(body)
     return slice(whole.start + flexible_body(solution.system.scene, body).frame_size, whole.stop)
 

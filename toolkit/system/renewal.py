@@ -15,6 +15,7 @@ from toolkit.compilation.quantities import derivatives, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
+from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 
@@ -41,6 +42,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     InputError
         As `compile_scene`.
     """
+    scene = with_parts(scene)
     paths = [path for path in paths if path.split(".")[0] in GROUPS]
     if not paths:  # numbers of the solver and of responses stand in the scene alone
         return replace(system, scene=scene).compiled_as(system)

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.foundation.verdict import Caution, Verdict
@@ -102,7 +103,9 @@ class Solution:
         return found
 
     def coordinates(self, body: str) -> slice:
-        """Where the coordinates of a body are on the second axis of q, v, a."""
-        first = self.system.numbering.first
+        """Where the coordinates of a body, of a cut one those of all its parts, are on the second axis of q, v, a."""
+        first, written = self.system.numbering.first, self.system.scene.bodies.get(body)
+        if isinstance(written, CutBody):
+            return slice(first[body], first[body] + written.first_coordinate(len(written.cuts) - 1))
         later = [start for start in first.values() if start > first[body]]
         return slice(first[body], min(later, default=self.system.n_q))

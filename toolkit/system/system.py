@@ -28,6 +28,7 @@ from toolkit.joints.kernels.laws import angle_law
 from toolkit.linear.sparse_analysis import LUPlan, analyse
 from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
 from toolkit.loads.planar.torque import torque
+from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
@@ -257,6 +258,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
         A name, a path, a body's grip or a parameter is wrong; or a driver is redundant.
     """
     files = file_states(scene)
+    scene = with_parts(scene)
     check_numbers(scene)
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)

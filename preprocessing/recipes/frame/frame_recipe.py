@@ -15,7 +15,7 @@ from preprocessing.elements.kinds.spatial_beam import SpatialBeam
 from preprocessing.recipes.frame.frame_design import frame_beams, frame_space, node_number, places
 from preprocessing.recipes.frame.frame_file import FrameFile
 from preprocessing.recipes.recipe import Recipe, Remark, Seal
-from preprocessing.reduction.reduced import Reduced, reduce
+from preprocessing.reduction.reduced import Reduced, element_parts, reduce
 from toolkit.reduced_model.model import Mesh
 
 STOCKY = 1.5
@@ -36,7 +36,8 @@ class FrameRecipe(Recipe[FrameFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        return ("invariants", "derivatives", "affine", "interfaces", "stress", picture)
+        own = element_parts(self.file.dimension, self.file.basis.kind)
+        return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     def _named(self) -> list[Path]:
         return []

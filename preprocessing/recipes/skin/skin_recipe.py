@@ -19,7 +19,7 @@ from preprocessing.recipes.skin.changed_keys import with_keys
 from preprocessing.recipes.skin.geometry import Geometry, read_geometry
 from preprocessing.recipes.skin.skin_file import SkinFile
 from preprocessing.recipes.skin.skin_space import design_space, differentiable
-from preprocessing.reduction.reduced import Reduced, reduce
+from preprocessing.reduction.reduced import Reduced, element_parts, reduce
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.model import Mesh, Shape
@@ -45,7 +45,8 @@ class SkinRecipe(Recipe[SkinFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture)
+        own = element_parts(self.file.dimension, self.file.basis.kind)
+        return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:
         return [self.path.parent / name for name in (self.file.airfoil.file, self.file.airfoil.target)]

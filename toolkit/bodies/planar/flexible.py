@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
-from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
@@ -35,6 +35,10 @@ class Flexible(ModelBody, StartVelocity):
         Where the origin of the reduced model lies at the start, in units of length.
     angle
         Rotation of the reduced model's axes at the start, in rad.
+    frames
+        Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
+        it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
+        names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
     deflection
         Point of the body -> u_x, u_y, its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -51,6 +55,7 @@ class Flexible(ModelBody, StartVelocity):
     frame: Literal["moving", "grounded"] = "moving"
     position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
     angle: Annotated[Number, Quantity("angle")] = 0.0
+    frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     deflection: Annotated[dict[str, Pair], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Pair], Quantity("length/time")] = Field(default_factory=dict)
 
@@ -68,6 +73,16 @@ class Flexible(ModelBody, StartVelocity):
     def has_frame(self) -> bool:
         """Only a moving frame has coordinates."""
         return self.frame == "moving"
+
+    @property
+    def dependence(self) -> tuple[str, ...]:
+        """Of the elements too, if they make parts."""
+        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
+
+    @property
+    def parted(self) -> bool:
+        """Of more than one frame."""
+        return self.frames != 1
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:

@@ -39,7 +39,7 @@ def marker_arrays(
 ) -> Markers:
     """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
     active = marker_changes(derivatives)
-    frames = [numbering.first[body] if scene.body(body).has_frame else -1 for body, *_ in numbering.markers]
+    frames = [own[0] if scene.body(body).has_frame else -1 for own, (body, *_) in zip(columns, numbering.markers, strict=True)]
     shapes = [part.shape for part in values.markers.values()]
     return Markers(
         plane=(0, 1, 2),

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.joints.places import AtPoints
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.model import Outline
 from toolkit.render.moment import Moment
+from toolkit.responses.cut_shape import whole_axes
 
 
 @dataclass(frozen=True)
@@ -20,11 +22,17 @@ class Configuration(Moment):
 
     def elastic(self, body: str) -> np.ndarray:
         """q_f of a flexible body, shape (n_f,)."""
-        return self.coordinates(body)[3 if self.scene.body(body).has_frame else 0 :]
+        found = self.scene.body(body)
+        if isinstance(found, CutBody):
+            return self.coordinates(body)[found.elastic_places]
+        return self.coordinates(body)[3 if found.has_frame else 0 :]
 
     def place(self, body: str, points: np.ndarray) -> np.ndarray:
-        """Points (n, 2) given in the frame of a flexible body, r + A(theta) u."""
+        """Points (n, 2) given in the frame of a flexible body, r + A(theta) u; of a cut one in the axes of the whole."""
         found = self.scene.body(body)
+        if isinstance(found, CutBody):
+            place, turned, origin = whole_axes(self.scene, body, self.coordinates(body))
+            return np.real(place + (points - origin) @ rotation(turned).T)
         if found.has_frame:
             x, y, angle = self.coordinates(body)[:3]
         else:
@@ -36,13 +44,14 @@ class Configuration(Moment):
         found, q = self.scene.body(body), self.coordinates(body)
         marker = found.marker(self.scene, point, body)
         local = np.real(marker.point[:2] + q[marker.columns] @ marker.shape[:, :2])
-        return q[:2] + rotation(q[2]) @ local if found.has_frame else local
+        frame = marker.columns[:3]
+        return q[frame[:2]] + rotation(q[frame[2]]) @ local if found.has_frame else local
 
     def turned(self, body: str, point: str, direction: np.ndarray) -> np.ndarray:
         """A direction (2,) of the undeformed configuration that turns with the body at a point: by theta + t0 + T q."""
         q, marker = self.coordinates(body), self.scene.body(body).marker(self.scene, point, body)
         angle = np.real(marker.point[2] + q[marker.columns] @ marker.shape[:, 2])
-        return rotation(angle + q[2] if self.scene.body(body).has_frame else angle) @ direction
+        return rotation(angle + q[marker.columns[2]] if self.scene.body(body).has_frame else angle) @ direction
 
     def across(self, joint: AtPoints, side: int) -> np.ndarray:
         """The axes of the coordinates, turned with the body."""

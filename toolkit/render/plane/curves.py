@@ -7,9 +7,11 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.units import unit
 from toolkit.render.curves import Panels, draw_panels, merged
+from toolkit.responses.shape_error import gaps
 from toolkit.responses.stress.stress import stress_components
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
@@ -29,9 +31,7 @@ def shape_errors(solution: Solution, body: str) -> np.ndarray | None:
     shape = scene.model(flexible_body(scene, body).model, "shape").shape
     if shape is None:
         return None
-    q = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    position = shape.position[:, :, 0] + np.einsum("kif,tf->tki", shape.position[:, :, 1:], q)
-    return np.linalg.norm(position - shape.target, axis=2)
+    return np.linalg.norm(np.real(gaps(solution, body, slice(None))[0]), axis=2)
 
 
 def curves_figure(solution: Solution) -> Figure:
@@ -62,6 +62,6 @@ def _shape_panels(solution: Solution) -> Panels:
 
 def _rotation_panels(solution: Solution) -> Panels:
     scene = solution.system.scene
-    framed = [name for name, body in scene.bodies.items() if body.has_frame]
+    framed = [name for name, body in scene.bodies.items() if body.has_frame and not isinstance(body, CutBody)]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
     return [(f"rotation in {unit(scene.units, 'angle')}", merged(curves))] if curves else []

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.planar.cut.framed_part import FramedPart
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope, values
 from toolkit.reduced_model.model import Mesh, ReducedModel
@@ -46,22 +50,49 @@ def skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
     model = drawn_model(configuration, body)
     if model.mesh is None:
         return None
-    elastic = configuration.elastic(body)
-    nodal = (model.mesh.recovery[:, 1:] @ elastic).reshape(-1, 3)
-    line, tangent = _undeformed(model.mesh)
-    moved, turned = _displacement(model.mesh, nodal)
+    lines, outward = np.zeros((2, len(model.mesh.connectivity), POINTS, 2))
+    undeformed = _undeformed(model.mesh)
+    for framed, own, nodal in _framed(configuration, body, model.mesh):
+        found = _placed(configuration, framed, model.mesh, nodal, undeformed)
+        lines[own], outward[own] = (each[own] for each in found)
+    return SkinShape(lines, outward, _stress(configuration, body, model))
+
+
+def _framed(configuration: Configuration, body: str, mesh: Mesh) -> Iterator[tuple[str, slice, np.ndarray]]:
+    """Every body or part that has a frame: its name, its elements, and nodal displacements and rotations (n_nodes, 3) in its frame."""
+    found = configuration.scene.body(body)
+    if not isinstance(found, CutBody):
+        yield body, slice(None), (mesh.recovery[:, 1:] @ configuration.elastic(body)).reshape(-1, 3)
+        return
+    chain = np.append(mesh.connectivity[:, 0], mesh.connectivity[-1, 1])
+    for name, (first, last) in zip(found.parts(body), pairwise(found.cuts), strict=True):
+        nodal = np.zeros((len(mesh.nodes), 3))
+        own = drawn_model(configuration, name).mesh
+        assert own is not None
+        nodal[chain[first : last + 1]] = (own.recovery[:, 1:] @ configuration.elastic(name)).reshape(-1, 3)
+        yield name, slice(first, last), nodal
+
+
+def _placed(
+    configuration: Configuration, body: str, mesh: Mesh, nodal: np.ndarray, undeformed: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Middle line and normals (n_e, POINTS, 2) of all elements, if all were in one frame."""
+    (line, tangent), (moved, turned) = undeformed, _displacement(mesh, nodal)
     c, s = np.cos(turned), np.sin(turned)
     t_x, t_y = tangent[..., 0], tangent[..., 1]
     outward = np.stack([c * t_y + s * t_x, s * t_y - c * t_x], axis=2)  # A(turned) (t_y, -t_x)
     at = configuration.place(body, np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]))
     axes = (at[1:] - at[0]).T
-    return SkinShape(at[0] + (line + moved) @ axes.T, outward @ axes.T, _stress(configuration, body, model))
+    return at[0] + (line + moved) @ axes.T, outward @ axes.T
 
 
 def drawn_model(configuration: Configuration, body: str) -> ReducedModel:
     """Reduced model of a flexible body with the parts that pictures need."""
     scene = configuration.scene
-    return scene.model(flexible_body(scene, body).model, "stress", "shape", "mesh")
+    found = flexible_body(scene, body)
+    if isinstance(found, FramedPart):
+        return found.design_point(scene).model
+    return scene.model(found.model, "stress", "shape", "mesh")
 
 
 def _undeformed(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:

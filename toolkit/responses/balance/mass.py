@@ -43,7 +43,7 @@ class OfBodies(Instant):
 
     def names(self, scene: Any) -> tuple[str, ...]:
         """Names of the bodies that count."""
-        return tuple(scene.bodies) if self.bodies is None else self.bodies
+        return scene.pieces(self.bodies)
 
 
 class Mass(OfBodies):
@@ -118,4 +118,5 @@ def masses(system: System, names: tuple[str, ...]) -> tuple[np.ndarray, np.ndarr
 
 def _masses(scene: Scene, names: list[str]) -> np.ndarray:
     placed: Any = Remembered(scene)
-    return np.array([scene.bodies[name].whole_mass(placed) for name in names])
+    bodies = scene.all_bodies()
+    return np.array([bodies[name].whole_mass(placed) for name in names])

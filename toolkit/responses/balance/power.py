@@ -76,7 +76,7 @@ class Power(Doer, OfRates):
     def grips(self, scene: Scene) -> tuple[tuple[str, str], ...]:
         """Centres of mass, which gravity acts on; what a load grips is there anyway."""
         gravity = self.load is not None and isinstance(scene.loads[self.load], UniformGravity)
-        return tuple((name, CENTRE) for name in scene.bodies) if gravity else ()
+        return tuple((name, CENTRE) for name in scene.pieces()) if gravity else ()
 
     def at(self, solution: Solution, step: int) -> Partials:
         """The power at a step."""

@@ -18,7 +18,7 @@ from toolkit.system.solution import Solution
 def power_of_gravity(solution: Solution, name: str) -> Callable[[int], Partials]:
     """P = sum m_b g . r_b' of a load of that name, step by step."""
     system, scene = solution.system, solution.system.scene
-    names, load, d = tuple(scene.bodies), scene.loads[name], scene.dimension
+    names, load, d = scene.pieces(), scene.loads[name], scene.dimension
     assert isinstance(load, UniformGravity)
     values, by_x = masses(system, names)
     motion, g = MarkerMotion.of(system, [(body, CENTRE) for body in names]), np.array(load.acceleration)

@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.bodies.model_body import ModelBody
 from toolkit.compilation.dependence import items_of
 from toolkit.compilation.quantities import STEP
+from toolkit.foundation.errors import InputError
 from toolkit.responses.instant import Instant
 from toolkit.responses.kinematics.marker_formula import one_of, place_of, refuse_component
 from toolkit.responses.response import Partials
@@ -44,7 +45,13 @@ class Deflection(Instant):
         """The body is flexible, the point is one of it, and the plane has no z."""
         super().check(scene)
         refuse_component(self.component, scene, self.kind)
-        flexible_body(scene, self.body).point(scene, self.point, self.body)
+        found = flexible_body(scene, self.body)
+        if found.parted:
+            raise InputError(
+                f"the deflection of body {self.body!r} is that in its own frame, and it has several: no frame is that of the whole body. "
+                'Ask for the displacement of the point (type = "displacement"), or leave `frames` out.'
+            )
+        found.point(scene, self.point, self.body)
 
     def at(self, solution: Solution, step: int) -> Partials:
         """Z q_f."""

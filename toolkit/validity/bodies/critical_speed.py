@@ -14,16 +14,15 @@ from collections.abc import Iterator
 import numpy as np
 from scipy.linalg import eigh
 
-from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.flexible_bodies import deforming, flexible_body
 from toolkit.system.solution import Solution
 
 
 def spinning_bodies(scene: Scene) -> list[str]:
     """Names of the flexible bodies whose frame can turn."""
-    return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.turns]
+    return [name for name, body in deforming(scene).items() if body.turns]
 
 
 def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None) -> float:

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.cut.framed_part import FramedPart
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import design_point, elastic_coordinates
+from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chord_rows import chord_rows
 from toolkit.validity.bodies.element_sections import Elements, Sections, sections
@@ -72,8 +72,8 @@ class Chain:
 
 
 def flexible_bodies(scene: Scene) -> list[str]:
-    """Names of the bodies that deform."""
-    return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody)]
+    """Names of the bodies that deform; of a cut body those of its parts."""
+    return list(deforming(scene))
 
 
 def chain(scene: Scene, body: str) -> Chain | None:
@@ -102,8 +102,21 @@ def _held(model: ReducedModel, elements: Elements, shapes: np.ndarray) -> np.nda
 
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
-    """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
-    return {body: deformation(solution, body) for body in flexible_bodies(solution.system.scene)}
+    """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements.
+
+    A cut body is as far off as the worst of its parts: each bends in its own frame, and the whole by what its parts bend.
+    """
+    found: dict[str, Deformation | None] = {}
+    for body, each in deforming(solution.system.scene).items():
+        name = each.whole if isinstance(each, FramedPart) else body
+        found[name] = _worse(found.get(name), deformation(solution, body))
+    return found
+
+
+def _worse(one: Deformation | None, other: Deformation | None) -> Deformation | None:
+    if one is None or other is None:
+        return one or other
+    return other if other.relative > one.relative else one
 
 
 def deformation(solution: Solution, body: str) -> Deformation | None:

@@ -16,12 +16,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.verdict import Caution
 from toolkit.joints.joint import Joint
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.solvers.spin.generator import angular_velocity
+from toolkit.system.flexible_bodies import deforming, design_point
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.critical_speed import critical_speed
 from toolkit.validity.bodies.turning_frame import lateral_compliance
@@ -51,7 +51,7 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
 
 
 def _flexible(solution: Solution) -> list[str]:
-    return [name for name, body in solution.system.scene.bodies.items() if isinstance(body, ModelBody) and body.turns]
+    return [name for name, body in deforming(solution.system.scene).items() if body.turns]
 
 
 def _part(solution: Solution, body: str, speed: float) -> float:
@@ -60,7 +60,7 @@ def _part(solution: Solution, body: str, speed: float) -> float:
     for name, joint in scene.joints.items():
         for grip, point in joint.grips if isinstance(joint, Joint) else ():
             interface = getattr(scene.interface(point), "interface", None)
-            if grip == body and interface in (scene.model(scene.bodies[body].model).interfaces or {}):  # type: ignore[attr-defined]
+            if grip == body and interface in (design_point(scene, body).model.interfaces or {}):
                 force = np.real(JointForce(joint=name, component="x").force(solution, 0)[0][: scene.dimension])
                 gripped[interface] = max(gripped.get(interface, 0.0), float(np.sqrt(force @ force)))
     own = OF_SPEED * (speed / critical_speed(scene, body)) ** 2

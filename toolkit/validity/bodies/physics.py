@@ -4,13 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
+from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
+from toolkit.scene.cut_scene import can_be_cut
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
-from toolkit.validity.bodies.deformation import LIMIT, chain, deformations
+from toolkit.validity.bodies.deformation import LIMIT, Deformation, chain, deformations
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 
@@ -18,6 +23,7 @@ from toolkit.validity.description.frame_choice import advice_of_frame
 def large_deformations(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies that leave the range of small deformations in their frame."""
     length = unit(solution.system.scene.units, "length")
+    scene = solution.system.scene
     for body, each in deformations(solution).items():
         if each is not None and each.exceeded:
             yield Caution(
@@ -25,8 +31,18 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
                 f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
                 f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
-                f"body, or several bodies in a row instead of one, make it smaller.{advice_of_frame(solution.system.scene, body)}",
+                f"body, or {_smaller_by(scene, body, each)}, make it smaller.{advice_of_frame(scene, body)}",
             )
+
+
+def _smaller_by(scene: Scene, body: str, found: Deformation) -> str:
+    """What divides the body: frames in a number where its model allows them; the error falls with the square of the number."""
+    written = scene.bodies[body]
+    if not isinstance(written, Flexible) or not can_be_cut(scene.model(written.model, "elements")):
+        return "several bodies in a row instead of one"
+    now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
+    enough = max(now + 1, int(np.ceil(now * np.sqrt(found.relative / LIMIT))))
+    return f"frames = {enough} in its table, which cuts it into so many parts with frames of their own"
 
 
 def critical_loads(solution: Solution) -> Iterator[Caution]:

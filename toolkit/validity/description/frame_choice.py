@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.foundation.listed_names import quoted
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.joint import Joint
@@ -43,7 +44,7 @@ def frame_choices(scene: Scene) -> dict[str, FrameChoice]:
     return {
         name: found
         for name, body in scene.bodies.items()
-        if isinstance(body, ModelBody) and (found := _choice(scene, name, body))
+        if isinstance(body, ModelBody) and not isinstance(body, CutBody) and (found := _choice(scene, name, body))
     }
 
 

@@ -64,8 +64,7 @@ def start_state(solution: Solution) -> list[BodyStart]:
 
 def _of(solution: Solution, name: str) -> BodyStart:
     system = solution.system
-    body, first = system.scene.bodies[name], system.numbering.first[name]
-    at = slice(first, first + len(body.coordinate_names(system.scene)))
+    body, at = system.scene.bodies[name], solution.coordinates(name)
     q, v = np.real(solution.q[0, at]), np.real(solution.v[0, at])
     given, wish = (np.real(state[at]) for state in system.start()[:2])
     said = body.written_velocities() if writes_start(solution) else {}
@@ -90,7 +89,7 @@ def _deforming(solution: Solution, name: str, state: np.ndarray) -> float | None
     body = scene.bodies[name]
     elastic = state[body.frame_size :]
     lengths = np.real(body.coordinate_lengths(scene))[body.frame_size :]
-    return float(np.abs(lengths * elastic).max()) if len(elastic) else None
+    return float(np.abs(lengths * elastic).max()) if len(lengths) else None
 
 
 def _numbers(values: Iterable[Any]) -> Numbers:

@@ -1,0 +1,1 @@
+"""Flexible bodies with several floating frames."""
