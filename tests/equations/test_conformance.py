@@ -216,8 +216,8 @@ def test_a_load_that_uses_a_state_without_having_one_is_refused(directory):
 
 def test_equations_that_miss_a_derivative_are_caught_with_the_names_of_their_unknowns(directory, monkeypatch):
     scene = next(case for case in CASES if case.kind is PositionDriver).scene(directory)
-    original = System.matrix
-    monkeypatch.setattr(System, "matrix", lambda system, values: original(system, np.where(values == values.max(), 0, values)))
+    original = System.dense
+    monkeypatch.setattr(System, "dense", lambda system, values: original(system, np.where(values == values.max(), 0, values)))
     with pytest.raises(ConformanceError, match=r"d inertial / d .* is wrong at \(.* of body .*, .* of .*\): it is 0, a complex"):
         check_scene(scene)
 

@@ -66,8 +66,13 @@ def assemble(system: System, given: np.ndarray, dgiven: np.ndarray, time: float)
 def stiffened(system: System) -> System:
     """The same system with M + (1 s)^2 K in the place of M."""
     part = system.plan.constant
-    stiffened = part._replace(mass=part.mass + part.stiffness, design_mass=part.design_mass + part.design_stiffness)
-    return replace(system, plan=system.plan._replace(constant=stiffened))
+    everywhere = np.ones_like(part.segment_damped)  # there is a mass where there is stiffness alone otherwise
+    mass = {
+        "mass": part.mass + part.stiffness,
+        "design_mass": part.design_mass + part.design_stiffness,
+        "segment_damped": everywhere,
+    }
+    return replace(system, plan=system.plan._replace(constant=part._replace(**mass)))
 
 
 def _evaluate(system: System, q: np.ndarray, acc: np.ndarray, time: float) -> Terms:
