@@ -6,19 +6,21 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, issparse
 
 from preprocessing.assembly.assembly import Part, Parts
 from preprocessing.elements.section import monomial
 
 
-def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: np.ndarray) -> np.ndarray:
-    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f).
+def energies(parts: Parts, values: Mapping[str, Any], name: str, psi: Any) -> Any:
+    """Psi^T K Psi or Psi^T D Psi (`name` stiffness or damping), (n_f, n_f); sparse as Psi is.
 
     Thin beams are a million times stiffer along than across. In K u of a shape that bends, the stiff parts cancel and take six
     digits along; as the square of a strain they are what they are.
     """
     own = [part for part in parts.parts if part.name == name]
-    return sum((monomial(values, part.factors) * energy(part, psi) for part in own), np.zeros((psi.shape[1],) * 2))
+    nothing = csr_array((psi.shape[1],) * 2) if issparse(psi) else np.zeros((psi.shape[1],) * 2)
+    return sum((monomial(values, part.factors) * energy(part, psi) for part in own), nothing)
 
 
 def energy(part: Part, psi: Any) -> Any:

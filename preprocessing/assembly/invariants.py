@@ -17,7 +17,7 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
-from scipy.sparse import coo_array, csr_array, issparse
+from scipy.sparse import coo_array, csr_array, issparse, vstack
 
 from preprocessing.assembly.assembly import Matrices, Part, Parts
 from preprocessing.assembly.energies import PARTS, energies, energy, symmetric
@@ -27,8 +27,11 @@ from preprocessing.elements.space import Form
 from toolkit.reduced_model.dependence import Polynomial
 
 
-def contract(matrices: Matrices, z: np.ndarray) -> Any:
-    """Invariants for Z = [xi, Psi], shape (n, 1 + n_f)."""
+def contract(matrices: Matrices, z: Any) -> Any:
+    """Invariants for Z = [xi, Psi], shape (n, 1 + n_f).
+
+    Those of a sparse Z are sparse too, with all axes but the last one in one; see `whole_arrays`.
+    """
     z = matrices.coordinates.undeformed(z)
     psi, t = z[:, 1:], matrices.coordinates.translations[0]
     items = _items(matrices, z, lambda matrix: z.T @ (matrix @ z), lambda matrix: psi.T @ (matrix @ psi))
@@ -48,10 +51,22 @@ def with_roots(invariants: Any, parts: Parts, values: Mapping[str, Any], z: np.n
     return replace(invariants, **{name: energies(parts, values, name, psi) for name in ("stiffness", "damping")})
 
 
-def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: np.ndarray, d_z: np.ndarray | None = None) -> Any:
+def whole_arrays(invariants: Any, components: int) -> Any:
+    """Invariants of a sparse Z as arrays with all of their axes; `components` are those of the stress at a point."""
+    axes, width = invariants.first_moment.shape
+    shapes: dict[str, tuple[int, ...]] = {"second_moment": (-1, width, width)}
+    if axes == 3:
+        shapes["stress_operator"] = (-1, components, width - 1)
+    dense = {f.name: getattr(invariants, f.name) for f in fields(invariants)}
+    dense = {name: value.toarray() if issparse(value) else value for name, value in dense.items()}
+    return replace(invariants, **{name: value.reshape(shapes.get(name, value.shape)) for name, value in dense.items()})
+
+
+def contract_derivative(matrices: Matrices, d_matrices: Matrices, z: Any, d_z: Any = None) -> Any:
     """Derivative of `contract` by one design variable, theory section 2.
 
-    The product rule on the derivatives of the matrices, `d_matrices`, and of the basis, `d_z` = [dxi, dPsi] (None: zero).
+    The product rule on the derivatives of the matrices, `d_matrices`, and of the basis, `d_z` = [dxi, dPsi] (None: zero); both Z and
+    dZ may be sparse.
     """
     by_matrices = contract(d_matrices, z)
     if d_z is None:
@@ -89,7 +104,11 @@ def _moments(matrices: Matrices, product: Product) -> dict[str, np.ndarray]:
             found[form.item] = moment
         else:
             found.setdefault(form.item, []).append(moment)
-    return {item: each if isinstance(each, np.ndarray) else np.stack(each) for item, each in found.items()}
+    return {item: _after_each_other(each) if isinstance(each, list) else each for item, each in found.items()}
+
+
+def _after_each_other(each: list[Any]) -> Any:
+    return vstack(each, format="csr") if issparse(each[0]) else np.stack(each)
 
 
 def _moment(form: Form, matrix: Any, product: Product) -> Any:
@@ -103,8 +122,7 @@ def polynomials(parts: Parts, parameters: Sequence[str], z: np.ndarray, computed
     invariants that are zero at every design have no polynomial. Of shapes that were `computed`, not selected, all entries are
     told, zero or not.
     """
-    z = parts.coordinates.undeformed(z)
-    factor = z if computed else csr_array(z)
+    factor = parts.coordinates.undeformed(z if computed else csr_array(z))
     terms: dict[str, list[Term]] = {f.name: [] for f in fields(parts.coordinates.space.invariants)}
     for part in parts.parts:
         for name, contraction in _contractions(part, factor, parts.coordinates):

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 import numpy as np
+from scipy import sparse
 
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import Terms
@@ -65,13 +66,17 @@ class Coordinates:
             translation[axis : self.nodal : self.per_node] = 1
         return found
 
-    def undeformed(self, z: np.ndarray) -> np.ndarray:
-        """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates."""
-        return np.vstack([z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden])
+    def undeformed(self, z: Any) -> Any:
+        """Z (nodal, 1 + n_f), its first column the undeformed shape, with the rows of the hidden coordinates; sparse as Z is."""
+        return _below(z, *[np.eye(1, z.shape[1], dtype=z.dtype)] * self.hidden)
 
-    def displacement(self, d_z: np.ndarray) -> np.ndarray:
-        """Displacements or rates (nodal, k) with the rows of the hidden coordinates."""
-        return np.vstack([d_z, np.zeros((self.hidden, d_z.shape[1]))])
+    def displacement(self, d_z: Any) -> Any:
+        """Displacements or rates (nodal, k) with the rows of the hidden coordinates; sparse as they are."""
+        return _below(d_z, np.zeros((self.hidden, d_z.shape[1])))
+
+
+def _below(*rows: Any) -> Any:
+    return sparse.vstack(rows, format="csr") if sparse.issparse(rows[0]) else np.vstack(rows)
 
 
 class Element(ABC):

@@ -9,9 +9,9 @@ With Z = [xi, Psi], theory section 1, the mass of a body enters its invariants b
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-import numpy as np
+from scipy.sparse import issparse
 
 from toolkit.reduced_model.model import Invariants
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants
@@ -38,9 +38,9 @@ class Space:
     forms: tuple[Form, ...]
     invariants: type
 
-    def by_point(self, rows: np.ndarray, components: int) -> np.ndarray:
-        """Rows of the stress (n_stress * components, n_f) as the invariants have them; in the plane a point has one."""
-        return rows if self.dimension == 2 else rows.reshape(-1, components, rows.shape[1])
+    def by_point(self, rows: Any, components: int) -> Any:
+        """Rows of the stress (n_stress * components, n_f) as the invariants have them; in the plane a point has one, sparse rows stay."""
+        return rows if self.dimension == 2 or issparse(rows) else rows.reshape(-1, components, rows.shape[1])
 
 
 PLANE = Space(

@@ -6,9 +6,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.sparse import csr_array, issparse
 
 from preprocessing.assembly.assembly import Matrices, Parts
-from preprocessing.assembly.invariants import contract, contract_derivative, polynomials, with_roots
+from preprocessing.assembly.invariants import contract, contract_derivative, polynomials, whole_arrays, with_roots
 from preprocessing.reduction.stored_entries import AnyInvariants, derivatives, polynomials_without_round_off, without_round_off
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.model import InterfacePoint
@@ -49,11 +50,18 @@ def contracted(
     exact : whether there are polynomials
     """
     names = list(values)
-    by_parameter = {name: {**vars(contract_derivative(matrices, rate.matrices, z, rate.z)), **rate.items} for name, rate in rates}
+    shapes = z if computed else csr_array(z)  # shapes that select coordinates are zero nearly everywhere
+    by_parameter = {name: {**_rates(matrices, rate, shapes), **rate.items} for name, rate in rates}
     affine = polynomials(parts, names, z, computed) if exact else {}
-    invariants = with_roots(contract(matrices, z), parts, values, z)
+    invariants = with_roots(contract(matrices, shapes), parts, values, shapes)
     found = derivatives(invariants, by_parameter, names, computed, interfaces)
     if not computed:
+        invariants = whole_arrays(without_round_off(invariants), matrices.components)
         affine = polynomials_without_round_off(affine, invariants, [float(np.real(value)) for value in values.values()])
-        invariants = without_round_off(invariants)
     return Contracted(invariants, found, affine)
+
+
+def _rates(matrices: Matrices, rate: Rate, shapes: Any) -> dict[str, Any]:
+    """Derivatives of the invariants, sparse as the shapes are."""
+    d_shapes = csr_array(rate.z) if issparse(shapes) else rate.z
+    return vars(contract_derivative(matrices, rate.matrices, shapes, d_shapes))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -74,10 +74,9 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
-    d_z = np.moveaxis(basis.rates([change.rates for change in changes.values()]), -1, 0)
     rates = (
         (parameter, Rate(change.matrices, d, _item_rates(change, basis, d)))
-        for (parameter, change), d in zip(changes.items(), d_z, strict=True)
+        for (parameter, change), d in zip(changes.items(), _shape_rates(basis, list(changes.values())), strict=True)
     )
     size = float(np.ptp(np.real(nominal.nodes), axis=0).max())
     interfaces = with_held_points(nominal.interfaces(basis.z), nominal.positions(basis.z)[..., 1:], size)
@@ -94,6 +93,15 @@ def element_parts(dimension: int, basis: str) -> tuple[str, ...]:
     return ("elements", "element_derivatives", "element_affine") if dimension == 2 and basis == "full" else ()
 
 
+def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray]:
+    """dZ by each parameter; where no shape follows the design, one after the other."""
+    if basis.parts:
+        yield from np.moveaxis(basis.rates([change.rates for change in changes]), -1, 0)
+    else:
+        yield from (basis.rates([change.rates])[:, :, 0] for change in changes)
+
+
 def _item_rates(change: Change, basis: Basis, d_z: np.ndarray) -> dict[str, np.ndarray]:
-    stepped = change.stepped.items(basis.z + 1j * STEP * d_z)
-    return {name: derivative_of(value) for name, value in stepped.items()}
+    stepped = basis.z.astype(complex)
+    stepped.imag = STEP * d_z
+    return {name: derivative_of(value) for name, value in change.stepped.items(stepped).items()}

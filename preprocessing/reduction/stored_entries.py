@@ -14,11 +14,13 @@ from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, issparse
 
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.entry_scales import entry_scales
+from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import InterfacePoint, Invariants
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+from toolkit.reduced_model.thin_arrays import listed
 
 ROUND_OFF = 1e-12
 """Part of what an entry could be, below which it is round-off: sums over a thousand elements leave 1e-13, and of an entry as
@@ -29,18 +31,22 @@ BY_COORDINATE = ("position", "rotation", "moment")
 """Last words of the names of items whose last axis is that of [1; q_f]."""
 
 AnyInvariants = Invariants | SpatialInvariants
-Rates = Mapping[str, Mapping[str, np.ndarray]]
-"""Parameter -> item -> derivative."""
+Rates = Mapping[str, Mapping[str, Any]]
+"""Parameter -> item -> derivative, of invariants of a full basis a sparse one."""
 
 
 def without_round_off(inv: Any) -> Any:
-    """Invariants of a full basis with zeros in the place of round-off."""
-    scales = entry_scales(inv)
+    """Invariants of a full basis, in arrays or sparse, with zeros in the place of round-off."""
+    scales = entry_factors(inv)
     return replace(inv, **{f.name: _significant(getattr(inv, f.name), scales[f.name]) for f in fields(inv)})
 
 
-def _significant(array: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    return np.where(np.abs(array) > ROUND_OFF * scale, array, 0.0)
+def _significant(array: Any, scale: EntryScale) -> Any:
+    entry, value = listed(array)
+    kept = np.where(np.abs(value) > ROUND_OFF * scale.at(entry), value, 0.0)
+    if not issparse(array):
+        return kept.reshape(np.shape(array))
+    return csr_array((kept, np.unravel_index(entry, array.shape)), shape=array.shape)
 
 
 def derivatives(
@@ -56,18 +62,19 @@ def derivatives(
     computed : whether the shapes were computed, or are those of a full basis
     interfaces : at which arc lengths the polynomials of `interfaces.*` hold
     """
-    scales = entry_scales(inv)
+    scales = entry_factors(inv)
     found: dict[str, list[tuple[int, np.ndarray, np.ndarray]]] = {}
     for parameter, items in rates.items():
         fastest = max(_fastest(items[item], scales[item]) for item in scales if item != "stress_operator")  # of small scales
         for item, rate in items.items():
-            if item in scales:
-                stored = np.full(rate.shape, computed and bool(np.any(rate))) | (not computed) & _of_invariant(rate, scales[item])
+            if item in scales and not computed:
+                entry, value = _of_invariant(rate, scales[item])
+            elif item in scales:
+                entry, value = _told(rate, np.full(rate.shape, bool(np.any(rate))))
             else:
-                stored = _of_item(item, rate, computed, interfaces, fastest)
-            if np.any(stored):
-                entry = np.flatnonzero(stored)
-                found.setdefault(item, []).append((list(parameters).index(parameter), entry, rate.ravel()[entry]))
+                entry, value = _told(rate, _of_item(item, rate, computed, interfaces, fastest))
+            if len(entry):
+                found.setdefault(item, []).append((list(parameters).index(parameter), entry, value))
     return {item: _joined(rows) for item, rows in found.items()}
 
 
@@ -87,14 +94,24 @@ def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
     return Derivatives(np.concatenate(numbers), np.concatenate(entries), np.concatenate(values))
 
 
-def _of_invariant(rate: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def _told(rate: np.ndarray, stored: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Places in the flattened array, and values, of what is stored."""
+    entry = np.flatnonzero(stored)
+    return entry, rate.ravel()[entry]
+
+
+def _of_invariant(rate: Any, scale: EntryScale) -> tuple[np.ndarray, np.ndarray]:
     """Entries that are more than round-off, where the entry that changes most in parts of its scale sets the measure."""
-    return np.abs(rate) > ROUND_OFF * _fastest(rate, scale) * scale
+    entry, value = listed(rate)
+    more = np.abs(value) > ROUND_OFF * _fastest(rate, scale) * scale.at(entry)
+    return entry[more], value[more]
 
 
-def _fastest(rate: np.ndarray, scale: np.ndarray) -> float:
+def _fastest(rate: Any, scale: EntryScale) -> float:
     """Largest change of an entry in parts of its scale."""
-    return float(np.divide(np.abs(rate), scale, out=np.zeros(rate.shape), where=scale > 0).max(initial=0))
+    entry, value = listed(rate)
+    own = scale.at(entry)
+    return float(np.divide(np.abs(value), own, out=np.zeros(len(own)), where=own > 0).max(initial=0))
 
 
 def _of_item(item: str, rate: np.ndarray, computed: bool, interfaces: Mapping[str, InterfacePoint], fastest: float) -> np.ndarray:

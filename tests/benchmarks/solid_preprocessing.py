@@ -1,8 +1,8 @@
 """What the preprocessing of solids costs: run `python -m tests.benchmarks.solid_preprocessing [UNKNOWNS]` from the project's folder.
 
 Boxes of 1 x 0.2 x 0.2 m of tetrahedra with 10 nodes and of hexahedra with 20, up to a number of unknowns (10 000 if none is given; up to
-100 000 it takes half an hour and 8 GB): 6 static shapes, 20 modes, a pressure surface and all derivatives. Each runs in a process of its
-own, so that the peak of the memory is its own; compare ratios, not numbers of different machines or days.
+100 000 it takes some minutes, and 3 GB with pypardiso): 6 static shapes, 20 modes, a pressure surface and all derivatives. Each runs in a
+process of its own, so that the peak of the memory is its own; compare ratios, not numbers of different machines or days.
 """
 
 from __future__ import annotations

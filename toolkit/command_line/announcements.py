@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Literal
 
 import typer
 from rich.console import Console
-from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
 
 if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
@@ -80,8 +78,14 @@ EXPECTED = {2: (220, 40), 3: (250, 60)}
 def bar(title: str, quiet: bool = False) -> Iterator[Progress]:
     """A bar on standard error, with the time that went and that is left, if that is a terminal and nobody asked for quiet."""
     console = Console(stderr=True)
+    if quiet or not console.is_terminal:
+        yield lambda _done, _total: None
+        return
+    from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bar  # for terminals alone
+
     times = TimeElapsedColumn(), TextColumn("left:"), TimeRemainingColumn()
     columns = SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), *times
-    with Bar(*columns, console=console, transient=True, disable=quiet or not console.is_terminal) as shown:
+    with Bar(*columns, console=console, transient=True) as shown:
         task = shown.add_task(title, total=None)
         yield lambda done, total: shown.update(task, completed=done, total=total)

@@ -40,6 +40,7 @@ from toolkit.command_line.printed.printing import print_files, print_json, print
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
 from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
+from toolkit.foundation.rare_collections import rare_collections
 from toolkit.sensitivity.method_names import Method
 
 INTERRUPTED = 130
@@ -267,7 +268,8 @@ app.command()(tradeoff)
 
 def main() -> None:
     """Run the command."""
-    app()
+    with rare_collections():
+        app()
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ from toolkit.foundation.compiled.compiled_code import CompiledCode
 from toolkit.foundation.compiled.inner_code import InnerCompiler
 from toolkit.foundation.compiled.packed import Formula
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.rare_collections import rare_collections
 
 
 def kernel(function: Callable) -> CPUDispatcher:
@@ -106,7 +107,7 @@ def first_class(function: CPUDispatcher, signature: Any = None) -> Any:
     if not isinstance(function, CPUDispatcher):
         return function
     signature = signature or function.nopython_signatures[-1]
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), rare_collections():
         warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
         function.compile(signature)
         return Formula(function.get_compile_result(signature))

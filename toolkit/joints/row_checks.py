@@ -14,10 +14,13 @@ NUMBERS, VECTORS = {2: 6, 3: 24}, {2: BETWEEN + 1, 3: 8}
 """Dimension -> those of the poses of both markers."""
 
 
-def check_rows(joint: Joint, scene: Skeleton, known: Sequence[Row] | None = None) -> None:
-    """Refuse rows that name what no pose has, or whose structure depends on the scene.
+def keeps_rows(joint: Joint, scene: Skeleton, known: Sequence[Row]) -> bool:
+    """Whether the rows in this scene have the structure of the `known` ones: other numbers may cut a profile into other pieces."""
+    return [_structure(row) for row in joint.constraint(scene)] == [_structure(row) for row in known]
 
-    `known` rows of the joint, which were checked before, must have the structure that the rows have in this scene.
+
+def check_rows(joint: Joint, scene: Skeleton) -> None:
+    """Refuse rows that name what no pose has, or whose structure depends on the scene.
 
     Raises
     ------
@@ -25,12 +28,12 @@ def check_rows(joint: Joint, scene: Skeleton, known: Sequence[Row] | None = None
         Names the kind of the joint and the row.
     """
     rows = joint.constraint(scene)
-    if [_structure(row) for row in rows] != [_structure(row) for row in known or joint.constraint(None)]:
+    if [_structure(row) for row in rows] != [_structure(row) for row in joint.constraint(None)]:
         raise InputError(
             f"a {joint.kind!r} joint has other rows with a scene than without: `constraint(None)` gives the same names and terms as "
             "`constraint(scene)`, with any values."
         )
-    for row in rows if known is None else ():
+    for row in rows:
         _check_size(joint, row)
         for form in row.forms:
             places = [(place, NUMBERS[joint.dimension], "number") for place, _ in form.linear]

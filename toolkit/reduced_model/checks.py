@@ -9,9 +9,10 @@ import numpy as np
 
 from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
+from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, Elements
-from toolkit.reduced_model.entry_scales import entry_scales
+from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -23,6 +24,7 @@ from toolkit.reduced_model.model import (
     generalized_mass,
 )
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
+from toolkit.reduced_model.thin_arrays import listed, places, sparing
 
 RIGID = 1e-12
 """Smallest eigenvalue of the mass matrix, scaled to a unit diagonal, that is more than round-off; the wing's skin has 1e-7."""
@@ -130,17 +132,17 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
     scales = _sizes(inv)
     if isinstance(inv, SpatialInvariants):
         own = {f"second_moment[{k}]": (inv.second_moment[k], 1) for k in range(3)}
-        scales |= {f"second_moment[{k}]": scales["second_moment"][k] for k in range(3)}
+        root = scales["second_moment"].column
+        scales |= {f"second_moment[{k}]": EntryScale(root, root) for k in range(3)}
         place, mass = "second_moment", spatial_generalized_mass(inv)
     else:
         own = {"inertia": (inv.inertia, 1), "gyroscopic": (inv.gyroscopic, -1)}
         place, mass = "inertia", generalized_mass(inv)
     for name, (matrix, sign) in {**own, "stiffness": (inv.stiffness, 1), "damping": (inv.damping, 1)}.items():
-        if np.any(np.abs(matrix - sign * matrix.T) > ROUND_OFF * scales[name]):
+        entry, difference = listed(abs(sparing(matrix) - sign * sparing(matrix).T))
+        if np.any(difference > ROUND_OFF * scales[name].at(entry)):
             _refuse(path, f"invariants/{name}", "is not " + ("symmetric" if sign > 0 else "antisymmetric"))
-    try:
-        np.linalg.cholesky(mass - RIGID * np.eye(len(mass)))
-    except np.linalg.LinAlgError:
+    if not positive_definite(mass - RIGID * np.eye(len(mass))):
         _refuse(
             path,
             f"invariants/{place}",
@@ -148,15 +150,22 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
         )
 
 
-def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
+def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
     """What a difference in every entry of the invariants is compared with.
 
     Whatever is a matter of mass can vanish as a whole, but for round-off, and is compared with what it could be. Stiff bodies
     leave more round-off in their soft motions than these are stiff: stiffness, damping and stress, which do not vanish, are
     compared with their largest entry.
     """
-    of_mass = {name: scale for name, scale in entry_scales(inv).items() if name not in OF_STIFFNESS}
-    return of_mass | {name: np.abs(getattr(inv, name)).max(initial=0) for name in OF_STIFFNESS}
+    return entry_factors(inv) | {name: _largest(getattr(inv, name)) for name in OF_STIFFNESS}
+
+
+def _largest(array: np.ndarray) -> EntryScale:
+    """The largest entry for all."""
+    rows = sparing(array)
+    return EntryScale(
+        np.full(len(array.reshape(-1, array.shape[-1])), abs(rows).max() if array.size else 0.0), np.ones(array.shape[-1])
+    )
 
 
 def _check_derivatives(model: ReducedModel, path: Path, sizes: Sizes) -> None:
@@ -183,9 +192,10 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         if item.startswith("elements.") and model.elements is None:
             continue
         nominal = model.item(item)
-        difference = polynomial(p, nominal.size) - nominal.ravel()
-        size = sizes_of[item] if item in sizes_of else np.abs(nominal).max(initial=0)
-        if not np.all(np.abs(difference).reshape(nominal.shape) <= ROUND_OFF * size):
+        here = places(nominal, polynomial.entry)
+        difference = np.abs(polynomial.at(p, here) - nominal.ravel()[here])
+        size = sizes_of[item] if item in sizes_of else _largest(nominal)
+        if not np.all(difference <= ROUND_OFF * size.at(here)):
             _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
@@ -34,6 +35,10 @@ class Derivatives:
         """Whether there is an entry for the parameter."""
         return parameter in self._parameters
 
+    def depends_on_any(self, parameters: Collection[int]) -> bool:
+        """Whether there is one of them."""
+        return not self._parameters.isdisjoint(parameters)
+
     @cached_property
     def _parameters(self) -> frozenset[int]:
         return frozenset(np.unique(self.parameter).tolist())
@@ -56,7 +61,11 @@ class Polynomial:
 
     def __call__(self, p: np.ndarray, size: int) -> np.ndarray:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
-        return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
+        return self.at(p, np.arange(size))
+
+    def at(self, p: np.ndarray, places: np.ndarray) -> np.ndarray:
+        """The same at some places in their order, among which are all that are not zero."""
+        return scattered(np.searchsorted(places, self.entry), self._weights(p, self.power)[self.term] * self.value, len(places))
 
     def rates(self, p: np.ndarray) -> Derivatives:
         """Derivatives by all parameters, one entry for every factor of every term; places can occur more than once."""
@@ -72,6 +81,10 @@ class Polynomial:
     def depends_on(self, parameter: int) -> bool:
         """Whether the parameter occurs."""
         return parameter in self._parameters
+
+    def depends_on_any(self, parameters: Collection[int]) -> bool:
+        """Whether there is one of them."""
+        return not self._parameters.isdisjoint(parameters)
 
     @cached_property
     def _parameters(self) -> frozenset[int]:

@@ -13,9 +13,9 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
 from toolkit.reduced_model.dependence import Derivatives, scattered
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
+from toolkit.reduced_model.thin_arrays import places, sparing
 
 NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
-
 
 KEPT = 8
 """Design points that are kept with what was evaluated there: complex steps in other numbers of a scene ask for the same ones again."""
@@ -92,6 +92,16 @@ class DesignPoint:
 
     def interface(self, name: str) -> InterfacePoint:
         """One interface point; its range is that of the nominal design."""
+        if name not in self._interfaces:
+            self._interfaces[name] = self._interface(name)
+        return self._interfaces[name]
+
+    @cached_property
+    def _interfaces(self) -> dict[str, InterfacePoint]:
+        """Those that were asked for."""
+        return {}
+
+    def _interface(self, name: str) -> InterfacePoint:
         point = self.model.interfaces[name]  # type: ignore[index]
         changed = {key: self.value(f"interfaces.{name}.{key}") for key in ("arc_length", "position", "rotation")}
         return InterfacePoint(arc_length_range=point.arc_length_range, **changed)
@@ -114,7 +124,7 @@ class DesignPoint:
         return self._known[item]
 
     @cached_property
-    def _known(self) -> dict[str, np.ndarray]:
+    def _known(self) -> dict[str, Any]:
         """Items that were asked for."""
         return {}
 
@@ -127,15 +137,34 @@ class DesignPoint:
         self._check(item, by_tangent)
         derivatives, polynomials = self.model.dependence(item)
         polynomial = (polynomials or {}).get(item)
-        flat = nominal.ravel() if polynomial is None else polynomial(self._p, nominal.size)
-        for k in by_tangent:
-            entry, slope = derivatives[item].by(k)  # type: ignore[index]
-            flat = flat + scattered(entry, self._steps[k] * slope, nominal.size)
-        if not any(
-            np.real(step) for step in self._steps.values()
-        ):  # the nominal body itself, whose last digits a thin skin feels
-            flat = nominal.ravel() + 1j * np.imag(flat)
-        return flat.reshape(nominal.shape)
+        tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
+        reached = () if polynomial is None else (polynomial.entry,)
+        here = places(nominal, *reached, *(entry for entry, _ in tangents.values()))
+        own = nominal.ravel()[here]
+        flat = own if polynomial is None else polynomial.at(self._p, here)
+        for k, (entry, slope) in tangents.items():
+            flat = flat + scattered(np.searchsorted(here, entry), self._steps[k] * slope, len(here))
+        if not any(np.real(step) for step in self._steps.values()):
+            # the nominal body itself, whose last digits a thin skin feels
+            flat = own + 1j * np.imag(flat)
+        if len(here) == nominal.size:
+            return flat.reshape(nominal.shape)
+        found = np.zeros(nominal.size, flat.dtype)
+        found[here] = flat
+        return found.reshape(nominal.shape)
+
+    def rows(self, item: str) -> Any:
+        """An item as a matrix (.., n) of its last axis; sparse if it is large and zero nearly everywhere.
+
+        Raises
+        ------
+        InputError
+            As `value`.
+        """
+        key = f"rows of {item}"
+        if key not in self._known:
+            self._known[key] = sparing(self.value(item))
+        return self._known[key]
 
     def rates(self, item: str, numbers: Mapping[str, int]) -> Derivatives:
         """Derivatives of an item by parameters: their numbers, places in the flattened item, and values there, to be summed.
@@ -158,7 +187,8 @@ class DesignPoint:
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
-        return any(self._depends(item, k) for k in self._steps)
+        told = ((part or {}).get(item) for part in (self.model.derivatives, self.model.affine))
+        return any(each is not None and each.depends_on_any(self._steps) for each in told)
 
     def extrapolated(self) -> list[str]:
         """Parameters whose real step the model follows by a tangent."""

@@ -11,38 +11,80 @@ round-off: compared with itself it would be neither zero nor antisymmetric.
 
 from __future__ import annotations
 
+from typing import Any, NamedTuple
+
 import numpy as np
+from scipy.sparse import csr_array, issparse
 
 from toolkit.reduced_model.model import Invariants
 from toolkit.reduced_model.spatial_model import SpatialInvariants
 
 
+class EntryScale(NamedTuple):
+    """Sizes row_i column_j, where i counts the places of all axes but the last one."""
+
+    row: np.ndarray
+    column: np.ndarray
+
+    def at(self, entry: np.ndarray) -> np.ndarray:
+        """Of places in the flattened array."""
+        row, column = np.divmod(entry, len(self.column))
+        return self.row[row] * self.column[column]
+
+
 def entry_scales(inv: Invariants | SpatialInvariants) -> dict[str, np.ndarray]:
-    """Invariant -> the largest size that each of its entries could have; of the array's shape, or broadcast to it.
+    """Invariant -> the largest size that each of its entries could have, in the shape of the array."""
+    found = {name: np.outer(scale.row, scale.column) for name, scale in entry_factors(inv).items()}
+    return {name: scale.reshape(getattr(inv, name).shape) for name, scale in found.items()}
+
+
+def entry_factors(inv: Any) -> dict[str, EntryScale]:
+    """The same as factors, of invariants in arrays, or in sparse matrices with all axes but the last one in one.
 
     The stress operator is no product of squares: its entries are measured by the largest ones of their columns and rows.
     """
-    inertia = inv.inertia_about_origin
-    squares = _of_squares(inertia)
-    first = np.sqrt(np.abs(inv.mass * np.diag(inertia)))
+    inertia = _diagonal_of_inertia(inv)
+    root, first = np.sqrt(np.abs(inertia)), np.sqrt(np.abs(inv.mass * inertia))
+    planes = {name: _planes(getattr(inv, name), len(inertia)) for name in inv.moments}
     return {
-        "mass": np.abs(inv.mass),
-        "first_moment": np.broadcast_to(first, inv.first_moment.shape),
-        **{name: np.broadcast_to(squares, getattr(inv, name).shape) for name in inv.moments},
-        "stiffness": _of_squares(inv.stiffness),
-        "damping": _of_squares(inv.damping),
+        "mass": EntryScale(np.abs(np.atleast_1d(inv.mass)), np.ones(1)),
+        "first_moment": EntryScale(np.ones(len(inv.first_moment)), first),
+        **{name: EntryScale(np.tile(root, count), root) for name, count in planes.items()},
+        **{name: _of_squares(getattr(inv, name)) for name in ("stiffness", "damping")},
         "stress_operator": _of_rows(inv.stress_operator),
     }
 
 
-def _of_squares(matrix: np.ndarray) -> np.ndarray:
-    root = np.sqrt(np.abs(np.diag(matrix)))
-    return np.outer(root, root)
+def _diagonal_of_inertia(inv: Any) -> np.ndarray:
+    """Of G, in space of the sum of the Q_aa."""
+    if isinstance(inv, SpatialInvariants):
+        z = inv.second_moment.shape[-1]
+        moments = inv.second_moment if inv.second_moment.ndim == 2 else inv.second_moment.reshape(-1, z)
+        return sum((moments[k * z : (k + 1) * z].diagonal() for k in range(1, 3)), moments[:z].diagonal())
+    return inv.inertia.diagonal()
 
 
-def _of_rows(array: np.ndarray) -> np.ndarray:
+def _planes(moment: Any, z: int) -> int:
+    """Number of matrices (z, z) after each other."""
+    return int(np.prod(moment.shape)) // z**2
+
+
+def _of_squares(matrix: Any) -> EntryScale:
+    root = np.sqrt(np.abs(matrix.diagonal()))
+    return EntryScale(root, root)
+
+
+def _of_rows(array: Any) -> EntryScale:
     """Largest entry of each column times the largest entry of each row in parts of that of its column."""
-    rows = np.abs(array.reshape(-1, array.shape[-1]))
-    columns = rows.max(axis=0, initial=0)
-    parts = np.divide(rows, columns, out=np.zeros_like(rows), where=columns > 0).max(axis=1, initial=0)
-    return (parts[:, None] * columns).reshape(array.shape)
+    width = array.shape[-1]
+    rows = csr_array(array if issparse(array) else array.reshape(-1, width))
+    size, column = np.abs(rows.data), rows.indices
+    largest = np.zeros(width)
+    np.maximum.at(largest, column, size)
+    parts = np.zeros(rows.shape[0])
+    np.maximum.at(parts, np.repeat(np.arange(rows.shape[0]), np.diff(rows.indptr)), _part(size, largest[column]))
+    return EntryScale(parts, largest)
+
+
+def _part(size: np.ndarray, of: np.ndarray) -> np.ndarray:
+    return np.divide(size, of, out=np.zeros_like(size), where=of > 0)

@@ -14,7 +14,7 @@ from toolkit.compilation.plan import Kept, build_plan
 from toolkit.compilation.quantities import derivatives, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
-from toolkit.joints.row_checks import check_rows
+from toolkit.joints.row_checks import keeps_rows
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
@@ -25,7 +25,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
 
     Whatever `compile_scene` would make of it gives the same results to round-off: an entry that has become zero stays in the pattern. A
     number that is not zero any more where nothing was before brings a new pattern, and the scene is compiled as if for the first time; so
-    is one whose redundant joints are left out, because other numbers may make other ones redundant.
+    is one whose redundant joints are left out, because other numbers may make other ones redundant, and one whose profile of a cam falls
+    into other pieces.
 
     Parameters
     ----------
@@ -53,8 +54,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     numbering = system.numbering
     affected = affected_by(scene, numbering.markers, paths, numbering.users)
     new, seen = seen_quantities(scene, numbering, affected, placed)
-    for j, part in seen.parts["joints"].items():
-        check_rows(part.written[0], placed, numbering.forms.rows[j])  # type: ignore[arg-type]
+    if not all(keeps_rows(part.written[0], placed, numbering.forms.rows[j]) for j, part in seen.parts["joints"].items()):  # type: ignore[arg-type]
+        return compile_scene(scene, names, numbering.seen)
     rates = derivatives(scene, numbering, system.design, seen, affected)
     try:
         pairs = [renew(system.values, new, system.values)]

@@ -7,6 +7,8 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from preprocessing.recipes.skin.skin_tables import (
+    MOST_ELEMENTS,
+    MOST_REDUCED,
     Airfoil,
     ElementGroup,
     GroupName,
@@ -39,6 +41,17 @@ class SkinFile(Table):
     def _twists(self) -> SkinFile:
         if self.dimension == 3 and self.material.poisson_ratio is None:
             raise ValueError("material.poisson_ratio: a skin in space (dimension = 3) twists with G = E / (2 (1 + nu)); add it")
+        return self
+
+    @model_validator(mode="after")
+    def _is_small_enough(self) -> SkinFile:
+        whole = self.dimension == 2 and self.basis.kind == "full" and self.basis.chord is None
+        if self.skin.elements > MOST_REDUCED and not whole:
+            raise ValueError(
+                f"skin.elements: {self.skin.elements} are more than {MOST_REDUCED}, the most of a skin in space, on a chord or with fewer "
+                'coordinates, whose matrices are dense; take fewer, or in the plane all coordinates (kind = "full"), '
+                f"of up to {MOST_ELEMENTS} elements"
+            )
         return self
 
     @model_validator(mode="after")

@@ -33,6 +33,12 @@ class Airfoil(Table):
     y_scale: Positive = 1.0  # by which the y of both files are multiplied
 
 
+MOST_ELEMENTS, MOST_REDUCED = 600, 500
+"""Of a skin in the plane with all coordinates, whose arrays are zero nearly everywhere: at 800 and more round-off of the stiffness,
+which grows with the fourth power of their number, makes the run go on with dense factors. And of any other skin: in space there are six
+arrays with the square of twice as many coordinates, and modes are those of dense matrices, with the third power."""
+
+
 class ContourPoint(Table):
     """Where a side of the contour has one x."""
 
@@ -45,7 +51,7 @@ class SkinCut(Table):
 
     start: ContourPoint
     end: ContourPoint
-    elements: Annotated[int, Field(ge=2, le=500)]
+    elements: Annotated[int, Field(ge=2, le=MOST_ELEMENTS)]
     spacing: Literal["equal", "curvature"] = "equal"
     grading: NonNegative = 1.0  # of the curvature spacing: node density 1 + grading sqrt(|curvature| length)
     clamp: Literal["F", "G"] | None = None  # the end that the body's frame is tied to, F if not given

@@ -11,6 +11,7 @@ from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 
 from toolkit.foundation.compiled.packed import Formula, Packed, key_of
+from toolkit.foundation.rare_collections import rare_collections
 
 R = TypeVar("R")
 
@@ -51,7 +52,7 @@ def compiled_for(function: CPUDispatcher, given: list[Any]) -> Any:
     key = function, *map(key_of, given)
     if key not in _COMPILED:
         kinds = tuple(map(typeof, given))
-        with warnings.catch_warnings():
+        with warnings.catch_warnings(), rare_collections():
             warnings.simplefilter("ignore", NumbaExperimentalFeatureWarning)
             if "_compile_for_args" in vars(function):  # an inner formula, which refuses
                 function._compile_for_args(*given)  # type: ignore[attr-defined]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from scipy.sparse import coo_array
@@ -17,6 +17,7 @@ from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.design_point import NONE
 from toolkit.reduced_model.model import place_parameter
+from toolkit.reduced_model.thin_arrays import LARGE
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.von_mises import point_slope, point_stress
@@ -33,18 +34,31 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
 
 def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
     """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
-    operator = stress_operator(scene, body)
-    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), operator.reshape(-1, operator.shape[-1]).T)
-    return found.reshape(*q_f.shape[:-1], *operator.shape[:2])
+    point = design_point(scene, body)
+    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), point.rows("stress_operator").T)
+    points, *components, _ = point.model.invariants.stress_operator.shape
+    return found.reshape(*q_f.shape[:-1], points, *(components or [1]))
 
 
-def by_instant(states: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """States (n_t, k) times a matrix (k, m), one after the other: a product of all at once rounds each by how many there are.
+def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
+    """States (n_t, k) times a matrix (k, m), dense or sparse, one by one: a product of all at once rounds each by how many there are.
 
     Stress is a difference of large displacements, and a smooth maximum multiplies the last digits of that difference by its exponent: so
     those of a window must be those of the whole run.
     """
     return np.stack([state @ matrix for state in states]) if len(states) else states @ matrix
+
+
+def products(one: np.ndarray, other: np.ndarray, entry: np.ndarray) -> np.ndarray:
+    """Entries of the flattened one^T other, of one (n_t, m) and other (n_t, n): of all together, or of a large product one by one."""
+    if one.shape[1] * other.shape[1] < LARGE:
+        return (one.T @ other).ravel()[entry]
+    place, number = np.unique(entry, return_inverse=True)
+    row, column = np.divmod(place, other.shape[1])
+    found = np.zeros(len(place), np.result_type(one, other))
+    for left, right in zip(one, other, strict=True):
+        found += left[row] * right[column]
+    return found[number]
 
 
 def design_rates(solution: Solution, body: str, item: str, *parts: str) -> Derivatives:
@@ -152,12 +166,13 @@ class StressResponse(Response):
         by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
         if self.when == "end":
             by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
-        where, operator = elastic_coordinates(solution, self.body), stress_operator(solution.system.placed, self.body)
+        where = elastic_coordinates(solution, self.body)
+        operator = design_point(solution.system.placed, self.body).rows("stress_operator")
         value_q = np.zeros(solution.q.shape)
-        value_q[:, where] = by_instant(by_component, np.real(operator.reshape(by_component.shape[1], -1)))
-        by_operator = np.real(by_component.T @ solution.q[:, where]).ravel()
+        value_q[:, where] = by_instant(by_component, operator.real)
         rates = design_rates(solution, self.body, "stress_operator")
-        design = np.bincount(rates.parameter, by_operator[rates.entry] * rates.value, solution.system.n_x)
+        by_operator = np.real(products(by_component, solution.q[:, where], rates.entry))
+        design = np.bincount(rates.parameter, by_operator * rates.value, solution.system.n_x)
         return Partials(value, q=value_q, design=design)
 
 

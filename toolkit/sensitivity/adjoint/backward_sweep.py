@@ -12,7 +12,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.time_grid import step_lengths
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.responses.response import STATES, Partials
-from toolkit.solvers.start.initial_conditions import State, through_accelerations
+from toolkit.solvers.start.initial_conditions import State, rates_of_states, through_accelerations
 from toolkit.solvers.transient.adjoint_steps import AdjointMemory, adjoint_memory, integrate_backwards
 from toolkit.solvers.transient.formulation import constraint_levels, relaxed, scheme_of
 from toolkit.solvers.transient.prediction import SAME, STEEP
@@ -92,12 +92,13 @@ def end_sweep(state: Sweep) -> np.ndarray:
     """The start's part added: the gradient (n_x, n_r)."""
     system, bars = state.system, state.memory.bars
     start = run_motion(system, state.options)
-    parts = [(bars.q, start.dq), (bars.v, start.dv)]
     if isinstance(start, State):
-        parts.append((bars.acc, start.dacc))
+        parts = [(bars.q, start.dq), (bars.v, start.dv), (bars.acc, start.dacc)]
     else:
         levels = run_levels(state.options)
         state.gradient[:] += through_accelerations(system, levels, start, bars.acc, state.transposition)
+        _, dv = rates_of_states(system, start.q, start.dq, start.v, start.dv, 0.0)  # those of the loads' own states too
+        parts = [(bars.q, start.dq), (bars.v, dv)]
     for bar, change in parts:
         if np.any(change):
             state.gradient[:] += change.T @ bar

@@ -26,10 +26,11 @@ from toolkit.solvers.transient.step_memory import (
     STEP,
 )
 
-REUSED, CLOSE, SHARP = 1e-13, 1e-10, 1e-6
-"""Last Newton correction up to which the last Jacobian is that of the converged state (the difference is round-off), and up to which at
-least its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what the correction left: one
-refinement with the converged Jacobian squares that. Where new factors cost less, they are made."""
+REUSED, CLOSE, SHARP = 0.0, 1e-10, 1e-6
+"""Last Newton correction up to which the last Jacobian is that of the converged state, and up to which at least its factors still serve,
+also where the relative change of the Jacobian is no more than SHARP by what the correction left: one refinement with the converged Jacobian
+squares that. Where new factors cost less, they are made. Any correction is one of its c_q-th part in accelerations, which the inertial
+terms depend on: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong by 6e-6."""
 ALIKE = 1e-4
 """Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""

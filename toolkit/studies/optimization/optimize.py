@@ -91,14 +91,14 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall)
 
 
-def _rank(found: Found) -> tuple[bool, float, float]:
-    """The order in which designs of searches are tried: feasible ones by their objective, then the least violated."""
+def _rank(found: Found) -> tuple[bool, bool, float]:
+    """The order in which designs of searches are tried: optima by their objective, then feasible ones, then the least violated."""
     assert found.best is not None
     assert found.optimality is not None
     problem = found.program.problem
     feasible = found.optimality.violation <= problem.study.search.feasibility
     value = problem.study.objective.sign * float(found.program.objective(found.best.values)[0])
-    return (not feasible, value if feasible else found.optimality.violation, 0.0)
+    return (not found.arrived, not feasible, value if feasible else found.optimality.violation)
 
 
 def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callable[[Evaluation], None]) -> tuple[Found, Again]:
@@ -195,9 +195,18 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
 
 
 def _other_optima(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
-    """That other searches have ended elsewhere."""
+    """That other searches have ended elsewhere, or on their way to something better."""
     assert found.best is not None
     mine = float(found.program.objective(found.best.values)[0])
+    (_, mine_off, value), ranked = _rank(found), [_rank(each) for each in searches if each is not found and each.best is not None]
+    better = [each for each in ranked if not each[1] and not mine_off and each[2] < value - SAME * abs(value)]
+    if found.arrived and better:
+        yield Caution(
+            "better-designs",
+            f"{len(better)} of {len(searches)} searches stood at a better design when they ended, which is no optimum yet, or was not "
+            "found again: give more evaluations.",
+            doubt=False,
+        )
     others = [each for each in searches if each.arrived and each is not found and each.best is not None]
     values = [float(each.program.objective(each.best.values)[0]) for each in others if each.best is not None]
     elsewhere = [value for value in values if abs(value - mine) > SAME * max(abs(value), abs(mine))]

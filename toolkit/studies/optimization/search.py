@@ -155,13 +155,7 @@ class Search:
         return self.done[key]
 
     def _functions(self, z: np.ndarray) -> Values:
-        """F and c at z.
-
-        Raises
-        ------
-        _Failed
-            The design could not be solved.
-        """
+        """F and c at z; a design that cannot be solved ends the method."""
         found = self._evaluated(self.program.design(z))
         if found.failed:
             raise _Failed(np.array(z))

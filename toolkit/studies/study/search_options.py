@@ -48,7 +48,7 @@ class Search(Description):
     method: Literal["slsqp", "trust-constr"] = "slsqp"
     starts: Count = 1
     evaluations: Count = 100
-    optimality: Part = 1e-4
+    optimality: Part = 1e-3
     feasibility: Part = 1e-6
     warm_starts: bool = False
     failures: Literal["step-back", "stop"] = "step-back"

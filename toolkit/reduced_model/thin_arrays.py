@@ -1,0 +1,41 @@
+"""Large arrays that are zero nearly everywhere, as those of a full basis are: worked on at the price of what is not zero."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from scipy.sparse import csr_array, issparse
+
+LARGE = 1_000_000
+"""Numbers of an array that is worth the search for those that are not zero."""
+SPARSE = 0.05
+"""Part of them that is not zero, below which an array is thin."""
+
+
+def is_thin(array: np.ndarray) -> bool:
+    """Whether it is large and zero nearly everywhere."""
+    return array.size >= LARGE and bool(np.count_nonzero(array) < SPARSE * array.size)
+
+
+def sparing(array: np.ndarray) -> Any:
+    """An array as a matrix with all axes but the last one in one; sparse if it is thin."""
+    rows = array.reshape(-1, array.shape[-1])
+    return csr_array(rows) if is_thin(array) else rows
+
+
+def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:
+    """Places in the flattened array in their order, and values: of a sparse array those that it has, of others all."""
+    if not issparse(array):
+        return np.arange(np.size(array)), np.ravel(array)
+    every = array.tocsr().tocoo()
+    entry = np.ravel_multi_index(every.coords, every.shape)
+    order = np.argsort(entry)
+    return entry[order], every.data[order]
+
+
+def places(array: np.ndarray, *others: np.ndarray) -> np.ndarray:
+    """Places in the flattened array that are not zero, with those that are named, in their order; of an array that is not thin all."""
+    if not is_thin(array):
+        return np.arange(array.size)
+    return np.unique(np.concatenate([np.flatnonzero(array), *others]))
