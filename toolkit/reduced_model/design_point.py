@@ -187,7 +187,7 @@ class DesignPoint:
 
     def moves(self, item: str) -> bool:
         """Whether an item is not where it is at the nominal design, be it by an imaginary step."""
-        told = ((part or {}).get(item) for part in (self.model.derivatives, self.model.affine))
+        told = ((part or {}).get(item) for part in self.model.dependence(item))
         return any(each is not None and each.depends_on_any(self._steps) for each in told)
 
     def extrapolated(self) -> list[str]:
