@@ -34,10 +34,16 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
 
 def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
     """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
-    point = design_point(scene, body)
-    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), point.rows("stress_operator").T)
-    points, *components, _ = point.model.invariants.stress_operator.shape
+    found = by_instant(q_f.reshape(-1, q_f.shape[-1]), stress_rows(scene, body).T)
+    points, *components, _ = design_point(scene, body).model.invariants.stress_operator.shape
     return found.reshape(*q_f.shape[:-1], points, *(components or [1]))
+
+
+def stress_rows(scene: Scene, body: str) -> Any:
+    """The stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
+    if isinstance(scene.bodies.get(body), CutBody):
+        return flexible_body(scene, body).stress_operator(scene)
+    return design_point(scene, body).rows("stress_operator")
 
 
 def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
@@ -167,7 +173,7 @@ class StressResponse(Response):
         if self.when == "end":
             by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
         where = elastic_coordinates(solution, self.body)
-        operator = design_point(solution.system.placed, self.body).rows("stress_operator")
+        operator = stress_rows(solution.system.placed, self.body)
         value_q = np.zeros(solution.q.shape)
         value_q[:, where] = by_instant(by_component, operator.real)
         rates = design_rates(solution, self.body, "stress_operator")
