@@ -46,6 +46,13 @@ def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
     return found.reshape(*q_f.shape[:-1], points, *(components or [1]))
 
 
+def stress_rows(scene: Scene, body: str) -> Any:
+    """The stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
+    if isinstance(scene.bodies.get(body), CutBody):
+        return flexible_body(scene, body).stress_operator(scene)
+    return design_point(scene, body).rows("stress_operator")
+
+
 def by_instant(states: np.ndarray, matrix: Any) -> np.ndarray:
     """States (n_t, k) times a matrix (k, m), dense or sparse, one by one: a product of all at once rounds each by how many there are.
 
