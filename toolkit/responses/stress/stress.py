@@ -32,13 +32,6 @@ def stress_operator(scene: Scene, body: str) -> np.ndarray:
     return operator[:, None] if operator.ndim == 2 else operator
 
 
-def stress_rows(scene: Scene, body: str) -> Any:
-    """The same with points and components in one axis; sparse if it is large and zero nearly everywhere."""
-    if isinstance(scene.bodies.get(body), CutBody):
-        return stress_operator(scene, body)[:, 0]
-    return design_point(scene, body).rows("stress_operator")
-
-
 def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
     """Components of stress (..., n_s, 1 or 6) at elastic coordinates (..., n_f)."""
     found = by_instant(q_f.reshape(-1, q_f.shape[-1]), stress_rows(scene, body).T)
