@@ -1,6 +1,6 @@
 """A study as a nonlinear program: minimise F(z) where all c(z) >= 0, in variables and values scaled to the size of one.
 
-z = (x - least) / scale,   F = sign * sum over cases / F_0,   c = (value - above) / size  or  (below - value) / size
+    z = (x - least) / scale,   F = sign * sum over cases / F_0,   c = (value - above) / size  or  (below - value) / size
 
 Signs and units are put back where prices are told, in `prices`.
 """
