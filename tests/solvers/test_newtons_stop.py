@@ -121,7 +121,7 @@ def test_a_complex_step_never_stops_after_its_first_correction():
 
 def learnt_from(values: list[float], h: float = 1e-3) -> SimpleNamespace:
     """Memory after steps through these accelerations of one coordinate, in the scene's size."""
-    memory, plan = SimpleNamespace(trend=np.zeros((2, 1)), learnt=np.zeros(6)), SimpleNamespace(n=1, n_q=1)
+    memory, plan = SimpleNamespace(trend=np.zeros((2, 1)), learnt=np.zeros(4)), SimpleNamespace(n=1, n_q=1)
     for before, after in pairwise(values):
         step = np.array([before]), np.array([after])
         plain(learn_trend)(plan, generalized_alpha("arnold-bruels", 0.8, h), np.ones(1), *step, memory)

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, QUALITY, UNCHECKED, UNREFINED
+from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -134,18 +134,6 @@ def leaves_nothing(learnt, iteration, size):
 
 
 @inlined
-def precise_enough(plan, control, learnt):
-    """Whether a first correction like the last needs no refinement: even SURPRISE times as large it is off by less than anyone feels.
-
-    Where there are derivatives, refining tells how good the factors are for them.
-    """
-    if plan.n_x > 0 or control.thorough or learnt[UNREFINED] >= OFTEN:
-        return False
-    known = learnt[EXPECTED] > 0 and learnt[QUALITY] > 0
-    return known and SURPRISE * learnt[EXPECTED] * learnt[QUALITY] <= NEGLIGIBLE
-
-
-@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -154,7 +142,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     copy(acc, memory.guess)
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
-    learnt, stiff, rough, once = memory.learnt, len(plan.constant.stiff_row) > 0, False, False
+    learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
         rough_before = rough
@@ -171,8 +159,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
         if ggl is None:
-            once = iteration == 0 and not kept and precise_enough(plan, control, learnt)
-            failed = solve(plan, kept, once, memory)
+            failed = solve(plan, kept, memory)
         else:
             failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
@@ -196,7 +183,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             continue
         if not np.isfinite(size):
             return NOT_FINITE
-        if iteration == 0 and (control.thorough or (once and size > SURPRISE * learnt[EXPECTED])):
+        if iteration == 0 and control.thorough:
             continue
         if not kept and exact_before and before > (FAR if rough_before else 0.0):
             learn_bend(learnt, before, size)
@@ -211,24 +198,15 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
 
 
 @inlined
-def solve(plan, kept, once, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
-
-    The latter is refined, unless it is to be solved for `once`.
-    """
-    learnt = memory.learnt
+def solve(plan, kept, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
     if kept:
         copy(memory.residual, memory.correction)
         apply_inverse(memory.solver, memory.correction)
         return -1
     failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    if failed < 0 and once:
-        copy(memory.residual, memory.correction)
-        apply_inverse(memory.solver, memory.correction)
-        learnt[UNREFINED] += 1
-    elif failed < 0:
+    if failed < 0:
         failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
-        learnt[QUALITY], learnt[UNREFINED] = memory.solver.quality[0], 0
     return failed
 
 
