@@ -157,7 +157,7 @@ def test_what_stands_in_place_of_an_array_is_refused_before_it_is_followed_or_un
 def test_one_packed_array_under_many_names_is_not_unpacked_many_times(model):
     """Each alone could be in the file, all together cannot."""
     with h5py.File(model, "a", libver="v110") as file:
-        file["affine/inertia"].create_dataset("packed", data=np.zeros((2000, 2000)), compression="gzip")
+        file["affine/inertia"].create_dataset("packed", data=np.zeros((2500, 2500)), compression="gzip")
         for item in ("inertia", "stiffness", "damping", "gyroscopic"):
             for name in ("term", "entry", "value"):
                 del file[f"affine/{item}/{name}"]
