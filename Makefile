@@ -6,6 +6,8 @@ INSTALLED := $(VENV)/.installed
 DOCUMENTED := $(VENV)/.documented
 BIN := $(VENV)/bin
 MODEL := models/morphing_wing
+# Two workers on two cores: threads of the linear algebra would only wait for each other.
+ALONE := OPENBLAS_NUM_THREADS=1
 # gmsh lives on these (Debian, Ubuntu); nothing else needs them.
 LIBRARIES := libglu1-mesa libgl1 libxcursor1 libxft2 libxinerama1 libgomp1
 
@@ -24,10 +26,10 @@ demo: $(INSTALLED) libraries
 	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
 
 test: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
+	$(ALONE) $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder --ignore=tests/repository -m 'not robustness'
 
 robustness: $(INSTALLED)
-	$(BIN)/python -m pytest -n 2 --ignore=tests/repository -m robustness
+	$(ALONE) $(BIN)/python -m pytest -n 2 --ignore=tests/repository -m robustness
 
 lint: $(INSTALLED)
 	$(BIN)/ruff check
