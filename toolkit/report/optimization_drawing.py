@@ -9,15 +9,16 @@ from toolkit.report.drawing import Drawing
 from toolkit.studies.optimization.optimum import Optimum
 from toolkit.studies.optimization.prices import objective_of
 from toolkit.studies.optimization.search import Found
+from toolkit.studies.study.evaluation import Evaluation
 
 LEAST = 1e-12
 """Violations below are drawn here."""
 
 
 def history(found: Optimum) -> Drawing:
-    """One panel for the objective of all searches, one for the largest violation of a constraint."""
+    """One panel for the objective of all searches, and one for the largest violation of a constraint if any design violates one."""
     name, unit = objective_of(found.search.program)
-    constrained = bool(found.search.program.rows)
+    constrained = any(_violation(search, each) > LEAST for search in found.searches for each in _designs(found, search))
     with sheet(2.7 * (1 + constrained) + 0.4, 1 + constrained, sharex=True) as (figure, axes):
         for k, search in enumerate(found.searches):
             _search(axes[:, 0], found, search, COLORS[k % len(COLORS)], f"start {search.lane // 2 + 1}")
@@ -33,12 +34,22 @@ def history(found: Optimum) -> Drawing:
 
 def _search(panels: np.ndarray, found: Optimum, search: Found, color: str, label: str) -> None:
     """Curves of one search, with crosses at the foot of the first panel for what failed."""
-    mine = [each for each in found.solved if each.lane == search.lane]
+    mine = _designs(found, search)
     good = [k for k, each in enumerate(mine) if not each.failed]
     objectives = [float(search.program.objective(mine[k].values)[0]) for k in good]
     panels[0].plot(good, objectives, color=color, marker=".", label=label)
     lost = [k for k, each in enumerate(mine) if each.failed]
     panels[0].plot(lost, [0.02] * len(lost), "x", color=color, transform=panels[0].get_xaxis_transform())
     if len(panels) > 1:
-        violations = [max(LEAST, float(np.max(-search.program.values(mine[k]).c))) for k in good]
-        panels[1].plot(good, violations, color=color, marker=".")
+        panels[1].plot(good, [_violation(search, mine[k]) for k in good], color=color, marker=".")
+
+
+def _designs(found: Optimum, search: Found) -> list[Evaluation]:
+    return [each for each in found.solved if each.lane == search.lane]
+
+
+def _violation(search: Found, design: Evaluation) -> float:
+    """Largest violation of a design, or LEAST: also where it has failed, or nothing is limited."""
+    if design.failed or not search.program.rows:
+        return LEAST
+    return max(LEAST, float(np.max(-search.program.values(design).c)))
