@@ -48,6 +48,7 @@ def draw():
 
 first, *commands = json.loads(sys.argv[1])
 assert run(*first) == (0, ""), first
+sys.dont_write_bytecode = True  # Python would leave 100 bytes of it for all who come after
 resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
 print(json.dumps([run(*command) for command in commands]))
 """
