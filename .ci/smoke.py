@@ -15,9 +15,15 @@ from pathlib import Path
 
 MODELS = Path(__file__).resolve().parents[1] / "models"
 FORMULAS = """
+from typing import NamedTuple
 import numpy as np
 from numba import types
-from toolkit.foundation.kernel import call, inlined, inner, kernel, plain, slots
+from toolkit.foundation.compiled.calls import call
+from toolkit.foundation.kernel import inlined, inner, kernel, plain, slots
+
+class Record(NamedTuple):
+    added: np.ndarray
+    times: int
 
 @inner
 def half(x):
@@ -33,12 +39,14 @@ def filled(x):
         x[i] = quarter(8.0)
 
 @kernel
-def by(functions, x):
+def by(functions, record, x):
     functions[0](x)
+    for i in range(len(x)):
+        x[i] += record.times * record.added[i]
 
 x = np.zeros(3)
-call(by, slots([filled], types.void(types.float64[::1])), x)
-assert (x == 2.0).all(), x
+call(by, slots([filled], types.void(types.float64[::1])), Record(np.ones(3), 2), x)
+assert (x == 4.0).all(), x
 assert plain(quarter)(8j) == 2j
 hits = sum(filled.stats.cache_hits.values())
 """

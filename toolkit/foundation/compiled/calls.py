@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from numba import typeof
+from numba import config, typeof
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 
@@ -41,8 +41,8 @@ _BY_VALUE: set[type] = set()
 
 
 def in_memory(given: Any) -> Any:
-    """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`."""
-    if not isinstance(given, tuple) or type(given) in _BY_VALUE:
+    """An argument as compiled code takes it: records, and tuples of formulas, as `Packed`; as it is where numba is switched off."""
+    if config.DISABLE_JIT or not isinstance(given, tuple) or type(given) in _BY_VALUE:  # type: ignore[attr-defined]
         return given
     return Packed(given) if hasattr(given, "_fields") or any(isinstance(each, Formula | tuple) for each in given) else given
 
