@@ -26,11 +26,11 @@ from toolkit.solvers.transient.step_memory import (
     STEP,
 )
 
-REUSED, CLOSE, SHARP = 0.0, 1e-10, 1e-6
-"""Last Newton correction up to which the last Jacobian is that of the converged state, and up to which at least its factors still serve,
-also where the relative change of the Jacobian is no more than SHARP by what the correction left: one refinement with the converged Jacobian
-squares that. Where new factors cost less, they are made. Any correction is one of its c_q-th part in accelerations, which the inertial
-terms depend on: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong by 6e-6."""
+CLOSE, SHARP = 1e-10, 1e-6
+"""Last Newton correction up to which its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what
+the correction left: one refinement with the Jacobian of the converged state squares that. Where new factors cost less, they are made.
+The Jacobian itself is that of the converged state after any correction, which is one of its c_q-th part in accelerations, and the
+inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong by 6e-6."""
 ALIKE = 1e-4
 """Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
@@ -110,16 +110,13 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown. With `ggl` derivatives are
-    always those of the converged state: its joint forces are quiet enough to show the last correction of accelerations, REUSED over c_q.
+    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown.
     """
-    close = not control.modified and correction <= REUSED
-    relinearize = plan.n_x > 0 and not close
-    if ggl is not None:
-        relinearize = plan.n_x > 0
+    still = not control.modified and correction == 0
     if plan.n_x > 0 or carries(scheme):
-        evaluator(plan, functions, inputs, q, v, acc, relinearize, plan.n_x > 0, memory.terms, memory.work)
-    if relinearize and not close:
+        linearize = plan.n_x > 0 and (ggl is not None or not still)
+        evaluator(plan, functions, inputs, q, v, acc, linearize, plan.n_x > 0, memory.terms, memory.work)
+    if plan.n_x > 0 and not still:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
         changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
         near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
@@ -130,7 +127,7 @@ def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, corr
             return known and correction <= ALIKE
         if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
-    return close
+    return still
 
 
 @loop
