@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from toolkit.description.description import Description, Number, Pair, Positive, Registered
+from toolkit.description.design import check_shares
 from toolkit.studies.study.search_options import Search
 
 LOAD_MARGIN = "load_margin"
@@ -47,6 +48,8 @@ class StudyVariable(Description):
             )
         if self.factors is not None and self.of is None:
             raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        if self.of is not None:
+            check_shares(self.of, self.factors)
         return self
 
 
