@@ -16,6 +16,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from toolkit import bridges
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
     from toolkit.door.model import Model
@@ -43,6 +44,7 @@ _PLACES = {
     "Study": "toolkit.studies.study.study_file:Study",
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
     "Verdict": "toolkit.foundation.verdict:Verdict",
+    "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
     "extend": "toolkit.door.extend:",
@@ -66,6 +68,7 @@ __all__ = [
     "Study",
     "ToolkitError",
     "Verdict",
+    "bridges",
     "certify",
     "compile",
     "extend",

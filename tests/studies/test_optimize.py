@@ -57,7 +57,9 @@ def only_load(folder: Path, rest: str = "", objective: str = 'minimize = "rise"'
     return study(folder, text + rest)
 
 
-@pytest.mark.parametrize(("method", "optimality", "close"), [("slsqp", 1e-7, 1e-5), ("trust-constr", 1e-4, 1e-3)])
+@pytest.mark.parametrize(
+    ("method", "optimality", "close"), [("slsqp", 1e-7, 1e-5), ("trust-constr", 1e-4, 1e-3), ("mma", 1e-5, 1e-4), ("ccsa", 1e-5, 1e-4)]
+)
 def test_the_drop_that_keeps_a_load_margin_and_its_price_are_those_of_the_closed_form(tmp_path, method, optimality, close):
     """What the residual leaves of the limit's slack is some ten times itself; the slope of the drop grows towards the limit point."""
     problem = only_load(
@@ -196,6 +198,23 @@ def test_a_search_that_ends_at_a_cliff_is_no_success(tmp_path):
     with pytest.raises(NoOptimumError, match="KKT residual"):
         found.check()
     assert all(each.values.size == 0 for each in found.solved if each.failed)
+
+
+def test_a_number_added_to_the_objective_changes_nothing(tmp_path):
+    """The mass is the same for all designs."""
+    rest = CASES.replace("-0.12", "-0.11") + '[responses]\nweight = { type = "mass" }' + QUICK
+    plain, added = (optimized(only_load(tmp_path, rest, f"minimize = {{ rise = 1.0, weight = {w} }}")) for w in (1e-9, 1e4))
+    assert added.objective - plain.objective == pytest.approx(2e4)
+    assert added.evaluations == plain.evaluations
+    assert added.variables["loads.push.force.y"] == pytest.approx(plain.variables["loads.push.force.y"], rel=1e-6)
+    assert added.optimality == pytest.approx(plain.optimality, rel=1e-2, abs=1e-6)  # round-off of 1e4
+
+
+def test_the_scale_of_an_objective_says_when_a_search_ends(tmp_path):
+    objective = 'minimize = "rise"\nscale = 1e-9'
+    left = optimized(only_load(tmp_path, "[search]\ncertify = false\noptimality = 0.5", objective, least=-36.0))
+    assert left.optimality < 0.5
+    assert left.success
 
 
 def test_an_optimum_comes_before_a_better_design_that_is_none_and_that_is_said(tmp_path):

@@ -115,12 +115,16 @@ class Objective(Description):
         Of several cases their "sum", or the "worst": a smooth maximum (KS), which is a little above the largest.
     aggregation
         How sharp the smooth maximum is, in 1/(unit of the objective): it is above the largest by at most log(cases)/aggregation.
+    scale
+        What a large change of it is, which says when a search ends. By default what the ranges of the variables change it by: the lower
+        quartile, of all designs that the search has solved, of the largest derivative.
     """
 
     minimize: Weights = None
     maximize: Weights = None
     over_cases: Literal["sum", "worst"] = "sum"
     aggregation: Positive | None = None
+    scale: Positive | None = None
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
