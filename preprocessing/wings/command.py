@@ -31,7 +31,10 @@ def command(
         typer.echo(
             "The target is a droop of the nose; replace target.dat by a section of your own, in the same frame, when you have one."
         )
-    typer.echo(f"Next: ffrf-preprocess {folder}/skin.toml, then ffrf statics {folder}/scene.toml; README.md has more.")
+    typer.echo(
+        f"Next: ffrf-preprocess {folder}/skin.toml, then ffrf statics {folder}/scene.toml and ffrf optimize {folder}/study.toml; "
+        "README.md has more."
+    )
 
 
 if __name__ == "__main__":

@@ -8,6 +8,15 @@ import numpy as np
 
 from toolkit.studies.optimization.program import Values
 
+
+class DesignFailedError(Exception):
+    """A design could not be solved: z, (n,)."""
+
+    def __init__(self, z: np.ndarray) -> None:
+        super().__init__("a design could not be solved")
+        self.z = z
+
+
 Functions = Callable[[np.ndarray], Values]
 """Objective and constraints at z with their derivatives; raises where a design fails."""
 Visited = Callable[[np.ndarray], None]

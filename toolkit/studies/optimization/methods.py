@@ -9,6 +9,7 @@ from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
 from toolkit.studies.optimization.functions import Functions, Method, Visited
 from toolkit.studies.optimization.nlopt_methods import ccsa, mma
+from toolkit.studies.optimization.trust_region import sqp
 
 INSIDE = 1e-9
 """How far within its bounds the interior-point method begins."""
@@ -63,4 +64,4 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
 FIRST_STEP, BARRIER = 0.1, 1e-2
 """Radius of the first step in parts of the variables' ranges, and the first barrier in parts of the first slope of the objective."""
 
-METHODS: dict[str, Method] = {"slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}
+METHODS: dict[str, Method] = {"sqp": sqp, "slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from toolkit.studies.optimization.functions import DesignFailedError
 from toolkit.studies.optimization.methods import METHODS
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
@@ -36,14 +37,6 @@ class _Arrived(_Ended):
 
 class _Spent(_Ended):
     """No more designs may be solved, or no more may fail."""
-
-
-class _Failed(_Ended):
-    """A design could not be solved."""
-
-    def __init__(self, z: np.ndarray) -> None:
-        super().__init__()
-        self.z = z
 
 
 @dataclass(frozen=True)
@@ -138,9 +131,7 @@ class Search:
             low, high = np.maximum(0.0, centre - radius), np.minimum(self.program.top, centre + radius)
             try:
                 METHODS[self.options.method](self._functions, centre, low, high, self._visited, self.options.evaluations)
-            except _Failed as failure:
-                if self.options.failures == "stop":
-                    return "a design could not be solved, and the study says to stop there"
+            except DesignFailedError as failure:
                 last = self.last if self.last is not None else z
                 radius = BACK * float(np.max(np.abs(failure.z - last)))
                 if radius < NEAREST:
@@ -166,10 +157,12 @@ class Search:
         return self.done[key]
 
     def _functions(self, z: np.ndarray) -> Values:
-        """F and c at z; a design that cannot be solved ends the method."""
+        """F and c at z; a design that cannot be solved is told to the method, which knows what to do or ends."""
         found = self._evaluated(self.program.design(z))
+        if found.failed and self.options.failures == "stop":
+            raise _Spent("a design could not be solved, and the study says to stop there")
         if found.failed:
-            raise _Failed(np.array(z))
+            raise DesignFailedError(np.array(z))
         return self.program.values(found)
 
     def _visited(self, z: np.ndarray) -> None:

@@ -19,9 +19,11 @@ class Search(Description):
     Attributes
     ----------
     method
-        "slsqp", sequential quadratic programming, the cheapest for some tens of variables; or "trust-constr", an interior-point method with
-        a trust region, which takes more designs and smaller steps. Both are SciPy's. "mma", the method of moving asymptotes, and "ccsa",
-        its sibling with quadratic approximations, are for hundreds of variables; they are NLopt's (extra `nlopt`).
+        "sqp", sequential quadratic programming in a box that shrinks where a design fails or is no better: one design a step, each of
+        which teaches curvature. "slsqp" is SciPy's, which searches along a line, and begins anew where a design fails; "trust-constr" is
+        SciPy's interior-point method with a trust region, which takes more designs and smaller steps. "mma", the method of moving
+        asymptotes, and "ccsa", its sibling with quadratic approximations, are NLopt's (extra `nlopt`): for hundreds of variables, where
+        the others' matrices cost more than designs.
     starts
         How many searches: the first begins where the scene stands, others at the points of Sobol's sequence within the bounds.
     evaluations
@@ -46,7 +48,7 @@ class Search(Description):
         Whether gradients at the optimum are compared with a complex step and differences.
     """
 
-    method: Literal["slsqp", "trust-constr", "mma", "ccsa"] = "slsqp"
+    method: Literal["sqp", "slsqp", "trust-constr", "mma", "ccsa"] = "sqp"
     starts: Count = 1
     evaluations: Count = 100
     optimality: Part = 1e-3
