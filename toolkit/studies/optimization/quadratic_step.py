@@ -36,20 +36,23 @@ class Linearised(NamedTuple):
 
 
 def quadratic_step(curvature: np.ndarray, at: Linearised, low: np.ndarray, high: np.ndarray, price: float) -> Step | None:
-    """The best step by positive definite curvatures B (n, n); none where round-off leaves no step."""
+    """The best step by positive definite curvatures B (n, n), with t only where no step keeps the constraints; none where round-off leaves
+    none."""
     n, m = len(at.g), len(at.c)
     factor = cholesky(curvature, lower=True)
     back = solve_triangular(factor, np.eye(n), lower=True).T  # p = back (x - offset), |x|^2 / 2 = g p + p B p / 2 + a constant
-    offset = solve_triangular(factor, at.g, lower=True)
-    to_p, p_0 = np.hstack([back, np.zeros((n, m))]), -back @ offset
-    to_t, t_0 = np.hstack([np.zeros((m, n)), np.eye(m) / np.sqrt(SOFT)]), np.full(m, -price / SOFT)
-    rows = np.vstack([at.j @ to_p + to_t, to_t, to_p, -to_p])
-    least = np.concatenate([-at.c - at.j @ p_0 - t_0, -t_0, low - p_0, p_0 - high])
+    p_0 = -back @ solve_triangular(factor, at.g, lower=True)
+    rows, least = np.vstack([at.j @ back, back, -back]), np.concatenate([-at.c - at.j @ p_0, low - p_0, p_0 - high])
     shortest = _shortest(rows, least)
+    if shortest is None:
+        beside, t_0 = np.eye(m) / np.sqrt(SOFT), np.full(m, -price / SOFT)
+        soft = np.vstack([beside, np.zeros((2 * n, m)), beside])
+        rows = np.hstack([np.vstack([rows, np.zeros((m, n))]), soft])
+        shortest = _shortest(rows, np.concatenate([least[:m] - t_0, least[m:], -t_0]))
     if shortest is None:
         return None
     x, multipliers = shortest
-    return Step(np.clip(to_p @ x + p_0, low, high), multipliers[:m])
+    return Step(np.clip(back @ x[:n] + p_0, low, high), multipliers[:m])
 
 
 def _shortest(rows: np.ndarray, least: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
