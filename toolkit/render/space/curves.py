@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from toolkit.foundation.units import unit
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
@@ -35,7 +34,7 @@ def _stress_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
             curves |= {f"{body}, largest": high, f"{body}, smallest": low}
         else:
             curves[f"{body}, largest von Mises"] = high
-    return [(f"stress in {unit(solution.system.scene.units, 'stress')}", curves)] if curves else []
+    return [("stress", "stress", curves)] if curves else []
 
 
 def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
@@ -44,7 +43,7 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
     places = [moment.named_points() for moment in moments]
     curves = {point: np.array([np.linalg.norm(place[point] - here) for place in places]) for point, here in start.items()}
     moved = {point: values for point, values in curves.items() if values.any()}
-    return [(f"motion of points in {unit(solution.system.scene.units, 'length')}", merged(moved))] if moved else []
+    return [("motion of points", "length", merged(moved))] if moved else []
 
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
@@ -52,7 +51,7 @@ def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) ->
     start = SpatialConfiguration.undeformed(solution)
     turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
     curves = {name: np.array([_angle(start.rotation(name).T @ moment.rotation(name)) for moment in moments]) for name in turning}
-    return [(f"rotation in {unit(solution.system.scene.units, 'angle')}", merged(curves))] if curves else []
+    return [("rotation", "angle", merged(curves))] if curves else []
 
 
 def _angle(rotation: np.ndarray) -> float:
