@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
+
+_NO_TURN = 1e-9
+"""Angle below which a rotation has no axis of its own."""
 
 
 def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, float]:
@@ -47,14 +51,24 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
 
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
-    """Angle by which every frame is turned against its start, between 0 and pi."""
+    """Angle by which every frame is turned against its start; whole turns count."""
     start = SpatialConfiguration.undeformed(solution)
     turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
-    curves = {name: np.array([_angle(start.rotation(name).T @ moment.rotation(name)) for moment in moments]) for name in turning}
+    curves = {
+        name: counted_angle(np.array([start.rotation(name).T @ moment.rotation(name) for moment in moments])) for name in turning
+    }
     return [("rotation", "angle", merged(curves))] if curves else []
 
 
-def _angle(rotation: np.ndarray) -> float:
-    """Of a rotation matrix, from its antisymmetric part (2 sin) and its trace (1 + 2 cos)."""
-    sine = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
-    return float(np.arctan2(np.linalg.norm(sine), np.trace(rotation) - 1))
+def counted_angle(rotations: np.ndarray) -> np.ndarray:
+    """Angles of rotations (n, 3, 3) that follow one another, with whole turns, (n,).
+
+    A rotation by theta about the axis a is also one by theta + 2 pi k: of these (theta + 2 pi k) a the one nearest to the last is taken.
+    """
+    last, found = np.zeros(3), []
+    for vector in Rotation.from_matrix(rotations).as_rotvec():
+        angle = np.linalg.norm(vector)
+        axis = vector / angle if angle > _NO_TURN else last / (np.linalg.norm(last) or 1.0)
+        last = (angle + 2 * np.pi * np.round((last @ axis - angle) / (2 * np.pi))) * axis
+        found.append(np.linalg.norm(last))
+    return np.array(found)
