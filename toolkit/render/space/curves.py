@@ -12,9 +12,6 @@ from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
 
-_NO_TURN = 1e-9
-"""Angle below which a rotation has no axis of its own."""
-
 
 def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, float]:
     """Smallest and largest stress of fibres, or zero and the largest von Mises stress, of a body with a surface."""
@@ -51,24 +48,19 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
 
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
-    """Angle by which every frame is turned against its start; whole turns count."""
-    start = SpatialConfiguration.undeformed(solution)
+    """Angle by which every frame has turned about its main axis; whole turns count."""
     turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
-    curves = {
-        name: counted_angle(np.array([start.rotation(name).T @ moment.rotation(name) for moment in moments])) for name in turning
-    }
-    return [("rotation", "angle", merged(curves))] if curves else []
+    curves = {name: counted_angle(np.array([moment.rotation(name) for moment in moments])) for name in turning}
+    return [("rotation about own main axis", "angle", merged(curves))] if curves else []
 
 
 def counted_angle(rotations: np.ndarray) -> np.ndarray:
-    """Angles of rotations (n, 3, 3) that follow one another, with whole turns, (n,).
+    """Angles of frames (n, 3, 3), one after the other, about the fixed axis about which they turn most, (n,).
 
-    A rotation by theta about the axis a is also one by theta + 2 pi k: of these (theta + 2 pi k) a the one nearest to the last is taken.
+    The sum of all small turns phi_k (rotation vectors between neighbours) along the axis a that makes the sum of (phi_k . a)^2 largest,
+    with the sign that makes the largest angle positive. A frame must turn by less than half a turn from one to the next.
     """
-    last, found = np.zeros(3), []
-    for vector in Rotation.from_matrix(rotations).as_rotvec():
-        angle = np.linalg.norm(vector)
-        axis = vector / angle if angle > _NO_TURN else last / (np.linalg.norm(last) or 1.0)
-        last = (angle + 2 * np.pi * np.round((last @ axis - angle) / (2 * np.pi))) * axis
-        found.append(np.linalg.norm(last))
-    return np.array(found)
+    small = Rotation.from_matrix(rotations[1:] @ np.swapaxes(rotations[:-1], 1, 2)).as_rotvec()
+    axis = np.linalg.eigh(small.T @ small)[1][:, -1]
+    angles = np.append(0.0, np.cumsum(small @ axis))
+    return angles * (1.0 if angles.max() >= -angles.min() else -1.0)
