@@ -85,12 +85,13 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.results.collect import collect
     from toolkit.sensitivity.clock import repeated
     from toolkit.sensitivity.direct import direct
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
     scene, text = read(file, changes, quiet), text_of(file)
     _refuse_undrawn(scene)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(scene, names, "transient", progress, repeated)
+        found = direct(with_chosen_frames(scene, "transient"), names, "transient", progress, repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

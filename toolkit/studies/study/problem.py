@@ -18,6 +18,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.studies.study.study_file import LOAD_MARGIN, Study
 
@@ -128,6 +129,7 @@ def problem_of(study: Study, scene: Scene | None = None) -> Problem:
     if not isinstance(study, Study):
         raise InputError(f"a study is what `read_study` returns, or a Study made in Python, not {type(study).__name__}.")
     scene = read_scene(study.directory / study.scene) if scene is None else scene
+    scene = with_chosen_frames(scene, "static" if study.analysis == "statics" else "transient")
     _refuse_known("response", study.responses, scene.responses, "Give it another name.")
     if LOAD_MARGIN in study.responses:
         raise InputError(f"responses.{LOAD_MARGIN} is built in. Leave it out.")
