@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from hashlib import sha256
 
+from toolkit.studies.identity import hashed, program
 from toolkit.studies.study.problem import Problem
-from toolkit.studies.tradeoff.settings.store import hashed, program
 
 BUDGET = {"starts", "evaluations"}
 """Options that change how many designs are solved, and no number of any."""
