@@ -45,6 +45,11 @@ KeepAll = Annotated[
     ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")]
+Jobs = Annotated[int, typer.Option(min=1, help="How many designs are solved at once, each in a process of its own.")]
+Dask = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers solve the designs instead, e.g. tcp://10.0.0.1:8786.")
+]
 AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
 
 

@@ -34,6 +34,7 @@ from toolkit.command_line.commands.new_project import app as new_project
 from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
+from toolkit.command_line.commands.sweep_command import sweep
 from toolkit.command_line.commands.tradeoff import tradeoff
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.printed.printing import print_files, print_json, print_verdict, warn
@@ -263,6 +264,7 @@ app.command()(export)
 app.command()(optimize)
 app.command()(report)
 app.command()(stability)
+app.command()(sweep)
 app.command()(tradeoff)
 
 
