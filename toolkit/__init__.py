@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
-    from toolkit.door.many_designs import sweep
+    from toolkit.door.many_designs import sweep, uncertainty
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
     from toolkit.door.optimize import optimize
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from toolkit.studies.study.study_file import Study
     from toolkit.studies.study.study_reader import read_study
     from toolkit.studies.sweep.swept import Swept
+    from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 
 _PLACES = {
     "Caution": "toolkit.foundation.verdict:Caution",
@@ -45,6 +46,7 @@ _PLACES = {
     "Study": "toolkit.studies.study.study_file:Study",
     "Swept": "toolkit.studies.sweep.swept:Swept",
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
+    "UncertainResult": "toolkit.studies.uncertainty.uncertain_result:UncertainResult",
     "Verdict": "toolkit.foundation.verdict:Verdict",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
@@ -56,6 +58,7 @@ _PLACES = {
     "read_study": "toolkit.studies.study.study_reader:read_study",
     "space": "toolkit.door.space:",
     "sweep": "toolkit.door.many_designs:sweep",
+    "uncertainty": "toolkit.door.many_designs:uncertainty",
 }
 """Name -> module and what it is called there; without a name the module itself."""
 
@@ -70,6 +73,7 @@ __all__ = [
     "Study",
     "Swept",
     "ToolkitError",
+    "UncertainResult",
     "Verdict",
     "certify",
     "compile",
@@ -81,6 +85,7 @@ __all__ = [
     "read_study",
     "space",
     "sweep",
+    "uncertainty",
 ]
 
 

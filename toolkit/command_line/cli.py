@@ -36,6 +36,7 @@ from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
 from toolkit.command_line.commands.sweep_command import sweep
 from toolkit.command_line.commands.tradeoff import tradeoff
+from toolkit.command_line.commands.uncertainty_command import uncertainty
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.printed.printing import print_files, print_json, print_verdict, warn
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
@@ -266,6 +267,7 @@ app.command()(report)
 app.command()(stability)
 app.command()(sweep)
 app.command()(tradeoff)
+app.command()(uncertainty)
 
 
 def main() -> None:

@@ -50,12 +50,8 @@ def _curves(found: Swept, k: int) -> Drawing:
             panel.plot(lost, np.full(len(lost), 0.03), "x", color=COLORS[6], transform=panel.get_xaxis_transform())
             panel.set_ylabel(_label(label, found.units[label]), parse_math=False)
         axes[-1, 0].set_xlabel(_variable(found, k), parse_math=False)
-    return Drawing(
-        "sweep",
-        "Sweep",
-        "Responses over the variable with their derivatives; crosses are designs that could not be solved.",
-        figure,
-    )
+    caption = "Responses over the variable with their derivatives; crosses are designs that could not be solved."
+    return Drawing("sweep", "Sweep", caption, figure)
 
 
 def _maps(found: Swept, moved: list[int]) -> Drawing:

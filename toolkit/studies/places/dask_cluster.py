@@ -37,7 +37,7 @@ def on_cluster(work: Callable[[Any], Any], tasks: Mapping[Any, Any], address: st
         at_hand = client.submit(arrived, work, program(), pure=False)
         futures = {client.submit(run, at_hand, task, pure=False): key for key, task in tasks.items()}
         try:
-            for future in distributed.as_completed(list(futures)):
+            for future in distributed.as_completed(list(futures), loop=client.loop):
                 if future.status == "cancelled":
                     raise StudyError(f"the Dask cluster at {address} is gone. {remedy}")
                 yield futures.pop(future), future.result()
