@@ -35,6 +35,11 @@ KeepAll = Annotated[
         "--keep-all", help="Put back what the scene does not require: frames that rest, all file groups, all derivatives."
     ),
 ]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")]
+Jobs = Annotated[int, typer.Option(min=1, help="How many designs are solved at once, each in a process of its own.")]
+Dask = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers solve the designs instead, e.g. tcp://10.0.0.1:8786.")
+]
 
 
 def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:

@@ -21,7 +21,9 @@ from toolkit.command_line.commands.new_project import app as new_project
 from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
+from toolkit.command_line.commands.sweep_command import sweep
 from toolkit.command_line.commands.tradeoff import tradeoff
+from toolkit.command_line.commands.uncertainty_command import uncertainty
 from toolkit.command_line.commands.warm_up import warm_up
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
 from toolkit.command_line.printed.printing import print_files, print_verdict, warn
@@ -230,8 +232,10 @@ app.command()(export)
 app.command()(optimize)
 app.command()(report)
 app.command()(stability)
+app.command()(sweep)
 app.command()(tradeoff)
 app.command("warm-up")(warm_up)
+app.command()(uncertainty)
 
 
 def main() -> None:
