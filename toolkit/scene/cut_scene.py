@@ -12,6 +12,7 @@ import numpy as np
 
 from toolkit.bodies.body import Body
 from toolkit.bodies.model_body import refuse_unknown
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.bodies.planar.cut.cut_body import CutBody, part_name
 from toolkit.bodies.planar.cut.framed_part import NODE
 from toolkit.bodies.planar.flexible import Flexible
@@ -47,7 +48,7 @@ class CutScene(Scene):
         fields = dict(self)
         for group in ("points", "joints"):
             fields[group] = {name: item for name, item in fields[group].items() if name not in ties}
-        fields["bodies"] = {name: _uncut(body) if isinstance(body, CutBody) else body for name, body in self.bodies.items()}
+        fields["bodies"] = {name: _uncut(body) for name, body in self.bodies.items()}
         return Scene.model_construct(**fields)
 
     @property
@@ -56,15 +57,22 @@ class CutScene(Scene):
         return [name for name, joint in self.joints.items() if isinstance(joint, Tie)]
 
 
-def _uncut(body: CutBody) -> Flexible:
+def _uncut(body: Body) -> Body:
+    if not isinstance(body, CutBody | ChosenFrames):
+        return body
     written = {**dict(body), **body.model_values()}
-    del written["cuts"]
+    for mine in ("cuts", "choice"):
+        written.pop(mine, None)
     return Flexible.model_construct(**written)
 
 
 def written(scene: Scene) -> Scene:
-    """The scene as the user has written it."""
-    return scene.written if isinstance(scene, CutScene) else scene
+    """The scene as the user has written it, with the numbers of frames that were chosen."""
+    if isinstance(scene, CutScene):
+        return scene.written
+    if any(isinstance(body, ChosenFrames) for body in scene.bodies.values()):
+        return scene.model_copy(update={"bodies": {name: _uncut(body) for name, body in scene.bodies.items()}})
+    return scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +119,8 @@ def with_parts(scene: Scene) -> Scene:
     fields: dict[str, Any] = dict(scene)
     for name, body in wanted.items():
         model = _model(scene, name, body)
+        if body.frames == "auto":
+            raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
         cuts = _cuts(scene, name, body, model)
         cut = CutBody.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
         held = _clamp(name, model) if body.frame == "grounded" else []
@@ -124,6 +134,21 @@ def with_parts(scene: Scene) -> Scene:
         ties |= {tie_name(name, node): ("ground", name) for node in held}
         fields["joints"] = {**fields["joints"], **{tie: Tie(bodies=pair, point=tie) for tie, pair in ties.items()}}
     return CutScene.model_construct(**fields)
+
+
+def most_frames(scene: Scene, name: str) -> int:
+    """How many frames a body can have at most: one for every element.
+
+    Raises
+    ------
+    InputError
+        It cannot be cut; says why.
+    """
+    body = scene.bodies[name]
+    assert isinstance(body, Flexible)
+    elements = _model(scene, name, body).elements
+    assert elements is not None
+    return len(elements.connectivity)
 
 
 def can_be_cut(model: ReducedModel) -> bool:

@@ -7,6 +7,7 @@ import numpy as np
 from toolkit.bodies.body import CENTRE, Body, ConstantNumbers, Placed, no_constants
 from toolkit.bodies.model_body import FRAME
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
+from toolkit.bodies.planar.chosen_frames import FrameChoice
 from toolkit.bodies.planar.cut.framed_part import (
     FramedPart,
     elements_at,
@@ -28,6 +29,7 @@ class CutBody(Flexible):
     kind = ""
 
     cuts: tuple[int, ...]
+    choice: FrameChoice | None = None
 
     @property
     def has_frame(self) -> bool:
@@ -37,7 +39,7 @@ class CutBody(Flexible):
     def parts(self, name: str) -> dict[str, Body]:
         """Its parts by name."""
         written = {**dict(self), **self.model_values(), "frame": "moving"}
-        del written["cuts"]
+        del written["cuts"], written["choice"]
         pairs = zip(self.cuts, self.cuts[1:], strict=False)
         return {
             part_name(name, k): FramedPart.model_construct(**written, whole=name, first=first, last=last)
