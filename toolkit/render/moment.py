@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.joints.both.tie import Tie
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
-from toolkit.scene.cut_scene import Tie
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
-from toolkit.bodies.planar.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.framed_part import elements_at, whole_design
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
