@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.units import unit
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
@@ -50,7 +51,8 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
     """Angle by which every frame is turned against its start, between 0 and pi."""
     start = SpatialConfiguration.undeformed(solution)
-    turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
+    bodies = solution.system.scene.bodies.items()
+    turning = [name for name, body in bodies if body.turns and not isinstance(body, CutBody)]
     curves = {name: np.array([_angle(start.rotation(name).T @ moment.rotation(name)) for moment in moments]) for name in turning}
     return [(f"rotation in {unit(solution.system.scene.units, 'angle')}", merged(curves))] if curves else []
 
