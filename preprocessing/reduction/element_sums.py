@@ -38,7 +38,10 @@ class ElementSums(NamedTuple):
 
 def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int]) -> ElementSums:
     """All elements at the nominal design of a body, whose frame is tied to the nodes `held`, or to none."""
-    summands = {factors: _significant(arrays) for factors, arrays in _by_monomial(nominal.element).items()}
+    every = _by_monomial(nominal.element)
+    mass = _sum(every, space.values)["mass"]
+    units = {factors: monomial(space.values, factors) if "mass" in arrays else 1.0 for factors, arrays in every.items()}
+    summands = {factors: _significant(arrays, mass / units[factors]) for factors, arrays in every.items()}
     arrays = {"nodes": nominal.nodes, **_sum(summands, space.values)}
     kind = KINDS[nominal.nodes.shape[1]]
     found_by_place = {"connectivity": nominal.element.connectivity, "held": np.array(held, np.int64)}
@@ -60,7 +63,7 @@ def _rates(space: DesignSpace, parameter: str, nominal: Arrays) -> Arrays:
     stepped = space.stepped(parameter)
     found = {"nodes": derivative_of(stepped.nodes + 0j)}
     found |= {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped.element), space.values).items()}
-    scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal)}
+    scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal, nominal["mass"])}
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
 
 
@@ -167,20 +170,22 @@ def _rows(matrix: Any, local: int) -> np.ndarray:
     return found
 
 
-def _significant(arrays: Arrays) -> Arrays:
-    """With zeros in the place of round-off."""
-    scales = _scales(arrays)
+def _significant(arrays: Arrays, mass: np.ndarray) -> Arrays:
+    """With zeros in the place of round-off; `mass` of whole elements: what only turns has none of its own."""
+    scales = _scales(arrays, mass)
     return {name: np.where(np.abs(array) > ROUND_OFF * scales[name], array, 0.0) for name, array in arrays.items()}
 
 
-def _scales(arrays: Arrays) -> Arrays:
+def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:
     """How large every entry could be, element by element; see `toolkit.reduced_model.entry_scales`."""
     found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping") if name in arrays}
     moments = {name: arrays[name] for name in ("inertia", "gyroscopic", "second_moment") if name in arrays}
     if moments:
         inertia = moments["inertia"] if "inertia" in moments else moments["second_moment"][:, :3].sum(axis=1)
-        found |= {name: _of_squares(inertia) if each.ndim == 3 else _of_squares(inertia)[:, None] for name, each in moments.items()}
-        found["mass"] = np.abs(arrays["mass"])
+        found |= {
+            name: _of_squares(inertia) if each.ndim == 3 else _of_squares(inertia)[:, None] for name, each in moments.items()
+        }
+        found["mass"] = np.abs(mass)
         diagonal = np.abs(np.einsum("eii->ei", inertia))
         found["first_moment"] = np.sqrt(found["mass"][:, None] * diagonal)[:, None]
     if "stress_operator" in arrays:

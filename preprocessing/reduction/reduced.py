@@ -85,7 +85,14 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     )
     if not element_parts(choice.kind):
         return Reduced(space, basis, *found, interfaces, nominal.stress_points)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *element_sums(space, nominal, _held(choice, clamped_node, len(nominal.nodes))))
+    return Reduced(
+        space,
+        basis,
+        *found,
+        interfaces,
+        nominal.stress_points,
+        *element_sums(space, nominal, _held(choice, clamped_node, len(nominal.nodes))),
+    )
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

@@ -70,8 +70,8 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y; others
-are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and
+y; others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:
@@ -186,7 +186,10 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
     for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
         place = f"{'element_' * item.startswith('elements.')}affine/{item}"
-        names = [*SHAPES[type(model.invariants)], *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind])]
+        names = [
+            *SHAPES[type(model.invariants)],
+            *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind]),
+        ]
         if item not in names:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
@@ -52,7 +52,7 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
         The frame of the whole is not tied to one of its nodes.
     """
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     rows = _rows(scene, name, body)
     order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
     assert order is not None
@@ -71,7 +71,7 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if body.frame == "moving" and len(held) != 1:
         return q[:2], float(q[2]), np.zeros(2)
@@ -79,7 +79,7 @@ def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, floa
     return axes.place, float(axes.angle), origin
 
 
-def _rows(scene: Scene, name: str, body: CutBody) -> list[Rows]:
+def _rows(scene: Scene, name: str, body: PlanarCutBody) -> list[Rows]:
     """All nodes in the order of the chain, one between two parts as the first of the second."""
     found = []
     for k, part in enumerate(body.parts(name).values()):
@@ -106,7 +106,7 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
     return Seen(r + inside, theta + rows.angle @ state, place_q, angle_q)
 
 
-def _axes(scene: Scene, name: str, body: CutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
     """X_0, psi and x_0."""
     if body.frame == "grounded":
         return Seen(np.array(body.position), body.angle, np.zeros((2, len(q))), np.zeros(len(q))), np.zeros(2)

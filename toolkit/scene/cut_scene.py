@@ -8,8 +8,6 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from toolkit.bodies.body import Body
 from toolkit.bodies.cut.cut_body import CutBody, part_name
 from toolkit.bodies.cut.framed_part import NODE
@@ -146,6 +144,11 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
         raise InputError(
             f"bodies.{name}.frames = {body.frames}: the elements of reduced model {body.model!r} are no chain from one end to another, but "
             "branch or close, and only chains can be cut. Leave `frames` out."
+        )
+    if body.frame not in ("moving", "grounded"):
+        raise InputError(
+            f'bodies.{name}.frame = "{body.frame}" belongs to a body with one frame, and frames = {body.frames}. Write frame = "moving" '
+            "and hold the body by a joint, or leave `frames` out."
         )
     if written := [key for key, wishes in body.deflected.items() if wishes]:
         raise InputError(

@@ -76,7 +76,7 @@ class CutBody(ModelBody):
         """Undeformed global position of an interface point, or of a node that parts the body, (d,)."""
         node = node_number(scene, point)
         if node is None:
-            return super().position_at_rest(scene, point, name)
+            return super().position_at_rest(scene, point, name)  # type: ignore[safe-super]
         elements = elements_at(whole_design(scene, name))
         number = np.append(elements.connectivity[:, 0], elements.connectivity[-1, 1])[node]
         found: np.ndarray = np.array(self.position) + self.placement @ elements.nodes[number]  # type: ignore[attr-defined]

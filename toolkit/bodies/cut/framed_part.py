@@ -76,7 +76,8 @@ class FramedPart(ModelBody):
 
     def coordinate_names(self, scene: Placed) -> list[str]:
         """The frame, and the nodal coordinates in the order of the chain."""
-        return [*super().coordinate_names(scene)[: self.frame_coordinates], *self.elastic_names()]
+        frame = super().coordinate_names(scene)[: self.frame_coordinates]  # type: ignore[safe-super]
+        return [*frame, *self.elastic_names()]
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed, and not deforming."""

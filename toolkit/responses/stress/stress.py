@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from scipy.sparse import coo_array
 
-from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.model_body import DEPENDENCE
 from toolkit.compilation.quantities import STEP
 from toolkit.description.description import Positive
 from toolkit.description.point import BodyPoint
