@@ -41,7 +41,7 @@ class Elements:
 
 @dataclass(frozen=True)
 class SpatialElements:
-    """The same in space, with Q[a, b] in the order of `PAIRS`."""
+    """The invariants of every element on its own coordinates, with Q[a, b] in the order of `SpatialInvariants`."""
 
     nodes: np.ndarray  # (n_nodes, 3), undeformed
     connectivity: np.ndarray  # (n_elements, 2), first and second node

@@ -47,7 +47,7 @@ PARTS: dict[str, Any] = {
     "surface_loads": SurfaceLoad,
 }
 """Groups of the file; those in `_NAMED` hold several named objects."""
-_SPATIAL: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
+SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
 """What they hold in space instead."""
 _NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
 
@@ -191,7 +191,7 @@ def _write(group: h5py.Group, name: str, value: Any) -> None:
 def _read_part(content: Content, name: str, dimension: int) -> Any:
     if name != "invariants" and not content.has(name):
         return None
-    kind = _SPATIAL.get(name, PARTS[name]) if dimension == 3 else PARTS[name]
+    kind = SPATIAL_PARTS.get(name, PARTS[name]) if dimension == 3 else PARTS[name]
     if name in _NAMED:
         return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
     return _read_object(kind, content, name)
