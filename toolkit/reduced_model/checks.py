@@ -70,8 +70,8 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and
-y; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
+others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:

@@ -10,6 +10,8 @@ and how far it has turned, x_0 its undeformed place.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -53,7 +55,7 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     """
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
-    rows = _rows(scene, name, body)
+    rows = _rows(scene, name)
     order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
     assert order is not None
     found = [_seen(each, q) for each in rows]
@@ -68,6 +70,11 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     return places, slopes
 
 
+def moves_nodes(scene: Scene, name: str) -> bool:
+    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body."""
+    return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+
+
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
     body = scene.bodies[name]
@@ -75,13 +82,33 @@ def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, floa
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if body.frame == "moving" and len(held) != 1:
         return q[:2], float(q[2]), np.zeros(2)
-    axes, origin = _axes(scene, name, body, _rows(scene, name, body), q)
+    axes, origin = _axes(scene, name, body, _rows(scene, name), q)
     return axes.place, float(axes.angle), origin
 
 
-def _rows(scene: Scene, name: str, body: PlanarCutBody) -> list[Rows]:
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """A scene that equals itself alone: states of one run are looked at one by one."""
+
+    scene: Scene
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.scene is other.scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+
+def _rows(scene: Scene, name: str) -> list[Rows]:
     """All nodes in the order of the chain, one between two parts as the first of the second."""
-    found = []
+    return _rows_of(_Same(scene), name)
+
+
+@lru_cache(maxsize=8)
+def _rows_of(same: _Same, name: str) -> list[Rows]:
+    scene, found = same.scene, []
+    body = scene.bodies[name]
+    assert isinstance(body, PlanarCutBody)
     for k, part in enumerate(body.parts(name).values()):
         assembled, count = part.part(scene), part.last - part.first  # type: ignore[attr-defined]
         last = k == len(body.cuts) - 2

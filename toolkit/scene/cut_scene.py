@@ -12,6 +12,8 @@ from toolkit.bodies.body import Body
 from toolkit.bodies.cut.cut_body import CutBody, part_name
 from toolkit.bodies.cut.framed_part import NODE
 from toolkit.bodies.model_body import ModelBody, refuse_unknown
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
+from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.tie import Tie
@@ -49,7 +51,7 @@ class CutScene(Scene):
         fields = dict(self)
         for group in ("points", "joints"):
             fields[group] = {name: item for name, item in fields[group].items() if name not in ties}
-        fields["bodies"] = {name: body.uncut() if isinstance(body, CutBody) else body for name, body in self.bodies.items()}
+        fields["bodies"] = {name: _uncut(body) for name, body in self.bodies.items()}
         return Scene.model_construct(**fields)
 
     @property
@@ -58,9 +60,23 @@ class CutScene(Scene):
         return [name for name, joint in self.joints.items() if isinstance(joint, Tie)]
 
 
+def _uncut(body: Body) -> Body:
+    if isinstance(body, CutBody):
+        return body.uncut()
+    if isinstance(body, ChosenFrames):
+        chosen = {**dict(body), **body.model_values()}
+        del chosen["choice"]
+        return Flexible.model_construct(**chosen)
+    return body
+
+
 def written(scene: Scene) -> Scene:
-    """The scene as the user has written it."""
-    return scene.written if isinstance(scene, CutScene) else scene
+    """The scene as the user has written it, with the numbers of frames that were chosen."""
+    if isinstance(scene, CutScene):
+        return scene.written
+    if any(isinstance(body, ChosenFrames) for body in scene.bodies.values()):
+        return scene.model_copy(update={"bodies": {name: _uncut(body) for name, body in scene.bodies.items()}})
+    return scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +118,8 @@ def with_parts(scene: Scene) -> Scene:
     body: Any
     for name, body in wanted.items():
         model = _model(scene, name, body)
+        if body.frames == "auto":
+            raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
         cuts = _cuts(scene, name, body, model)
         cut = scene.space.cut_body.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
         held = _clamp(name, model) if body.frame == "grounded" else []
@@ -115,6 +133,21 @@ def with_parts(scene: Scene) -> Scene:
         ties |= {tie_name(name, node): ("ground", name) for node in held}
         fields["joints"] = {**fields["joints"], **{tie: scene.space.tie(bodies=pair, point=tie) for tie, pair in ties.items()}}
     return CutScene.model_construct(**fields)
+
+
+def most_frames(scene: Scene, name: str) -> int:
+    """How many frames a body can have at most: one for every element.
+
+    Raises
+    ------
+    InputError
+        It cannot be cut; says why.
+    """
+    body = scene.bodies[name]
+    assert isinstance(body, Flexible)
+    elements = _model(scene, name, body).elements
+    assert elements is not None
+    return len(elements.connectivity)
 
 
 def can_be_cut(model: ReducedModel) -> bool:

@@ -52,8 +52,6 @@ class Space:
         Whether the preprocessing has finite elements that turn, which a flexible body can be compared with.
     camera
         Whether its pictures are what a camera sees, in pixels; else they are lines and may be vectors.
-    reported
-        Whether the figures of a report can show it.
     wrench
         Components of the force and torque of a joint.
     joint_rows
@@ -74,7 +72,6 @@ class Space:
     rotations_add: bool
     turning_elements: bool
     camera: bool
-    reported: bool
     wrench: tuple[str, ...]
     joint_rows: int
     load_parameters: int
@@ -93,7 +90,6 @@ PLANE = Space(
     rotations_add=True,
     turning_elements=True,
     camera=False,
-    reported=True,
     wrench=("x", "y", "torque"),
     joint_rows=ROWS,
     load_parameters=LOAD_ARGUMENTS - 7,
@@ -111,7 +107,6 @@ SPACE = Space(
     rotations_add=False,
     turning_elements=False,
     camera=True,
-    reported=False,
     wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
     joint_rows=SPATIAL_ROWS,
     load_parameters=SPATIAL_ARGUMENTS - 25,

@@ -7,6 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from toolkit.bodies.body import CENTRE, Body, ConstantNumbers, Placed, no_constants
+from toolkit.bodies.cut.frame_choice import FrameChoice
 from toolkit.bodies.cut.framed_part import (
     FramedPart,
     elements_at,
@@ -31,6 +32,7 @@ class CutBody(ModelBody):
     """Of its parts."""
 
     cuts: tuple[int, ...]
+    choice: FrameChoice | None = None
 
     @property
     def has_frame(self) -> bool:
@@ -40,7 +42,7 @@ class CutBody(ModelBody):
     def uncut(self) -> ModelBody:
         """The body as the scene has written it."""
         written = {**dict(self), **self.model_values()}
-        del written["cuts"]
+        del written["cuts"], written["choice"]
         return self.uncut_kind.model_construct(**written)
 
     def parts(self, name: str) -> dict[str, Body]:
