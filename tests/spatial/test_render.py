@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from preprocessing import build
 from tests.models.cases import PROFILE
@@ -41,7 +42,7 @@ from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.camera import ISOMETRIC, Camera
 from toolkit.render.space.configuration import SpatialConfiguration
-from toolkit.render.space.curves import stress_extremes
+from toolkit.render.space.curves import counted_angle, stress_extremes
 from toolkit.render.space.look import choose_spatial_look, outermost
 from toolkit.render.space.probe import drawing
 from toolkit.render.view import View
@@ -423,3 +424,13 @@ def test_paraview_reads_displacement_von_mises_and_components(folder, tmp_path):
     assert mechanism.n_points == 4  # a rod and a spring
     reader.set_active_time_point(0)
     assert all(not mesh[name].any() for mesh in reader.read()[:2] for name in ("displacement in m", "stress in Pa"))
+
+
+def test_curves_of_rotations_count_whole_turns_and_swing_back():
+    """About an axis that a tilted body carries round: its turns about the fixed axis, which its small rotation from the start hides."""
+    about = np.append(np.linspace(0, 20, 401), np.linspace(20, 15, 101))
+    axis, tilt = np.array([0.0, 0.6, 0.8]), Rotation.from_rotvec([0.3, 0.0, 0.0])
+    turned = Rotation.from_rotvec(about[:, None] * axis) * tilt
+    assert counted_angle(turned.as_matrix()) == pytest.approx(about, abs=1e-9)
+    assert counted_angle(Rotation.from_rotvec(-about[:, None] * axis).as_matrix()) == pytest.approx(about, abs=1e-9)
+    assert counted_angle(np.array([np.eye(3)])) == [0.0]

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import AsJson, Quiet, prepare_folder
+from toolkit.command_line.arguments import prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
-from toolkit.command_line.printed.printing import print_json, print_verdict, warn
+from toolkit.command_line.printed.printing import print_verdict, warn
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum

@@ -10,9 +10,10 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import AsJson, Dask, Jobs, Quiet, StudyFile, prepare_folder
+from toolkit.command_line.arguments import Dask, Jobs, StudyFile, prepare_folder
 from toolkit.command_line.pictures import save_drawing
-from toolkit.command_line.printed.printing import WIDE, print_json, print_verdict, table, warn
+from toolkit.command_line.printed.printing import WIDE, print_verdict, table, warn
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing

@@ -80,7 +80,7 @@ def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: Sp
 
 def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
     """The flexible bodies with their stress, what is clamped in the colour of supports."""
-    actor, limit = None, look.stress_limit or 1.0
+    actor, limit = None, look.shown_stress.factor * look.stress_limit or 1.0
     colors: dict[str, Any] = (
         {"cmap": SIGNED, "clim": (-limit, limit)} if look.signed else {"cmap": UNSIGNED, "clim": (0.0, limit)}
     )
