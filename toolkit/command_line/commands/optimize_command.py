@@ -64,7 +64,7 @@ def optimize(
 
 
 def _checked(changed: dict[str, Any]) -> dict[str, Any]:
-    from toolkit.studies.optimization.methods import METHODS
+    from toolkit.studies.optimization.methods.catalogue import METHODS
 
     if changed.get("method", "slsqp") not in METHODS:
         raise typer.BadParameter(

@@ -10,9 +10,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from toolkit.studies.optimization.functions import DesignFailedError, Functions, Visited
+from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions, Visited
+from toolkit.studies.optimization.methods.quadratic_step import Linearised, Step, quadratic_step
 from toolkit.studies.optimization.program import Values
-from toolkit.studies.optimization.quadratic_step import Linearised, Step, quadratic_step
 
 FIRST, LARGEST, SMALLEST = 0.25, 1.0, 1e-9
 """Half of the box's side, in parts of the variables' ranges: at first, at most, and where the search gives up."""
