@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from toolkit.bodies.body import Body
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.bodies.planar.ground import Ground
 from toolkit.bodies.spatial.body import SpatialBody
+from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
 from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Registered
+from toolkit.joints.both.tie import PlanarTie, SpatialTie, Tie
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
 from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.spatial.joint import SpatialJoint
@@ -36,6 +40,8 @@ class Space:
         Whether the names of the axes name the entries of every vector, and not of points alone.
     ground
         The body that is always there.
+    cut_body, tie
+        A body that is cut into parts, and the joint between two of them.
     frame_size
         Coordinates of a frame that moves and turns.
     constant_rigid_mass
@@ -59,6 +65,8 @@ class Space:
     named_vectors: bool
     kinds: Mapping[str, Mapping[str, type[Registered]]]
     ground: Body
+    cut_body: type[CutBody]
+    tie: type[Tie]
     frame_size: int
     constant_rigid_mass: bool
     rotations_add: bool
@@ -75,6 +83,8 @@ PLANE = Space(
     named_vectors=False,
     kinds={"bodies": PlanarBody.kinds, "joints": PlanarJoint.kinds, "loads": AnyPlanarLoad.kinds},
     ground=Ground(),
+    cut_body=PlanarCutBody,
+    tie=PlanarTie,
     frame_size=3,
     constant_rigid_mass=True,
     rotations_add=True,
@@ -90,6 +100,8 @@ SPACE = Space(
     named_vectors=True,
     kinds={"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": AnySpatialLoad.kinds},
     ground=SpatialGround(),
+    cut_body=SpatialCutBody,
+    tie=SpatialTie,
     frame_size=7,
     constant_rigid_mass=False,
     rotations_add=False,
