@@ -9,7 +9,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.places.place import Place
 from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.study.study_reader import naming_study_lines, read_study
 from toolkit.studies.sweep.sweep import sweep_problem, swept
 from toolkit.studies.sweep.swept import Swept
 from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
@@ -67,7 +67,9 @@ def sweep(
     >>> found.values("max_stress"), found.gradients("max_stress"), found.verdict
     """
     place = Place(processes, threads, dask)
-    problem = sweep_problem(study if isinstance(study, Study) else read_study(study), scene)
+    described = study if isinstance(study, Study) else read_study(study)
+    with naming_study_lines(study):
+        problem = sweep_problem(described, scene)
     return swept(problem, made_folder(output), place, progress)
 
 
@@ -121,7 +123,9 @@ def uncertainty(
     >>> found.responses["max_stress"].sigma, found.responses["max_stress"].alone, found.verdict
     """
     place = Place(processes, threads, dask)
-    checked = uncertain_study(study if isinstance(study, Study) else read_study(study), scene)
+    described = study if isinstance(study, Study) else read_study(study)
+    with naming_study_lines(study):
+        checked = uncertain_study(described, scene)
     return found_uncertainty(checked, made_folder(output), place, progress)
 
 
