@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -43,6 +44,8 @@ from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
 from toolkit.foundation.rare_collections import rare_collections
 from toolkit.sensitivity.method_names import Method
 
+THREADS = "OPENBLAS_NUM_THREADS"
+"""Environment variable with the number of threads that numpy's and scipy's linear algebra takes."""
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C ended, as shells have it."""
 
@@ -267,7 +270,12 @@ app.command()(tradeoff)
 
 
 def main() -> None:
-    """Run the command."""
+    """Run the command, with one thread in OpenBLAS if nobody asks for more.
+
+    Matrices of scenes are small: threads that wait for each other cost a warm command two fifths of its time, and those of several
+    processes more. numpy reads the variable when it is imported, which is after this.
+    """
+    os.environ.setdefault(THREADS, "1")
     with rare_collections():
         app()
 

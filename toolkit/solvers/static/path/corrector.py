@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import lapack
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
 
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.solvers.static.path.path_equations import PathEquations
@@ -19,6 +21,8 @@ QUADRATIC = 0.1
 """Contraction from which the next correction is known well enough: its square."""
 CLOSE = 1e-4
 """Part of the way to another point at which the change of the stiffness is taken."""
+SPARSE = 300
+"""Unknowns from which sparse factors take less time than dense ones, though they are sought among all entries."""
 
 
 class Corrected(NamedTuple):
@@ -97,10 +101,22 @@ def bordered_solve(
     full[:, n] /= column
     row = np.abs(full[n]).max()
     full[n] /= row
-    *_, found, info = lapack.dgesv(full, np.append(scale * rhs[:n], rhs[n] / row))
-    if info or not np.all(np.isfinite(found)):
+    found = _solved(full, np.append(scale * rhs[:n], rhs[n] / row))
+    if found is None or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
     return np.append(scale * found[:n], found[n] / column)
+
+
+def _solved(matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray | None:
+    """Solution with a matrix, which is overwritten; None if that is singular. Large ones are zero nearly everywhere."""
+    if len(rhs) > SPARSE:
+        try:
+            found: np.ndarray = splu(csc_array(matrix)).solve(rhs)
+        except RuntimeError:
+            return None
+        return found
+    factors, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)  # transposed it is as LAPACK wants it
+    return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:
