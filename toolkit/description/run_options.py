@@ -11,6 +11,7 @@ from toolkit.description.option_checks import START_SCHEMA, STARTS, contradictio
 from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
+Formulation = Literal["index-1", "index-3", "ggl"]
 
 
 class Baumgarte(Description):
@@ -106,7 +107,7 @@ class RunOptions(Description):
     end_time: Annotated[Positive, Quantity("time")] = 1.0
     step: Annotated[Positive, Quantity("time")] = 0.01
     scheme: Literal["arnold-bruels", "paper"] = "arnold-bruels"
-    formulation: Literal["index-1", "index-3", "ggl"] = "index-1"
+    formulation: Formulation = "index-1"
     rho_inf: Annotated[float, Field(strict=True, ge=0, le=1), Quantity("none")] = 0.5
     baumgarte: Baumgarte = Baumgarte()
     tolerance: Annotated[float, Field(strict=True, gt=1e-14, lt=1e-2), Quantity("none")] = 1e-10

@@ -91,8 +91,8 @@ class Inputs(NamedTuple):
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
     """Memory for the result."""
-    vectors = [np.zeros(plan.n, dtype) for _ in range(2)]
-    entries = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
+    vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
+    entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
     return Terms(*vectors, *entries, *(np.zeros((plan.n, plan.n_x), dtype) for _ in range(2)))
 
 

@@ -11,8 +11,9 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read
-from toolkit.command_line.printed.printing import WIDE, print_json, print_verdict, table, warn
+from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read
+from toolkit.command_line.printed.printing import WIDE, print_verdict, table, warn
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.studies.stability.found import Study
@@ -51,7 +52,10 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output)
-    described = read(scene, changes, quiet)
+    from toolkit.scene.cut_scene import written
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+
+    described = written(with_chosen_frames(read(scene, changes, quiet), "transient"))
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)

@@ -63,8 +63,18 @@ def load_work(loads: Loads, start: np.ndarray, pose: int, dtype: type) -> LoadWo
     """Memory for any load; `start` is that of the markers' columns, and a pose has so many entries."""
     z, w = (ARGUMENTS, 7) if pose == 3 else (SPATIAL_ARGUMENTS, 25)
     columns = int(max(np.diff(start)[loads.marker].sum(axis=1), default=0))
-    numbers = [np.zeros(s, dtype) for s in (z, w, w, (w, z), (w, w), w, w)]
-    return LoadWork(*numbers, np.zeros(w, np.int64), np.zeros((w, columns), dtype), np.zeros((w, columns), dtype))
+    return LoadWork(
+        z=np.zeros(z, dtype),
+        w=np.zeros(w, dtype),
+        force=np.zeros(w, dtype),
+        force_z=np.zeros((w, z), dtype),
+        force_w=np.zeros((w, w), dtype),
+        dforce=np.zeros(w, dtype),
+        rateforce=np.zeros(w, dtype),
+        changes=np.zeros(w, np.int64),
+        by_q=np.zeros((w, columns), dtype),
+        by_v=np.zeros((w, columns), dtype),
+    )
 
 
 @inlined
