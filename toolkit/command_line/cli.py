@@ -241,7 +241,11 @@ app.command()(uncertainty)
 
 
 def main() -> None:
-    """Run the command."""
+    """Run the command, with one thread in the linear algebra if nobody asks for more.
+
+    Matrices of scenes are small: threads that wait for each other cost a warm command two fifths of its time, and those of several
+    processes more. numpy reads the variables when it is imported, which is after this.
+    """
     os.environ.update({name: number for name, number in SINGLE.items() if name not in os.environ})
     with rare_collections():
         app()
