@@ -150,6 +150,14 @@ def test_its_picture_has_no_steps(fork):
     np.testing.assert_allclose(ends, [ends[0]] * 3, atol=1e-9)  # the ties close to 1e-10 of the size
 
 
+def test_a_number_is_not_chosen_for_what_branches(fork):
+    scene = scene_of(fork, '"auto"')
+    with pytest.raises(
+        InputError, match=r"is chosen for chains of beams, and the elements .* branch, .* Write a number, at least 3"
+    ):
+        ffrf.compile(scene).statics()
+
+
 @pytest.mark.parametrize(
     ("frames", "words"),
     [

@@ -17,7 +17,7 @@ from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.tie import Tie
-from toolkit.reduced_model.cut.chain import chain_nodes, node_labels, place_at
+from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.cuts import cuts_of
 from toolkit.scene.scene import Scene
@@ -154,17 +154,22 @@ def _ties(scene: Scene, tied: Mapping[str, tuple[int, list[str]]]) -> Iterator[t
 
 
 def most_frames(scene: Scene, name: str) -> int:
-    """How many frames a body can have at most: one for every element.
+    """How many frames a chain of beams can have at most: one for every element.
 
     Raises
     ------
     InputError
-        It cannot be cut; says why.
+        It cannot be cut, or is no chain; says why.
     """
     body = scene.bodies[name]
     assert isinstance(body, Flexible)
     elements = _model(scene, name, body).elements
     assert elements is not None
+    if chain_nodes(elements.connectivity) is None:
+        raise InputError(
+            f'bodies.{name}.frames = "auto" is chosen for chains of beams, and the elements of reduced model {body.model!r} branch, close '
+            f"or turn round. Write a number, at least {len(breaks(elements.connectivity)) + 1}."
+        )
     return len(elements.connectivity)
 
 
