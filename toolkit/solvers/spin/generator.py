@@ -49,9 +49,11 @@ def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generato
     blocks, offsets = [], []
     for name, body in system.scene.all_bodies().items():
         size = _size(system, name)
+        if not size:  # the ground, or a body whose parts have all coordinates
+            continue
         matrix, offset = _of_frame(body, omega, centre)
         kept = size - len(offset)
-        blocks.append(block_diag(matrix, np.zeros((kept, kept))) if size else np.zeros((0, 0)))
+        blocks.append(block_diag(matrix, np.zeros((kept, kept))))
         offsets.append(np.append(offset, np.zeros(kept)))
     states = np.zeros(len(system.numbering.states))  # of loads, which stay what they are
     blocks.append(np.diag(states))
