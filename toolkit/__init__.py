@@ -16,8 +16,10 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from toolkit import bridges
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
+    from toolkit.door.many_designs import sweep, uncertainty
     from toolkit.door.model import Model
     from toolkit.door.model import compile_model as compile
     from toolkit.door.optimize import optimize
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
     from toolkit.studies.study.study_file import Study
     from toolkit.studies.study.study_reader import read_study
+    from toolkit.studies.sweep.swept import Swept
+    from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 
 _PLACES = {
     "Caution": "toolkit.foundation.verdict:Caution",
@@ -41,8 +45,11 @@ _PLACES = {
     "RunOptions": "toolkit.description.run_options:RunOptions",
     "Scene": "toolkit.scene.scene:Scene",
     "Study": "toolkit.studies.study.study_file:Study",
+    "Swept": "toolkit.studies.sweep.swept:Swept",
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
+    "UncertainResult": "toolkit.studies.uncertainty.uncertain_result:UncertainResult",
     "Verdict": "toolkit.foundation.verdict:Verdict",
+    "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
     "extend": "toolkit.door.extend:",
@@ -52,6 +59,8 @@ _PLACES = {
     "read_scene": "toolkit.scene_file.reader:read_scene",
     "read_study": "toolkit.studies.study.study_reader:read_study",
     "space": "toolkit.door.space:",
+    "sweep": "toolkit.door.many_designs:sweep",
+    "uncertainty": "toolkit.door.many_designs:uncertainty",
 }
 """Name -> module and what it is called there; without a name the module itself."""
 
@@ -64,8 +73,11 @@ __all__ = [
     "RunOptions",
     "Scene",
     "Study",
+    "Swept",
     "ToolkitError",
+    "UncertainResult",
     "Verdict",
+    "bridges",
     "certify",
     "compile",
     "extend",
@@ -75,6 +87,8 @@ __all__ = [
     "read_scene",
     "read_study",
     "space",
+    "sweep",
+    "uncertainty",
 ]
 
 

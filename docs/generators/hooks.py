@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 from mkdocs.structure.files import File
@@ -12,20 +13,31 @@ from docs.generators.formats import for_the_site
 from docs.generators.formulas import hide_formulas, show_formulas
 from docs.generators.house_picture import picture
 from docs.generators.rooms import navigation, overview, page, rooms
+from docs.generators.worked_pages import entries, worked_pages
+
+_RUNS = TemporaryDirectory()
+"""Where tutorials and models leave their pictures until the site is built."""
 
 
 def on_config(config: Any) -> Any:
-    """Put the pages of the reference into the navigation."""
+    """Put the pages of the tutorials and of the reference into the navigation."""
     for entry in config.nav:
+        if "Tutorials" in entry:
+            entry["Tutorials"] = [*entries()]
         if "Reference" in entry:
             entry["Reference"] = [{"Rooms": "reference.md"}, *navigation()]
     return config
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Add the pages of the reference, and the font of the formulas, which comes with a package."""
+    """Add the pages that are run, those of the reference, and the font of the formulas, which comes with a package."""
     for room in rooms():
         files.append(File.generated(config, room.page, content=page(room)))
+    generated = worked_pages(Path(_RUNS.name))
+    for place, text in generated.pages.items():
+        files.append(File.generated(config, place, content=text))
+    for place, file in generated.pictures.items():
+        files.append(File.generated(config, place, abs_src_path=str(file)))
     fonts = Path(str(find_spec("ziamath").origin)).parent / "fonts"  # type: ignore[union-attr]
     files.append(File.generated(config, "STIXTwoMath-Regular.ttf", abs_src_path=str(fonts / "STIXTwoMath-Regular.ttf")))
     return files

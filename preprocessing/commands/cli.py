@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from preprocessing.input.output_file import refuse_output
 from preprocessing.recipes.build_model import read_recipe
-from toolkit.foundation.errors import InputError, ModelFileError, ToolkitError, out_of_memory, refusal
+from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
+from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.material_questions import material_questions
+from toolkit.reduced_model.model import ReducedModel
 
 app = typer.Typer(pretty_exceptions_enable=False)
-
-
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
-        raise typer.Exit
 
 
 @app.command()
@@ -42,47 +38,87 @@ def preprocess(
         typer.Option(metavar="SOLID.msh", help="Write a skin as a mesh of solid elements and its SOLID.toml, and stop."),
     ] = None,
     layers: Annotated[int, typer.Option(min=1, help="Elements across the width of the extruded skin.")] = 8,
-    _version: Annotated[
-        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and exit.")
-    ] = False,
+    as_json: AsJson = False,
+    quiet: Quiet = False,
+    _version: Version = False,
 ) -> None:
     """Build the reduced model of a flexible body from its TOML file."""
-    if extrude is not None:
-        _extrude(skin, extrude, layers)
-        return
-    recipe, values = read_recipe(skin), _values(parameters or [])
-    output = output or skin.with_suffix(".h5")
-    wanted = recipe.hash(values)
-    refuse_output(output, skin, recipe.inputs, wanted, overwrite)
-    if not force and _hash_in(output, recipe.parts) == wanted:
-        typer.echo(f"{output} is up to date: its inputs are unchanged. Use --force to build it again.")
-        return
-    if elsewhere := told_outside(skin, recipe.inputs):
-        _remark(elsewhere)
-    model = recipe.at(values).build(_remark)
-    for caution in material_questions(model.nominal, model.units, skin.stem):
-        _remark(f"warning: {caution.text}")
-    save(model, output)
-    interfaces = ", ".join(model.interfaces or {}) or "none"
-    typer.echo(f"{output} written: {model.n_f} elastic coordinates, interface points {interfaces}.")
+    remarks = Remarks(quiet)
+    with errors_in_words(as_json):
+        if extrude is not None:
+            done = _extruded(skin, extrude, layers, remarks)
+        else:
+            done = _built(skin, output or skin.with_suffix(".h5"), _values(parameters or []), Wish(force, overwrite), remarks)
+        if as_json:
+            print_json({**done.record, "remarks": remarks.said, "warnings": done.warnings})
+        else:
+            typer.echo(done.text)
 
 
 def main() -> None:
-    """Run the command; errors of the toolkit become one plain message and exit code 1."""
-    try:
-        app()
-    except ToolkitError as error:
-        typer.echo(str(error), err=True)
-        raise SystemExit(1) from None
-    except OSError as error:
-        typer.echo(refusal(error), err=True)
-        raise SystemExit(1) from None
-    except MemoryError as error:
-        typer.echo(out_of_memory(error), err=True)
-        raise SystemExit(1) from None
+    """Run the command."""
+    app()
 
 
-def _extrude(skin: Path, target: Path, layers: int) -> None:
+class Remarks:
+    """Remarks, which are kept, and said on standard error unless nobody wants them."""
+
+    def __init__(self, quiet: bool) -> None:
+        self.said: list[str] = []
+        self._quiet = quiet
+
+    def __call__(self, text: str) -> None:
+        """Make one."""
+        self.said.append(text)
+        self.only_say(text)
+
+    def only_say(self, text: str) -> None:
+        """Say something that is kept elsewhere."""
+        if not self._quiet:
+            typer.echo(text, err=True)
+
+
+@dataclass(frozen=True)
+class Wish:
+    """What may be built and replaced though it is there: an up-to-date model, and another body's."""
+
+    force: bool
+    overwrite: bool
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a command has done, as a sentence and as part of a JSON object, and the warnings that belong to it."""
+
+    text: str
+    record: dict[str, Any]
+    warnings: list[str] = field(default_factory=list)
+
+
+def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remarks: Remarks) -> Done:
+    """Build a reduced model, unless it is there; what its material makes one ask belongs to it in both cases."""
+    recipe = read_recipe(path)
+    refuse_output(output, path, recipe.inputs, wanted := recipe.hash(values), wish.overwrite)
+    found = None if wish.force else _up_to_date(output, recipe.parts, wanted, remarks)
+    model = found
+    if model is None:
+        if elsewhere := told_outside(path, recipe.inputs):
+            remarks(elsewhere)
+        model = recipe.at(values).build(remarks)
+        save(model, output)
+    warnings = [caution.text for caution in material_questions(model.nominal, model.units, path.stem)]
+    for text in warnings:
+        remarks.only_say(f"warning: {text}")
+    interfaces = list(model.interfaces or {})
+    told = f"{output} written: {model.n_f} elastic coordinates, interface points {', '.join(interfaces) or 'none'}."
+    if found is not None:
+        told = f"{output} is up to date: its inputs are unchanged. Use --force to build it again."
+    record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
+    return Done(told, record, warnings)
+
+
+def _extruded(skin: Path, target: Path, layers: int, remarks: Remarks) -> Done:
+    """Write a skin as a mesh of solid elements with its recipe."""
     try:
         from preprocessing.recipes.solids.extruded_skin import extrude  # scikit-fem and meshio take a second
     except ImportError as error:
@@ -90,8 +126,8 @@ def _extrude(skin: Path, target: Path, layers: int) -> None:
             f"a solid needs meshio and scikit-fem, which cannot be loaded ({error}). Install them with: pip install "
             "'ffrf-toolkit[preprocessing]'."
         ) from error
-    mesh, recipe = extrude(skin, target, layers, _remark)
-    typer.echo(f"{mesh} and {recipe} written. Next: ffrf-preprocess {recipe}")
+    mesh, recipe = extrude(skin, target, layers, remarks)
+    return Done(f"{mesh} and {recipe} written. Next: ffrf-preprocess {recipe}", {"files": [str(mesh), str(recipe)]})
 
 
 def _values(given: list[str]) -> dict[str, float]:
@@ -106,22 +142,18 @@ def _values(given: list[str]) -> dict[str, float]:
     return found
 
 
-def _hash_in(path: Path, parts: tuple[str, ...]) -> str | None:
-    """Input hash of the file that is there; None if there is none or it cannot be used as a whole."""
+def _up_to_date(path: Path, parts: tuple[str, ...], wanted: str, remarks: Remarks) -> ReducedModel | None:
+    """The model that is there if it was built from the same input as a whole; else None."""
     if not path.exists():
         return None
     try:
         model = load(path)
     except ModelFileError as error:
-        _remark(f"{error} It is built anew.")
+        remarks(f"{error} It is built anew.")
         return None
     lacking = [part for part in parts if getattr(model, part) is None]
     if lacking:
-        _remark(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
+        remarks(f"{str(path)!r} lacks {', '.join(lacking)}. It is built anew.")
     if not model.inputs:
-        _remark(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
-    return None if lacking or not model.inputs else model.input_hash
-
-
-def _remark(text: str) -> None:
-    typer.echo(text, err=True)
+        remarks(f"{str(path)!r} does not say what it was built from, as those of older versions. It is built anew.")
+    return model if not lacking and model.inputs and model.input_hash == wanted else None

@@ -11,13 +11,17 @@ from pathlib import Path
 
 import pytest
 from numba.core import event
+from typer.testing import CliRunner
 
 from toolkit.command_line import announcements
 from toolkit.command_line.announcements import compile_before
-from toolkit.command_line.rehearsal import rehearse, rehearse_others
+from toolkit.command_line.cli import app
+from toolkit.command_line.rehearsal import rehearse, rehearse_everything, rehearse_others
 from toolkit.foundation.compiled.compile_watch import KIND, watched_compilation
+from toolkit.scene.space import PLANE
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.clock import repeated
+from toolkit.system.system import formulas_of
 
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
@@ -27,6 +31,7 @@ import json, os, sys
 from numba.core.registry import CPUDispatcher
 from toolkit.command_line.announcements import BACKWARDS, compile_before
 from toolkit.command_line.rehearsal import rehearse
+from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -141,6 +146,27 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
     assert capsys.readouterr().err.endswith("2 functions compiled in 0 s.\n")
 
 
+@pytest.mark.parametrize("model", ["slider_crank", "governor", "spatial_bracket"])
+def test_what_is_warmed_up_is_there_for_every_scene(model):
+    scene = read_scene(MODELS / model / "scene.toml")
+    rehearse_everything(scene.space)
+    with watched_compilation() as watch:
+        formulas_of(scene)
+        rehearse_others(scene)
+    assert watch.functions == 0
+
+
+def test_warming_up_says_what_it_has_compiled(monkeypatch):
+    monkeypatch.setattr(
+        "toolkit.command_line.rehearsal.rehearse_everything", lambda space: space is PLANE and pretend_to_compile()
+    )
+    told = CliRunner().invoke(app, ["warm-up", "--json"])
+    compiled = json.loads(told.stdout)["compiled"]
+    assert {name: each["functions"] for name, each in compiled.items()} == {"2D": 2, "3D": 0}
+    assert "2 functions compiled" in told.stderr
+    assert CliRunner().invoke(app, ["warm-up", "--for", "space"]).stdout.startswith("nothing to compile")
+
+
 def test_nothing_is_said_where_nothing_is_compiled(monkeypatch, capsys):
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse", lambda *_: None)
     monkeypatch.setattr("toolkit.command_line.rehearsal.rehearse_others", lambda *_: pytest.fail("compiles for nobody"))
@@ -185,6 +211,7 @@ def test_a_repetition_that_compiles_does_not_count(monkeypatch):
 def test_code_that_was_never_compiled_is_compiled_under_watch(tmp_path):
     """One small function in a cache of its own; the second process finds it on the disk."""
     code = """
+from toolkit.command_line.cli import app
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.joints.kernels.laws import SIGNATURE, angle_law
 with watched_compilation() as watch:

@@ -309,7 +309,10 @@ WRONG = {
     "half a mode": (lambda m: m.modes(count=2.5), "whole number of modes"),
     "no mode": (lambda m: m.modes(count=0), "at least one"),
     "no thread": (lambda m: m.map([{}], threads=0), "threads = 0"),
-    "threads in processes": (lambda m: m.map([{}], threads=2, processes=2), "Leave out one of processes and threads"),
+    "threads in processes": (
+        lambda m: m.map([{}], threads=2, processes=2),
+        "Leave out all but one of processes, threads and dask",
+    ),
     "half a process": (lambda m: m.map([{}], processes=1.5), "processes = 1.5"),
     "one design": (lambda m: m.map({"t_w": 1.6}), "designs are a list"),
     "a list as method": (lambda m: m.statics(gradients=["direct"]), "no method"),

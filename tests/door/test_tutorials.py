@@ -34,11 +34,19 @@ ENDS = {
         0.0,
         1e-7,
     ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
+    "large_deformation": (
+        0.0,
+        1e-5,
+    ),  # relative difference to central differences: their truncation, (1e-6)^(2/3), and their noise
     "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
     "spatial_bracket": (
         0.0,
         1e-9,
     ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
+    "my_linkage_optimised": (
+        0.0,
+        1e-5,
+    ),  # relative: what the residual of 1e-6 leaves of the limit's slack is some ten times itself
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
     "my_own_load": (0.0, 1e-4),  # relative: (step / delay)^2 = 2.5e-5, of second order
     "my_own_response": (0.0, 1e-5),  # relative, off school geometry: drift of the driven joint with 200 steps

@@ -21,7 +21,7 @@ from toolkit.reduced_model.file import load
 from toolkit.render.packages import RenderError
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
-from toolkit.studies.processes import side_by_side
+from toolkit.studies.places.place import Place, done_at
 
 ROOT = Path(__file__).parents[2]
 WING = ROOT / "models" / "morphing_wing"
@@ -83,7 +83,9 @@ def test_models_that_are_built_afresh_as_certify_and_tradeoff_do(trap, tmp_path)
 
 
 def test_a_pool_of_processes_as_tradeoff_and_stability_start_it(trap):
-    found = dict(side_by_side(plain, {1: "a", 2: "b"}, 2, ""))  # the work is in a module that loads numba and what that loads
+    found = dict(
+        done_at(Place(processes=2), plain, {1: "a", 2: "b"})
+    )  # the work is in a module that loads numba and what that loads
     assert found == {1: "a", 2: "b"}
     assert not trap.exists()
     assert "PYTHONSAFEPATH" not in os.environ
@@ -120,7 +122,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
         *(
             "toolkit/foundation/processes/preprocessing_process.py",
             "toolkit/render/space/probe.py",
-            "toolkit/studies/processes.py",
+            "toolkit/studies/places/processes.py",
         ),
         "preprocessing/foreign_files/apart.py",
     }
@@ -140,7 +142,7 @@ def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     with pytest.raises(InputError, match=message):
         preprocessing_process.run("preprocessing.wings.command", [])
     with pytest.raises(InputError, match=message):
-        list(side_by_side(os.path.basename, {1: "a", 2: "b"}, 2, ""))
+        list(done_at(Place(processes=2), os.path.basename, {1: "a", 2: "b"}))
 
 
 def test_the_preprocessing_does_not_work_with_a_namesake_of_the_runtime(tmp_path):

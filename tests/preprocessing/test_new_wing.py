@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import tomllib
@@ -185,3 +186,13 @@ def test_a_droop_that_no_skin_can_make_is_refused():
     skin = Skin(contour, contour.at_x(137.5, "upper"), contour.at_x(137.5, "lower"))
     with pytest.raises(ValueError, match="Choose a smaller depth"):
         drooped(contour, skin, 500.0, 550.0)
+
+
+def test_json_names_the_files_and_the_next_commands(tmp_path):
+    asked = ["new", "wing", str(tmp_path / "wing"), "--airfoil", str(REFERENCE / "high_speed.dat"), "--json"]
+    told = json.loads(CliRunner().invoke(app, asked).stdout)
+    assert sorted(told["files"]) == sorted(map(str, (tmp_path / "wing").iterdir()))
+    assert told["next"][0] == f"ffrf-preprocess {tmp_path}/wing/skin.toml"
+    again = CliRunner().invoke(app, asked)
+    assert again.exit_code == 1
+    assert "is not empty" in json.loads(again.stdout)["error"]

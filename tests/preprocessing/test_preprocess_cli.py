@@ -1,5 +1,6 @@
 """The command `ffrf-preprocess`: what it writes, when it has nothing to do, and what it says about wrong inputs."""
 
+import json
 import os
 import shutil
 import sys
@@ -421,3 +422,26 @@ def test_built_file_holds_only_known_groups(run, folder):
         "source",
     }
     assert groups == names
+
+
+def test_json_says_what_was_built_what_was_remarked_and_what_must_be_asked(run, folder):
+    edit(folder / "skin.toml", "density = 2.7e-9", "density = 2700.0")
+    code, out, err = run("--json", "--quiet")
+    built = json.loads(out)
+    assert (code, err, built["built"]) == (0, "", True)
+    assert built["file"] == str(folder / "skin.h5")
+    assert built["elastic_coordinates"] == load(folder / "skin.h5").n_f
+    assert built["interface_points"] == list(load(folder / "skin.h5").interfaces)
+    (warning,) = built["warnings"]
+    assert "density" in warning
+    again = json.loads(run("--json")[1])
+    assert again == {**built, "built": False, "remarks": []}  # an old file is as doubtful as it was when new
+    assert f"warning: {warning}" in run()[2]
+
+
+def test_an_error_is_json_too_where_json_was_asked_for(run, folder):
+    edit(folder / "skin.toml", "thickness = 1.5", "thickness = -1.5")
+    code, out, err = run("--json")
+    assert code == 1
+    assert json.loads(out)["error"] == err.strip()
+    assert "thickness" in err

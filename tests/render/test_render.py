@@ -24,6 +24,7 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
 from toolkit.render.curves import merged
+from toolkit.render.instants import telling_steps
 from toolkit.render.label_places import Name, label_places
 from toolkit.render.moment import names_by_place
 from toolkit.render.packages import RenderError
@@ -36,6 +37,7 @@ from toolkit.render.plane.scene_picture import instant_figure, instant_windows, 
 from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.render.plane.symbols import symbols
 from toolkit.render.plane.window import window
+from toolkit.render.readable_units import readable
 from toolkit.render.round_numbers import even, round_up, tick_step
 from toolkit.render.sheet import NARROW, WIDE, write_figure
 from toolkit.render.space.probe import drawing, drawing_environment
@@ -467,15 +469,69 @@ def test_a_dollar_in_a_name_starts_no_formula(tmp_path):
     assert [file.name for file in files][-1] == "curves.png"
 
 
+def nowhere(_step: int) -> np.ndarray:
+    """Nothing is drawn."""
+    return np.zeros((0, 2))
+
+
+MOTIONS = {
+    "steady": lambda part: [3 * part, 0],
+    "at rest after a tenth": lambda part: [min(10 * part, 1), 0],
+    "eight turns, of which pictures evenly spread show one angle": lambda part: [
+        np.cos(16 * np.pi * part),
+        np.sin(16 * np.pi * part),
+    ],
+}
+
+
+@pytest.mark.parametrize("motion", MOTIONS.values(), ids=MOTIONS)
+def test_pictures_of_a_motion_differ_and_end_with_it(motion):
+    steps = telling_steps(1000, 4, lambda step: np.array([[0.0, 0.0], motion(step / 1000)]))
+    assert (len(steps), steps[-1]) == (4, 1000)
+    places = np.array([motion(step / 1000) for step in steps])
+    apart = np.linalg.norm(places[:, None] - places, axis=2)[np.triu_indices(4, 1)]
+    assert apart.min() > 0.2 * np.ptp(places, axis=0).max()  # four of a line at best a quarter, of a circle 0.7
+    if motion(1.0)[0] == 3:
+        assert steps == [250, 500, 750, 1000]
+
+
+def test_a_scene_that_rests_is_drawn_at_its_end():
+    assert telling_steps(10, 4, lambda _: np.ones((2, 2)))[-1] == 10
+
+
+def test_what_stands_in_the_window_is_the_whole_motion(wing):
+    only_start = choose_look(wing, [0])
+    assert np.ptp(only_start.points, axis=0) == pytest.approx(np.ptp(choose_look(wing, [0, 2, 4]).points, axis=0))
+
+
+@pytest.mark.parametrize(
+    ("number", "label", "written"),
+    [
+        (9.74e6, "Pa", (9.74, "MPa")),
+        (56.8, "MPa", (56.8, "MPa")),
+        (2.1e5, "MPa", (210, "GPa")),
+        (3.3e-4, "m", (0.33, "mm")),
+        (0.33, "mm", (0.33, "mm")),
+        (0.5, "Pa", (0.5, "Pa")),
+        (1e-5, "mm", (1e-5, "mm")),
+        (7e6, "N mm", (7, "kN m")),
+        (0.0, "Pa", (0.0, "Pa")),
+        (1e7, "rad/s", (1e7, "rad/s")),
+    ],
+)
+def test_numbers_in_pictures_are_short(number, label, written):
+    factor, shown = readable(number, label)
+    assert (factor * number, shown) == (pytest.approx(written[0], rel=1e-12), written[1])
+
+
 def test_instants_are_the_nearest_steps_each_once(wing):
-    assert chosen_steps(wing, None) == [1, 2, 3, 4]
-    assert chosen_steps(wing, [1.0, 0.24, 0.26]) == [1, 4]
-    assert chosen_steps(pendulum(), None) == [0]
+    assert chosen_steps(wing, nowhere, [1.0, 0.24, 0.26]) == [1, 4]
+    assert chosen_steps(pendulum(), nowhere, None) == [0]
 
 
 def test_an_instant_outside_the_solution_is_refused(wing):
     with pytest.raises(InputError, match=r"t = 1\.5: the solution runs from 0 to 1"):
-        chosen_steps(wing, [1.5])
+        chosen_steps(wing, nowhere, [1.5])
 
 
 @pytest.fixture

@@ -11,6 +11,7 @@ import typer
 from rich.console import Console
 
 if TYPE_CHECKING:
+    from toolkit.foundation.compiled.compile_watch import CompileWatch
     from toolkit.scene.scene import Scene
 
 Kind = Literal["transient", "static"]
@@ -44,10 +45,20 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
     If that compiles anything, say so, show how far it has come, and compile what other analyses call too, so that no later command has to.
     """
     from toolkit.command_line.rehearsal import rehearse, rehearse_others
+
+    with told_compilation(scene.dimension, quiet) as watch:
+        rehearse(scene, kind, backwards)
+        if watch.functions:
+            rehearse_others(scene)
+
+
+@contextmanager
+def told_compilation(dimension: int, quiet: bool = False) -> Iterator[CompileWatch]:
+    """Say it when anything is compiled in this block, show how far it has come, and say at the end what it was."""
     from toolkit.foundation.compiled.compile_watch import watched_compilation
     from toolkit.foundation.compiled.compiled_code import is_kept
 
-    functions, seconds = EXPECTED[scene.dimension]
+    functions, seconds = EXPECTED[dimension]
     with ExitStack() as shown:
         moves: list[Progress] = []
 
@@ -61,9 +72,7 @@ def compile_before(scene: Scene, kind: Kind, backwards: bool = False, quiet: boo
             moves.append(shown.enter_context(bar("functions compiled", quiet)))
 
         with watched_compilation(announce, lambda done: moves[0](done, max(done, functions))) as watch:
-            rehearse(scene, kind, backwards)
-            if watch.functions:
-                rehearse_others(scene)
+            yield watch
     if watch.functions and not quiet:
         kept = "; they are kept on the disk" if is_kept() else ""  # elsewhere a warning has said what becomes of them
         typer.echo(f"{watch.functions} functions compiled in {watch.seconds:.0f} s{kept}.", err=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fnmatch
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -21,14 +20,6 @@ EVERY = "all"
 """Stands for every number of the scene, unless the scene declares a design variable of that name."""
 
 
-def show_version(wanted: bool) -> None:
-    """Print the version of the toolkit, and end."""
-    if wanted:
-        typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
-        raise typer.Exit
-
-
-Version = Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and exit.")]
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 Changes = Annotated[
     list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
@@ -44,8 +35,11 @@ KeepAll = Annotated[
         "--keep-all", help="Put back what the scene does not require: frames that rest, all file groups, all derivatives."
     ),
 ]
-Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
-AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")]
+Jobs = Annotated[int, typer.Option(min=1, help="How many designs are solved at once, each in a process of its own.")]
+Dask = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="Dask scheduler whose workers solve the designs instead, e.g. tcp://10.0.0.1:8786.")
+]
 
 
 def read(path: Path, changes: list[str] | None, quiet: bool = False) -> Scene:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -12,19 +11,7 @@ import typer
 from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import (
-    AsJson,
-    Changes,
-    KeepAll,
-    Quiet,
-    SceneFile,
-    Static,
-    Variables,
-    Version,
-    design_of,
-    prepare_folder,
-    read,
-)
+from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, prepare_folder, read
 from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
 from toolkit.command_line.commands.deformation_check import check_deformation
@@ -34,17 +21,17 @@ from toolkit.command_line.commands.new_project import app as new_project
 from toolkit.command_line.commands.optimize_command import optimize
 from toolkit.command_line.commands.report_command import report
 from toolkit.command_line.commands.stability import stability
+from toolkit.command_line.commands.sweep_command import sweep
 from toolkit.command_line.commands.tradeoff import tradeoff
+from toolkit.command_line.commands.uncertainty_command import uncertainty
+from toolkit.command_line.commands.warm_up import warm_up
 from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
-from toolkit.command_line.printed.printing import print_files, print_json, print_verdict, warn
+from toolkit.command_line.printed.printing import print_files, print_verdict, warn
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
-from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
 from toolkit.foundation.rare_collections import rare_collections
+from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json
 from toolkit.sensitivity.method_names import Method
-
-INTERRUPTED = 130
-"""Exit code of a command that Ctrl-C ended, as shells have it."""
 
 
 def in_words(shown: Callable[..., None]) -> Callable[..., None]:
@@ -59,35 +46,15 @@ def in_words(shown: Callable[..., None]) -> Callable[..., None]:
     return show
 
 
-def failed(message: str, as_json: bool) -> typer.Exit:
-    """Say what went wrong on standard error, and in a JSON object on standard output where the command was asked for one."""
-    typer.echo(message, err=True)
-    if as_json:
-        print_json({"error": message})
-    return typer.Exit(1)
-
-
 class Commands(TyperGroup):
     """All commands: an error of the toolkit becomes one plain message and exit code 1."""
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
         as_json = "--json" in ctx.args  # the group's arguments are gone once its command runs
-        try:
-            with warnings.catch_warnings():
-                warnings.showwarning = in_words(warnings.showwarning)
-                return super().invoke(ctx)
-        except ToolkitError as error:
-            raise failed(str(error), as_json) from None
-        except OSError as error:
-            if error.errno == errno.EPIPE:  # whoever read the output has seen enough
-                raise
-            raise failed(refusal(error), as_json) from None
-        except MemoryError as error:
-            raise failed(out_of_memory(error), as_json) from None
-        except KeyboardInterrupt:
-            typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
-            raise typer.Exit(INTERRUPTED) from None
+        with errors_in_words(as_json), warnings.catch_warnings():
+            warnings.showwarning = in_words(warnings.showwarning)
+            return super().invoke(ctx)
 
 
 app = typer.Typer(
@@ -265,7 +232,10 @@ app.command()(export)
 app.command()(optimize)
 app.command()(report)
 app.command()(stability)
+app.command()(sweep)
 app.command()(tradeoff)
+app.command("warm-up")(warm_up)
+app.command()(uncertainty)
 
 
 def main() -> None:

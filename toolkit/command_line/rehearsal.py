@@ -11,17 +11,21 @@ from typing import Any
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.description.point import Point
-from toolkit.description.run_options import RunOptions
+from toolkit.description.run_options import Formulation, RunOptions
+from toolkit.foundation.kernel import first_class
+from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
+from toolkit.joints.kernels.turn_laws import teeth_law, turn_law
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.revolute import SpatialRevolute
-from toolkit.loads.load import AnyLoad
+from toolkit.loads.kernels.load_kernel import SIGNATURE as LOAD_SIGNATURE
+from toolkit.loads.load import AnyLoad, Load
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.loads.spatial.rotational_spring_damper import SpatialRotationalSpringDamper
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.motion import Displacement
 from toolkit.scene.scene import Scene
-from toolkit.scene.space import PLANE, SPACE
+from toolkit.scene.space import PLANE, SPACE, Space
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.evaluation import evaluate_responses
 from toolkit.sensitivity.preparation import Kind, prepare, solve
@@ -51,23 +55,42 @@ def rehearse_others(scene: Scene) -> None:
         rehearse(scene.model_copy(update={"solver": options}), "transient", backwards=True)
 
 
+def rehearse_everything(space: Space) -> None:
+    """Call everything compiled that scenes of built-in kinds call in the plane or in space, and compile the formulas of these kinds."""
+    scene = _small(space, "index-1", forced=True, coiled=True)
+    rehearse(scene, "static")
+    rehearse_others(scene)
+    for law in (turn_law, teeth_law):
+        first_class(law, LAW_SIGNATURE)
+    for kind in space.kinds["loads"].values():
+        if issubclass(kind, Load):
+            first_class(kind.law(), LOAD_SIGNATURE)
+
+
 def pendulum_like(scene: Scene) -> Scene:
     """A hanging rod of the scene's dimension and formulation for one step, with what else of the scene has code of its own."""
-    options = RunOptions(end_time=1e-3, step=1e-3, formulation=scene.solver.formulation, load_steps=1)
-    bodies = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
-    force = {"force": JointForce(joint="hinge", component="x")} if any(isinstance(each, JointForce) for each in bodies) else {}
+    judged = [*scene.responses.values(), *(getattr(each, "of", None) for each in scene.responses.values())]
+    forced = any(isinstance(each, JointForce) for each in judged)
+    coiled = any(isinstance(load, AnyLoad) and load.folds for load in scene.loads.values())
+    return _small(scene.space, scene.solver.formulation, forced, coiled)
+
+
+def _small(space: Space, formulation: Formulation, forced: bool, coiled: bool) -> Scene:
+    """The hanging rod, on request with the force of its joint as a response, and with a spring whose turns are counted."""
+    options = RunOptions(end_time=1e-3, step=1e-3, formulation=formulation, load_steps=1)
+    force = {"force": JointForce(joint="hinge", component="x")} if forced else {}
     common: dict[str, Any] = {
         "units": "m-kg-s",
         "responses": {"way": Displacement(body="rod", point="P", component="x"), **force},
     }
-    return Scene(**common, **_PENDULUMS[scene.space](scene), solver=options)
+    return Scene(**common, **_PENDULUMS[space](coiled), solver=options)
 
 
 ENDS: dict[str, Any] = {"between": ("O", "P"), "area": 1e-4, "density": 7800.0}
 """Of the rod."""
 
 
-def _planar(_scene: Scene) -> dict[str, Any]:
+def _planar(_coiled: bool) -> dict[str, Any]:
     return {
         "points": {"O": Point(x=0.0, y=0.0), "P": Point(x=0.0, y=-1.0)},
         "bodies": {"rod": Rod(**ENDS)},
@@ -76,10 +99,9 @@ def _planar(_scene: Scene) -> dict[str, Any]:
     }
 
 
-def _spatial(scene: Scene) -> dict[str, Any]:
-    """With a rotational spring, whose turns are counted by compiled code, if the scene has one."""
+def _spatial(coiled: bool) -> dict[str, Any]:
+    """With a rotational spring, whose turns are counted by compiled code, on request."""
     spring = SpatialRotationalSpringDamper(bodies=("rod", "ground"), point="O", axis=(0.0, 1.0, 0.0), stiffness=1.0)
-    coiled = any(isinstance(load, AnyLoad) and load.folds for load in scene.loads.values())
     return {
         "dimension": 3,
         "points": {"O": Point(x=0.0, y=0.0, z=0.0), "P": Point(x=0.0, y=0.0, z=-1.0)},

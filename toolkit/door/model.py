@@ -19,6 +19,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind, check_kind, check_names, solve
+from toolkit.studies.places.place import Place
 from toolkit.system.model_files import refuse_changed
 
 
@@ -316,15 +317,9 @@ class Model:
         designs = designs if isinstance(designs, Mapping | str) else list(designs)
         if isinstance(designs, Mapping | str) or not all(isinstance(each, Mapping) for each in designs):
             raise InputError('designs are a list of numbers by name, as in [{"t_w": 1.5}, {"t_w": 1.6}].')
-        for word, count in {"processes": processes, "threads": threads}.items():
-            if isinstance(count, bool) or not isinstance(count, int) or count < 1:
-                raise InputError(f"{word} = {count!r}: give a whole number, at least 1.")
-        if processes > 1 and threads > 1:
-            raise InputError(
-                "designs are analysed in several processes or in several threads. Leave out one of processes and threads."
-            )
+        place = Place(processes, threads)
         check_method(gradients)
-        return outcomes(self._compiled, list(designs), kind, gradients, judged, processes, threads, progress)
+        return outcomes(self._compiled, list(designs), kind, gradients, judged, place, progress)
 
     def run(
         self,

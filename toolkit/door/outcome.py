@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from toolkit.door.analysed import analysed
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
+from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.preparation import Kind
-from toolkit.studies.processes import side_by_side
-
-PIECES = 4
-"""Pieces of work of every process: few, because each compiles the scene, and more than one, because designs differ in their price."""
+from toolkit.studies.places.place import Place, done_at
 
 
 @dataclass(frozen=True)
@@ -50,15 +46,37 @@ class Outcome:
         return bool(self.error)
 
 
-class Task(NamedTuple):
-    """Designs that one process analyses after each other."""
+@dataclass(frozen=True)
+class Designs:
+    """The work of one design after the other of a compiled scene, which every process compiles once.
 
-    scene: Any
-    names: tuple[str, ...]
-    designs: list[Mapping[str, float]]
+    Attributes
+    ----------
+    compiled
+        The scene; what is compiled of it stays in this process.
+    kind, gradients, judged
+        As of `Model.map`.
+    """
+
+    compiled: Compiled
     kind: Kind
     gradients: bool | str
     judged: bool
+
+    def __call__(self, numbers: Mapping[str, float]) -> Outcome:
+        """What becomes of a design."""
+        try:
+            run = analysed(self.compiled.at(numbers), self.kind, self.gradients)
+            return Outcome(dict(numbers), run.values, run.gradients, run.verdict if self.judged else None)
+        except ToolkitError as error:
+            return Outcome(dict(numbers), error=str(error))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _designs, (self.compiled.scene, self.compiled.names, self.kind, self.gradients, self.judged)
+
+
+def _designs(scene: Scene, names: tuple[str, ...], kind: Kind, gradients: bool | str, judged: bool) -> Designs:
+    return Designs(Compiled(scene, names), kind, gradients, judged)
 
 
 def outcomes(
@@ -67,56 +85,13 @@ def outcomes(
     kind: Kind,
     gradients: bool | str,
     judged: bool,
-    processes: int,
-    threads: int,
+    place: Place,
     progress: Progress | None,
 ) -> list[Outcome]:
     """Outcomes of all designs in their order; arguments as of `Model.map`."""
-    tell = progress or (lambda *_: None)
-    if processes <= 1:
-        done: list[Outcome] = []
-        for outcome in _here(partial(_outcome, compiled, kind=kind, gradients=gradients, judged=judged), designs, threads):
-            done.append(outcome)
-            tell(len(done), len(designs))
-        return done
-    size = -(-len(designs) // (PIECES * processes)) or 1
-    starts = range(0, len(designs), size)
-    tasks = {k: Task(compiled.scene, compiled.names, list(designs[k : k + size]), kind, gradients, judged) for k in starts}
-    found: dict[int, list[Outcome]] = {}
-    for k, piece in side_by_side(analyse, tasks, processes, "Ask for fewer processes."):
-        found[k] = piece
-        tell(sum(map(len, found.values())), len(designs))
-    return [outcome for k in starts for outcome in found[k]]
-
-
-def _here(
-    work: Callable[[Mapping[str, float]], Outcome], designs: Sequence[Mapping[str, float]], threads: int
-) -> Iterator[Outcome]:
-    """Outcomes in this process: the first one alone, which compiles what all need, then so many at once as there are threads.
-
-    A step loop leaves Python to the other threads while it runs. No thread writes what another one reads: every design has its own plan and
-    memory, so that its numbers do not depend on the company.
-    """
-    yield from map(work, designs[:1])
-    if threads <= 1:
-        yield from map(work, designs[1:])
-        return
-    pool = ThreadPoolExecutor(threads, "design")
-    try:
-        yield from pool.map(work, designs[1:])
-    finally:
-        pool.shutdown(cancel_futures=True)
-
-
-def analyse(task: Task) -> list[Outcome]:
-    """What a process does."""
-    compiled = Compiled(task.scene, task.names)
-    return [_outcome(compiled, design, task.kind, task.gradients, task.judged) for design in task.designs]
-
-
-def _outcome(compiled: Compiled, numbers: Mapping[str, float], kind: Kind, gradients: bool | str, judged: bool) -> Outcome:
-    try:
-        run = analysed(compiled.at(numbers), kind, gradients)
-        return Outcome(dict(numbers), run.values, run.gradients, run.verdict if judged else None)
-    except ToolkitError as error:
-        return Outcome(dict(numbers), error=str(error))
+    found: dict[int, Outcome] = {}
+    for k, outcome in done_at(place, Designs(compiled, kind, gradients, judged), dict(enumerate(designs))):
+        found[k] = outcome
+        if progress:
+            progress(len(found), len(designs))
+    return [found[k] for k in range(len(designs))]

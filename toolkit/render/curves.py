@@ -6,25 +6,30 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from toolkit.foundation.units import unit
+from toolkit.render.readable_units import readable
 from toolkit.render.sheet import WIDE, sheet, style
 from toolkit.system.solution import Solution
 
-Panels = list[tuple[str, dict[str, np.ndarray]]]
-"""Of each panel its label with the unit, and name -> values over time."""
+Panels = list[tuple[str, str, dict[str, np.ndarray]]]
+"""Of each panel what it shows, the quantity that this is, and name -> values over time."""
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
-    """A panel per quantity."""
+    """A panel per quantity, each in a unit in which its numbers are short."""
+    units = solution.system.scene.units
     with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
-        for panel, (label, curves) in zip(axes[:, 0], panels, strict=True):
+        for panel, (what, quantity, curves) in zip(axes[:, 0], panels, strict=True):
+            factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), unit(units, quantity))
             for number, (name, values) in enumerate(curves.items()):
-                panel.plot(solution.times, values, marker="." if len(values) < 100 else None, label=name, **style(number))
-            panel.set_ylabel(label)
+                panel.plot(
+                    solution.times, factor * values, marker="." if len(values) < 100 else None, label=name, **style(number)
+                )
+            panel.set_ylabel(f"{what} in {label}")
             panel.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
             words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0)).get_texts()
             for word in words:
                 word.set_parse_math(False)  # a dollar in a name starts no formula
-        axes[-1, 0].set_xlabel(f"time in {unit(solution.system.scene.units, 'time')}")
+        axes[-1, 0].set_xlabel(f"time in {unit(units, 'time')}")
         axes[-1, 0].set_xlim(solution.times[0], solution.times[-1])
     return figure
 

@@ -12,6 +12,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.spread import spread
 from toolkit.render.gif import MOST_FRAMES, write_animation
+from toolkit.render.instants import telling_steps
 from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
 from toolkit.render.view import View
@@ -41,7 +42,8 @@ def render_solution(
     Parameters
     ----------
     instants : sequence of float
-        Times, in the scene's unit; each is drawn at the nearest step. By default four, evenly spread up to the end.
+        Times, in the scene's unit; each is drawn at the nearest step. By default four up to the end whose
+        pictures differ (`telling_steps`).
     width : int
         Width of every picture in pixels; an animation has at most 800.
     view : View
@@ -64,11 +66,11 @@ def render_solution(
     """
     view.check(solution.system.scene)
     _check(directory, instants, width)
-    steps = chosen_steps(solution, instants)
     directory = Path(directory)
     require("matplotlib")
     with drawing() if solution.system.scene.space.camera else nullcontext():
         artist = _ARTISTS[solution.system.scene.space](solution, view)
+        steps = chosen_steps(solution, artist.points, instants)
         directory.mkdir(parents=True, exist_ok=True)
         shown = spread(solution.steps, MOST_FRAMES) if animate else []
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
@@ -112,6 +114,7 @@ class _Artist(NamedTuple):
     """What draws a scene, in the plane or in space."""
 
     moment: Callable[[int], Any]
+    points: Callable[[int], np.ndarray]
     look: Callable[[Sequence[int]], Any]
     instant: Callable[..., None]
     overview: Callable[..., None]
@@ -128,11 +131,12 @@ def _page(figure: Callable[..., Any]) -> Callable[..., None]:
 def _artist_of_space(solution: Solution, view: View) -> _Artist:
     from toolkit.render.space.configuration import SpatialConfiguration
     from toolkit.render.space.curves import spatial_curves_figure
-    from toolkit.render.space.look import choose_spatial_look
+    from toolkit.render.space.look import choose_spatial_look, seen_points
     from toolkit.render.space.scene_picture import draw_spatial_instant, draw_spatial_overview
 
     return _Artist(
         lambda step: SpatialConfiguration(solution, step),
+        lambda step: seen_points(SpatialConfiguration(solution, step)),
         lambda steps: choose_spatial_look(solution, steps, view),
         draw_spatial_instant,
         draw_spatial_overview,
@@ -143,11 +147,12 @@ def _artist_of_space(solution: Solution, view: View) -> _Artist:
 def _artist_of_the_plane(solution: Solution, _view: View) -> _Artist:
     from toolkit.render.plane.configuration import Configuration
     from toolkit.render.plane.curves import curves_figure
-    from toolkit.render.plane.look import choose_look
+    from toolkit.render.plane.look import choose_look, drawn_points
     from toolkit.render.plane.scene_picture import instants_alike, overview_figure
 
     return _Artist(
         lambda step: Configuration(solution, step),
+        lambda step: drawn_points(Configuration(solution, step)),
         lambda steps: choose_look(solution, steps),
         _page(instants_alike()),
         _page(overview_figure),
@@ -158,8 +163,8 @@ def _artist_of_the_plane(solution: Solution, _view: View) -> _Artist:
 _ARTISTS = {PLANE: _artist_of_the_plane, SPACE: _artist_of_space}
 
 
-def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[int]:
-    """Numbers of the steps to draw, in order, each once.
+def chosen_steps(solution: Solution, points: Callable[[int], np.ndarray], instants: Sequence[float] | None) -> list[int]:
+    """Numbers of the steps to draw, in order, each once; `points` are what is drawn at a step.
 
     Raises
     ------
@@ -167,7 +172,7 @@ def chosen_steps(solution: Solution, instants: Sequence[float] | None) -> list[i
         An instant lies outside the solution.
     """
     if instants is None:
-        return sorted({int(step) for step in np.linspace(0, solution.steps, _INSTANTS + 1).round()[1:]})
+        return telling_steps(solution.steps, _INSTANTS, points)
     first, last = solution.times[0], solution.times[-1]
     slack = 1e-9 * max(abs(first), abs(last))
     for instant in instants:

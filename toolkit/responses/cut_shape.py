@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
-from toolkit.bodies.planar.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
@@ -54,7 +54,7 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
         The frame of the whole is not tied to one of its nodes.
     """
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     rows = _rows(scene, name)
     order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
     assert order is not None
@@ -78,7 +78,7 @@ def moves_nodes(scene: Scene, name: str) -> bool:
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if body.frame == "moving" and len(held) != 1:
         return q[:2], float(q[2]), np.zeros(2)
@@ -108,7 +108,7 @@ def _rows(scene: Scene, name: str) -> list[Rows]:
 def _rows_of(same: _Same, name: str) -> list[Rows]:
     scene, found = same.scene, []
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     for k, part in enumerate(body.parts(name).values()):
         assembled, count = part.part(scene), part.last - part.first  # type: ignore[attr-defined]
         last = k == len(body.cuts) - 2
@@ -133,7 +133,7 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
     return Seen(r + inside, theta + rows.angle @ state, place_q, angle_q)
 
 
-def _axes(scene: Scene, name: str, body: CutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
     """X_0, psi and x_0."""
     if body.frame == "grounded":
         return Seen(np.array(body.position), body.angle, np.zeros((2, len(q))), np.zeros(len(q))), np.zeros(2)

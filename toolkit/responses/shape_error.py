@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest

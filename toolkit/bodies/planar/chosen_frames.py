@@ -2,18 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
+from toolkit.bodies.cut.frame_choice import FrameChoice
 from toolkit.bodies.planar.flexible import Flexible
-
-
-class FrameChoice(NamedTuple):
-    """What a number of frames was chosen by."""
-
-    wanted: float  # geometric error, in parts of the largest displacement of the body
-    error: float  # what the last of these runs leaves, estimated
-    numbers: tuple[int, ...]  # of frames, one run after the other
-    analysis: str
 
 
 class ChosenFrames(Flexible):

@@ -11,8 +11,9 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, prepare_folder, read
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.arguments import Changes, SceneFile, prepare_folder, read
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.analyses.campbell import Campbell

@@ -10,10 +10,11 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Static, Variables, design_of, read
+from toolkit.command_line.arguments import Changes, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.printed.fresh_part import built_afresh, check_afresh, print_afresh, record_afresh
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.certificate.certificate import Certificate

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import typer
 from rich.console import Console
 
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, Static, Variables, design_of, read
+from toolkit.command_line.arguments import Changes, Static, Variables, design_of, read
 from toolkit.command_line.keeping import Models, SceneOrResults, is_results, motion_of, solved
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from pathlib import Path

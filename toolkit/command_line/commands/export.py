@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.arguments import AsJson, prepare_folder
+from toolkit.command_line.arguments import prepare_folder
 from toolkit.command_line.keeping import Models
 from toolkit.command_line.printed.printing import print_files
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.terminal import AsJson
 
 if TYPE_CHECKING:
     from toolkit.results.results import Results

@@ -11,8 +11,9 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read
-from toolkit.command_line.printed.printing import WIDE, print_json, print_verdict, table, warn
+from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read
+from toolkit.command_line.printed.printing import WIDE, print_verdict, table, warn
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.studies.stability.found import Study

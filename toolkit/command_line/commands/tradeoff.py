@@ -11,10 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import AsJson, Changes, Quiet, SceneFile, Variables, design_of, prepare_folder, read, split
-from toolkit.command_line.printed.printing import print_json, print_verdict, warn
+from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read, split
+from toolkit.command_line.printed.printing import print_verdict, warn
 from toolkit.command_line.printed.tradeoff_tables import print_tradeoff, record_of
 from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict

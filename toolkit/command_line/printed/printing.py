@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 from rich.box import SIMPLE
 from rich.console import Console
 from rich.table import Table
+
+from toolkit.foundation.terminal import print_json
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
@@ -20,11 +21,6 @@ WIDE = 1000
 """Columns of the output: a number that the terminal wraps is better than one that is cut."""
 LEFT = ("unit", "by", "why")
 """Columns of words."""
-
-
-def print_json(record: dict[str, Any]) -> None:
-    """Print one JSON object; everything in it is finite or null."""
-    typer.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
 def print_verdict(verdict: Verdict) -> None:

@@ -8,8 +8,9 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.printed.deformation import print_deformations, record_of_deformations
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_json, print_verdict, table, warn
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
 from toolkit.command_line.printed.remarks import remarks
+from toolkit.foundation.terminal import print_json
 
 if TYPE_CHECKING:
     from toolkit.sensitivity.result import Result

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
-from toolkit.foundation.units import unit
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.responses.shape_error import gaps
 from toolkit.responses.stress.stress import stress_components
@@ -48,7 +47,7 @@ def _stress_panels(solution: Solution) -> Panels:
     for body in _flexible(solution):
         low, high = stress_range(solution, body).T
         curves |= {f"{body}, largest": high, f"{body}, smallest": low}
-    return [(f"stress in {unit(solution.system.scene.units, 'stress')}", curves)] if curves else []
+    return [("stress", "stress", curves)] if curves else []
 
 
 def _shape_panels(solution: Solution) -> Panels:
@@ -57,11 +56,11 @@ def _shape_panels(solution: Solution) -> Panels:
         errors = shape_errors(solution, body)
         if errors is not None:
             curves |= {f"{body}, largest": errors.max(axis=1), f"{body}, RMS": np.sqrt((errors**2).mean(axis=1))}
-    return [(f"distance to target in {unit(solution.system.scene.units, 'length')}", curves)] if curves else []
+    return [("distance to target", "length", curves)] if curves else []
 
 
 def _rotation_panels(solution: Solution) -> Panels:
     scene = solution.system.scene
     framed = [name for name, body in scene.bodies.items() if body.has_frame and not isinstance(body, CutBody)]
     curves = {name: np.real(solution.q[:, solution.coordinates(name).start + 2]) for name in framed}
-    return [(f"rotation in {unit(scene.units, 'angle')}", merged(curves))] if curves else []
+    return [("rotation", "angle", merged(curves))] if curves else []

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.colors import Normalize
 
+from toolkit.foundation.spread import spread
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
 from toolkit.render.round_numbers import round_up
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
+MOST_MOMENTS = 60
+"""Of the whole motion that are looked at for what the main window has to contain."""
 _DETAIL = 0.16
 """Half width of the detail, relative to the extent of the skin."""
 
@@ -52,14 +55,13 @@ class Look:
 
 
 def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
-    """Look of the pictures at the given steps."""
+    """Look of the pictures at the given steps, wide enough for the whole motion."""
     moments = [Configuration(solution, step) for step in dict.fromkeys([0, *steps])]
     scene = solution.system.scene
     skins = [name for name in moments[0].flexible() if skin_shape(moments[0], name)]
     shapes = {name: [shape for shape in (skin_shape(moment, name) for moment in moments) if shape] for name in skins}
-    lines = [shape.line.reshape(-1, 2) for each in shapes.values() for shape in each]
-    others = [each for moment in moments for each in _drawn_points(moment)]
-    points = np.vstack([np.zeros((0, 2)), *lines, *others])
+    whole = [Configuration(solution, step) for step in {*spread(len(solution.times) - 1, MOST_MOMENTS), *steps}]
+    points = np.vstack([drawn_points(moment) for moment in whole])
     points = points if len(points) else np.zeros((1, 2))
     stress = np.concatenate([np.zeros(1), *(shape.stress.ravel() for each in shapes.values() for shape in each)])
     return Look(
@@ -70,8 +72,11 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     )
 
 
-def _drawn_points(moment: Configuration) -> list[np.ndarray]:
-    return [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()])]
+def drawn_points(moment: Configuration) -> np.ndarray:
+    """Where bodies, joints and links are at one moment, (n, 2)."""
+    shapes = [shape.line.reshape(-1, 2) for name in moment.flexible() if (shape := skin_shape(moment, name))]
+    joints = [moment.ends(each) for each in [*moment.scene.joints.values(), *moment.links()]]
+    return np.vstack([np.zeros((0, 2)), *shapes, *moment.rods(), *moment.wheels(), *joints])
 
 
 def _thickness(scene: Scene, body: str) -> float:

@@ -21,9 +21,12 @@ from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.scene_drawing import draw_scene
 from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
+from toolkit.render.readable_units import readable, readable_stress
 from toolkit.render.round_numbers import even
 from toolkit.render.sheet import SIGNED, WIDE, sheet
 
+MINUS = "\N{MINUS SIGN}"
+"""As the axes write it."""
 COLUMNS, _TALLEST = 2, 5.0
 """Panels beside each other in an overview; height of a panel at most, in inches."""
 _LINE = 0.22
@@ -103,11 +106,13 @@ def _fill(
     for panel, moment in zip(windows, moments, strict=True):
         words = caption(moment, look)
         title = "\n".join(",  ".join(line) for line in (words[:2], words[2:]) if line)
-        panel.set_title(panel.get_title("left") or title, loc="left")
+        panel.set_title(panel.get_title("left") or title.replace("-", MINUS), loc="left")
     for empty in list(axes.flat)[len(windows) :]:
         empty.remove()
     if look.stress_limit:
-        color_bar(figure, list(windows), look.colors, f"stress in {unit(moments[0].scene.units, 'stress')}")
+        factor, label = readable_stress(look.stress_limit, moments[0].scene.units)
+        shown_colors = Normalize(-factor * look.stress_limit, factor * look.stress_limit)
+        color_bar(figure, list(windows), shown_colors, f"stress in {label}")
     if entries := meanings(corners, look, moments[0]):
         figure.legend(handles=entries, loc="outside lower center", ncols=len(entries) if figure.get_figwidth() > _BROAD else 1)
     open_windows(figure, moments[0], windows, axes.shape[1] if all(each is corners[0] for each in corners) else 0, like)
@@ -130,12 +135,14 @@ def caption(moment: Configuration, look: Look) -> list[str]:
     words = [f"t = {moment.time:.4g} {unit(units, 'time')}"]
     if look.stress_limit:
         ranges = np.array([stress_range(solution, body)[step] for body in look.thickness])
-        low, high = (even(value, look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
-        words.append(f"stress {low} to {high} {unit(units, 'stress')}")
+        factor, label = readable_stress(look.stress_limit, units)
+        low, high = (even(factor * value, factor * look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
+        words.append(f"stress {low} to {high} {label}")
     errors = [each[step] for body in look.thickness if (each := shape_errors(solution, body)) is not None]
     if len(errors) == 1:
-        rms = even(np.sqrt((errors[0] ** 2).mean()), look.extent * 1e-5)
-        words.append(f"RMS distance to target {rms} {unit(units, 'length')}")
+        rms = float(np.sqrt((errors[0] ** 2).mean()))
+        factor, label = readable(max(rms, look.extent * 1e-3), unit(units, "length"))
+        words.append(f"RMS distance to target {even(factor * rms, factor * look.extent * 1e-5)} {label}")
     return words
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
+from scipy.spatial.transform import Rotation
 
-from toolkit.foundation.units import unit
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
@@ -35,7 +36,7 @@ def _stress_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
             curves |= {f"{body}, largest": high, f"{body}, smallest": low}
         else:
             curves[f"{body}, largest von Mises"] = high
-    return [(f"stress in {unit(solution.system.scene.units, 'stress')}", curves)] if curves else []
+    return [("stress", "stress", curves)] if curves else []
 
 
 def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
@@ -44,18 +45,24 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
     places = [moment.named_points() for moment in moments]
     curves = {point: np.array([np.linalg.norm(place[point] - here) for place in places]) for point, here in start.items()}
     moved = {point: values for point, values in curves.items() if values.any()}
-    return [(f"motion of points in {unit(solution.system.scene.units, 'length')}", merged(moved))] if moved else []
+    return [("motion of points", "length", merged(moved))] if moved else []
 
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
-    """Angle by which every frame is turned against its start, between 0 and pi."""
-    start = SpatialConfiguration.undeformed(solution)
-    turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
-    curves = {name: np.array([_angle(start.rotation(name).T @ moment.rotation(name)) for moment in moments]) for name in turning}
-    return [(f"rotation in {unit(solution.system.scene.units, 'angle')}", merged(curves))] if curves else []
+    """Angle by which every frame has turned about its main axis; whole turns count."""
+    bodies = solution.system.scene.bodies.items()
+    turning = [name for name, body in bodies if body.turns and not isinstance(body, CutBody)]
+    curves = {name: counted_angle(np.array([moment.rotation(name) for moment in moments])) for name in turning}
+    return [("rotation about own main axis", "angle", merged(curves))] if curves else []
 
 
-def _angle(rotation: np.ndarray) -> float:
-    """Of a rotation matrix, from its antisymmetric part (2 sin) and its trace (1 + 2 cos)."""
-    sine = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0], rotation[1, 0] - rotation[0, 1]])
-    return float(np.arctan2(np.linalg.norm(sine), np.trace(rotation) - 1))
+def counted_angle(rotations: np.ndarray) -> np.ndarray:
+    """Angles of frames (n, 3, 3), one after the other, about the fixed axis about which they turn most, (n,).
+
+    The sum of all small turns phi_k (rotation vectors between neighbours) along the axis a that makes the sum of (phi_k . a)^2 largest,
+    with the sign that makes the largest angle positive. A frame must turn by less than half a turn from one to the next.
+    """
+    small = Rotation.from_matrix(rotations[1:] @ np.swapaxes(rotations[:-1], 1, 2)).as_rotvec()
+    axis = np.linalg.eigh(small.T @ small)[1][:, -1]
+    angles = np.append(0.0, np.cumsum(small @ axis))
+    return angles * (1.0 if angles.max() >= -angles.min() else -1.0)

@@ -80,7 +80,7 @@ def _draw_undeformed(panel: SpatialPanel, moment: SpatialConfiguration, look: Sp
 
 def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
     """The flexible bodies with their stress, what is clamped in the colour of supports."""
-    actor, limit = None, look.stress_limit or 1.0
+    actor, limit = None, look.shown_stress.factor * look.stress_limit or 1.0
     colors: dict[str, Any] = (
         {"cmap": SIGNED, "clim": (-limit, limit)} if look.signed else {"cmap": UNSIGNED, "clim": (0.0, limit)}
     )
@@ -142,7 +142,7 @@ def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """The axes of the bodies' frames."""
-    for body in moment.scene.bodies:
+    for body in moment.scene.pieces():
         origin, axes = moment.frame(body)
         for direction, color in zip(axes.T, AXES.values(), strict=True):
             panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **_SHINE)

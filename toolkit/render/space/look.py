@@ -10,6 +10,7 @@ import numpy as np
 from toolkit.bodies.spatial.rigid import SpatialRod
 from toolkit.foundation.spread import spread
 from toolkit.joints.spatial.joint import SpatialJoint
+from toolkit.render.readable_units import Readable, readable_stress
 from toolkit.render.round_numbers import round_up
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
@@ -21,6 +22,8 @@ from toolkit.system.solution import Solution
 
 MOST_MOMENTS = 60
 """Of the whole motion that are looked at for what has to be in view and for the largest stress."""
+SOME = 50
+"""Points of a surface that stand for it where moments are compared."""
 TUBE, ARROW = 1 / 180, 1 / 7
 """Radius of a tube and length of the longest arrow, relative to the extent of the scene."""
 
@@ -43,6 +46,8 @@ class SpatialLook:
         "force" and "torque" -> the largest one, which has the longest arrow.
     view
         How it is looked at.
+    units
+        System of units of the scene.
     """
 
     bodies: tuple[str, ...]
@@ -51,6 +56,7 @@ class SpatialLook:
     points: np.ndarray
     largest: dict[str, float]
     view: View
+    units: str
 
     @property
     def extent(self) -> float:
@@ -67,9 +73,14 @@ class SpatialLook:
         """What the colours mean."""
         return "stress" if self.signed else "von Mises stress"
 
+    @property
+    def shown_stress(self) -> Readable:
+        """The unit in which stresses are written."""
+        return readable_stress(self.stress_limit, self.units)
+
     def colored(self, shape: BodyShape) -> np.ndarray:
-        """The stress that is shown at the points of a shape, (n,)."""
-        stress = point_stress(shape.stress)
+        """The stress that is shown at the points of a shape, in the unit in which it is written, (n,)."""
+        stress = self.shown_stress.factor * point_stress(shape.stress)
         return stress if self.signed else np.abs(stress)
 
 
@@ -81,7 +92,7 @@ def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) ->
     bodies = tuple(name for name in moments[0].flexible() if has_shape(scene, name))
     points, limits, signed = [np.zeros((0, 3))], [0.0], True
     for moment in [SpatialConfiguration.undeformed(solution), *moments]:
-        points += _drawn_points(moment)
+        points.append(drawn_points(moment))
         for body in bodies:
             shape = body_shape(moment, body)
             points.append(outermost(shape.points))
@@ -96,7 +107,7 @@ def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) ->
     }
     size = ARROW * float(np.linalg.norm(np.ptp(every, axis=0)))
     tips = [a.point + size * a.vector / largest[a.kind] for a in loads if largest[a.kind]]
-    return SpatialLook(bodies, signed, round_up(max(limits)), np.vstack([every, *tips]), largest, view)
+    return SpatialLook(bodies, signed, round_up(max(limits)), np.vstack([every, *tips]), largest, view, scene.units)
 
 
 def outermost(points: np.ndarray) -> np.ndarray:
@@ -105,11 +116,17 @@ def outermost(points: np.ndarray) -> np.ndarray:
     return points[np.unique(np.argmax(points @ (corners @ ISOMETRIC).T, axis=0))]
 
 
-def _drawn_points(moment: SpatialConfiguration) -> list[np.ndarray]:
-    """Of rigid bodies, joints and links."""
-    scene = moment.scene
-    joints = [joint for joint in scene.joints.values() if isinstance(joint, SpatialJoint)]
-    return [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*joints, *moment.links()])]
+def drawn_points(moment: SpatialConfiguration) -> np.ndarray:
+    """Where rigid bodies, joints and links are at one moment, (n, 3)."""
+    joints = [joint for joint in moment.scene.joints.values() if isinstance(joint, SpatialJoint)]
+    found = [*moment.rods(), *moment.wheels(), *(moment.ends(each) for each in [*joints, *moment.links()])]
+    return np.vstack([np.zeros((0, 3)), *found])
+
+
+def seen_points(moment: SpatialConfiguration) -> np.ndarray:
+    """The same with some points of every flexible body's surface, the same ones at every moment."""
+    surfaces = [body_shape(moment, body).points for body in moment.flexible() if has_shape(moment.scene, body)]
+    return np.vstack([drawn_points(moment), *(points[:: 1 + len(points) // SOME] for points in surfaces)])
 
 
 def rod_radius(moment: SpatialConfiguration, body: str, least: float) -> float:

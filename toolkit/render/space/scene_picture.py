@@ -11,6 +11,7 @@ import numpy as np
 from toolkit.foundation.units import unit
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.render.colors import INK, UNDEFORMED
+from toolkit.render.readable_units import readable
 from toolkit.render.round_numbers import even
 from toolkit.render.space.arrows import arrows
 from toolkit.render.space.camera import Camera
@@ -72,12 +73,13 @@ def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
 
 def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
     """Time and range of the stress; digits as fine as the scene needs."""
-    units, words = moment.scene.units, [f"t = {moment.time:.4g} {unit(moment.scene.units, 'time')}"]
+    words = [f"t = {moment.time:.4g} {unit(moment.scene.units, 'time')}"]
     if look.stress_limit:
         ranges = np.array([stress_extremes(moment, body) for body in look.bodies])
         low, high = ranges[:, 0].min(), np.abs(ranges).max() if not look.signed else ranges[:, 1].max()
-        numbers = [even(value, look.stress_limit / 100) for value in (low, high)]
-        words.append(f"{look.stress_name} {f'{numbers[0]} to' if look.signed else 'up to'} {numbers[1]} {unit(units, 'stress')}")
+        factor, label = look.shown_stress
+        numbers = [even(factor * value, factor * look.stress_limit / 100) for value in (low, high)]
+        words.append(f"{look.stress_name} {f'{numbers[0]} to' if look.signed else 'up to'} {numbers[1]} {label}")
     return words
 
 
@@ -85,11 +87,12 @@ def _legend(plotter: Any, actor: Any, moments: Sequence[SpatialConfiguration], l
     """Colour bar at the lower left, meaning of colours at the lower right."""
     units = moments[0].scene.units
     if actor is not None and look.stress_limit:
-        color_bar(plotter, actor, f"{look.stress_name} in {unit(units, 'stress')}", letters)
+        color_bar(plotter, actor, f"{look.stress_name} in {look.shown_stress.label}", letters)
     found = [("faint: undeformed", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
     kinds = {arrow.kind for moment in moments for arrow in arrows(moment)}
     labels = {"force": ("force", "force"), "torque": ("torque (two heads)", "torque")}
     for kind in (kind for kind in labels if kind in kinds and look.largest[kind]):
         words, quantity = labels[kind]
-        found.append((f"{words}, largest {look.largest[kind]:.4g} {unit(units, quantity)}", LOADS[kind]))
+        factor, label = readable(look.largest[kind], unit(units, quantity))
+        found.append((f"{words}, largest {factor * look.largest[kind]:.4g} {label}", LOADS[kind]))
     explain(plotter, [*found, ("motion and shape to scale", INK)], letters)

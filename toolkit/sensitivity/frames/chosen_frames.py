@@ -15,7 +15,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolkit.bodies.planar.chosen_frames import ChosenFrames, FrameChoice
+from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError, InputError, SingularSystemError
 from toolkit.scene.cut_scene import most_frames

@@ -15,7 +15,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import chain_nodes
 from toolkit.reduced_model.model import Mesh

@@ -7,20 +7,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NoLimitPointError, ToolkitError
 from toolkit.foundation.verdict import Caution
 from toolkit.responses.load_margin import LoadMargin
-from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.result import Result
 from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.evaluator import load_margin
 from toolkit.studies.study.problem import FAR, Problem, by_case
+from toolkit.studies.study.solved_design import load_margin, scene_at
 from toolkit.studies.study.study_file import LOAD_MARGIN
 
 ANOTHER = 1e-5
@@ -109,13 +106,6 @@ def _margin(problem: Problem, result: Result, where: str, cautions: list[Caution
         cautions.append(Caution("load-margin", f"{where}the path beyond the full load: {error}", doubt=False))
         return (float(factor), True) if factor is not None else (1.0, False)
     return value, value < up_to
-
-
-def scene_at(problem: Problem, case: str, design: np.ndarray) -> Scene:
-    """The scene of a case at a design; load margins, which need not exist, are found beside it."""
-    responses = {name: each for name, each in problem.scene.responses.items() if not isinstance(each, LoadMargin)}
-    scene = problem.scene.model_copy(update={"responses": responses})
-    return with_numbers(scene, {**problem.cases[case], **problem.numbers(design)})[0]
 
 
 def finer(scene: Scene) -> Scene:

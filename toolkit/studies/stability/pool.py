@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import chain
 
 from toolkit.scene.scene import Scene
-from toolkit.studies.processes import Progress, side_by_side
+from toolkit.studies.places.place import Place, Progress, done_at
 from toolkit.studies.stability.measure import Measured, measure
 
 REMEDY = "Run it again with --jobs 1 or a smaller --most-steps."
@@ -33,14 +33,14 @@ def measured(tasks: Sequence[Task], jobs: int, progress: Progress | None = None)
     Raises
     ------
     StudyError
-        As `side_by_side`.
+        As `done_at`.
     """
     keys = [repr(task) for task in tasks]
     missing = dict(zip(keys, tasks, strict=True))
     found: dict[str, Measured] = {}
     alone = dict(list(missing.items())[:1])  # what is not compiled yet would be compiled by every process
     others = {key: task for key, task in missing.items() if key not in alone}
-    for key, result in chain(*(side_by_side(Task.run, part, jobs, REMEDY) for part in (alone, others))):
+    for key, result in chain(*(done_at(Place(jobs), Task.run, part, REMEDY) for part in (alone, others))):
         found[key] = result
         if progress:
             progress(len(found), len(missing))

@@ -10,7 +10,7 @@ from tempfile import TemporaryDirectory
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.conversion import number_factor, response_factor
 from toolkit.sensitivity.numerical import typical_size
-from toolkit.studies.processes import Progress
+from toolkit.studies.places.place import Progress
 from toolkit.studies.stability.catalogue import maps_of
 from toolkit.studies.stability.doubts import verdict_of
 from toolkit.studies.stability.found import Cell, Mapped, Reference, Study

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from hashlib import sha256
 
+from toolkit.studies.identity import hashed, program
 from toolkit.studies.study.problem import Problem
-from toolkit.studies.tradeoff.settings.store import hashed, program
 
 BUDGET = {"starts", "evaluations"}
 """Options that change how many designs are solved, and no number of any."""
+ELSEWHERE = {"search", "directory", "responses", "scene", "uncertain", "sweep", "uncertainty"}
+"""Parts of a study that count otherwise, or say only which designs are solved."""
 
 
 def fingerprint(problem: Problem) -> str:
     """Hash of study, scene, the files that it reads, and the program; more starts or evaluations leave it as it is."""
     study, scene = problem.study, problem.scene
     search = {key: value for key, value in study.search.model_dump(mode="json").items() if key not in BUDGET}
-    rest = study.model_dump(mode="json", exclude={"search", "directory", "responses", "scene"})
+    rest = study.model_dump(mode="json", exclude=ELSEWHERE)
     content = [sha256(path.read_bytes()).hexdigest() for path in scene.read_files()]
-    return hashed(rest, search, repr(scene.model_copy(update={"directory": study.directory.__class__()})), content, program())
+    return hashed(
+        rest, search, problem.asked, repr(scene.model_copy(update={"directory": study.directory.__class__()})), content, program()
+    )

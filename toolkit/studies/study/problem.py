@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from toolkit.foundation.listed_names import listed
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.response import Response
 from toolkit.scene.changed_numbers import with_numbers
+from toolkit.scene.names import check_names
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.scene_file.reader import read_scene
@@ -119,44 +120,108 @@ class Problem:
 
 
 def problem_of(study: Study, scene: Scene | None = None) -> Problem:
-    """A study with its scene, which is read unless it is given.
+    """A study to be optimised with its scene, which is read unless it is given.
 
     Raises
     ------
     InputError
-        A name is unknown, a start lies outside of its bounds, or something contradicts something else.
+        A name is unknown, a start lies outside of its bounds, something contradicts something else, or there is no objective.
     """
+    problem = checked(study, scene)
+    if not study.objective.weights:
+        raise InputError("objective is missing: write [objective] with `minimize` or `maximize`, and what is to be so.")
+    _refuse_start_outside(problem)
+    return problem
+
+
+def problem_of_all(study: Study, scene: Scene | None = None, chosen: tuple[str, ...] | None = None, where: str = "") -> Problem:
+    """A study of which many responses are asked, at designs that need not be near the one of the scene.
+
+    Parameters
+    ----------
+    study
+        What `read_study` returns, or a Study made in Python.
+    scene
+        By default the one that the study names.
+    chosen
+        Responses; by default all that the analysis has.
+    where
+        The key that names them.
+
+    Raises
+    ------
+    InputError
+        As of `problem_of`, but for start and objective.
+    """
+    problem = checked(study, scene)
+    known = responses_of(problem.scene, moving=study.analysis != "statics")
+    wanted = [name for name, each in known.items() if not isinstance(each, LoadMargin)] if chosen is None else chosen
+    named = {name: where for name in wanted}
+    if not named:
+        raise InputError(
+            f"the scene has no response that {study.analysis} could have. Write some in the study's table [responses]."
+        )
+    _refuse_unknown(study, problem.scene, named)
+    names = tuple(name for name in named if name != LOAD_MARGIN)
+    if LOAD_MARGIN in named and problem.margin_up_to is None:
+        raise InputError(f"{where}: {LOAD_MARGIN} needs to know how far to look. Write a limit for it under [constraints].")
+    return replace(problem, asked=tuple(dict.fromkeys([*names, *problem.asked])))
+
+
+def checked(study: Study, scene: Scene | None = None) -> Problem:
+    """A study with its scene, as far as all its purposes have it in common."""
     if not isinstance(study, Study):
         raise InputError(f"a study is what `read_study` returns, or a Study made in Python, not {type(study).__name__}.")
+    if not study.variables:
+        raise InputError("variables is empty: write [variables] with numbers of the scene, and between which bounds they may be.")
     scene = read_scene(study.directory / study.scene) if scene is None else scene
     scene = with_chosen_frames(scene, "static" if study.analysis == "statics" else "transient")
-    _refuse_known("response", study.responses, scene.responses, "Give it another name.")
+    _refuse_known("responses", study.responses, scene.responses, "a response of that name stands in the scene already.")
     if LOAD_MARGIN in study.responses:
         raise InputError(f"responses.{LOAD_MARGIN} is built in. Leave it out.")
     several = {name: CommonVariable(of=each.of, factors=each.factors) for name, each in study.variables.items() if each.of}
-    _refuse_known("variable of several numbers", several, scene.design, "Give it another name.")
+    _refuse_known("variables", several, scene.design, "the scene has a variable of that name already.")
     updated = {"responses": {**scene.responses, **study.responses}, "design": {**scene.design, **several}}
     scene = scene.model_copy(update=updated)
-    scene.design_variables(list(study.variables))
+    check_names(scene.points, scene.bodies, scene.joints, scene.loads, scene.responses)
+    _refuse_variables(study, scene)
     problem = Problem(study, scene, _asked(study, scene))
-    _refuse_start_outside(problem)
     _refuse_cases(problem)
     return problem
 
 
-def _refuse_known(what: str, names: Iterable[str], known: Iterable[str], remedy: str) -> None:
+def _refuse_known(table: str, names: Iterable[str], known: Iterable[str], why: str) -> None:
     if (twice := next((name for name in names if name in set(known)), None)) is not None:
-        raise InputError(f"the {what} {twice!r} of the study is one of the scene already. {remedy}")
+        raise InputError(f"{table}.{twice}: {why} Give this one another name.")
+
+
+def _refuse_variables(study: Study, scene: Scene) -> None:
+    """Refuse variables that lead nowhere, and two that drive the same number."""
+    for name in study.variables:
+        try:
+            scene.design_variables([name])
+        except InputError as error:
+            raise InputError(f"variables.{name}: {error}") from error
+    try:
+        scene.design_variables(list(study.variables))
+    except InputError as error:
+        raise InputError(f"variables: {error}") from error
 
 
 def _asked(study: Study, scene: Scene) -> tuple[str, ...]:
-    """Responses that the study looks at, all of which the analysis has."""
-    statics = study.analysis == "statics"
-    known = responses_of(scene, moving=not statics)
+    """Responses that objective and constraints look at, all of which the analysis has."""
     places = {
         **dict.fromkeys(study.objective.weights, "objective"),
         **{name: f"constraints.{name}" for name in study.constraints},
     }
+    _refuse_unknown(study, scene, places)
+    return tuple(name for name in places if name != LOAD_MARGIN)
+
+
+def _refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> None:
+    """Refuse responses that the analysis does not have; `places` are the keys that name them."""
+    statics = study.analysis == "statics"
+    known = responses_of(scene, moving=not statics)
     for name, place in places.items():
         if name == LOAD_MARGIN:
             _refuse_no_margin(study, scene, place)
@@ -170,7 +235,6 @@ def _asked(study: Study, scene: Scene) -> tuple[str, ...]:
             raise InputError(
                 f"{place}: {name!r} does not exist where nothing snaps through. Write {LOAD_MARGIN}, which is built in."
             )
-    return tuple(name for name in places if name != LOAD_MARGIN)
 
 
 def _refuse_no_margin(study: Study, scene: Scene, place: str) -> None:

@@ -1,4 +1,4 @@
-"""All designs of a study in one file, which is replaced as a whole: whoever is killed loses at most the last fraction of a second.
+"""All designs of a study in one file, which is replaced as a whole: whoever is killed loses what was solved in the last moment.
 
 What was lost is solved again and gives the same numbers, because they follow from what the file holds.
 """
@@ -17,8 +17,8 @@ from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_arr
 from toolkit.studies.study.evaluation import Evaluation, State
 
 SCHEMA, SCHEMA_VERSION = "ffrf-study", 1
-PAUSE = 0.2
-"""Least time between two writings, in s."""
+SHARE = 10
+"""So many times as long as a writing takes nothing is written after it."""
 
 
 class StudyFileError(InputError):
@@ -40,7 +40,7 @@ class Store:
         self.path, self.key = path, key
         self._all: list[Evaluation] = []
         self._by: dict[tuple[int, bytes], Evaluation] = {}
-        self._written = 0.0
+        self._next = 0.0
         self._pending = False
         if path is not None and path.exists():
             self._read(path)
@@ -65,19 +65,21 @@ class Store:
         """Add a design; the file is written unless it was a moment ago."""
         self._add(found)
         self._pending = True
-        if time.monotonic() - self._written > PAUSE:
+        if time.monotonic() > self._next:
             self.write()
 
     def write(self) -> None:
         """Put what is known into the file."""
         if self.path is None or not self._pending:
             return
+        begun = time.monotonic()
         with writing(self.path) as file:
             file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
             file.attrs["key"] = np.bytes_(self.key.encode())
             for name, values in _columns(self._all).items():
                 write_array(file, name, values)
-        self._written, self._pending = time.monotonic(), False
+        ended = time.monotonic()
+        self._next, self._pending = ended + SHARE * (ended - begun), False
 
     @contextmanager
     def written_at_the_end(self) -> Iterator[None]:

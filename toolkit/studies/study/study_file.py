@@ -9,7 +9,10 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from toolkit.description.description import Description, Number, Pair, Positive, Registered
+from toolkit.description.design import check_shares
 from toolkit.studies.study.search_options import Search
+from toolkit.studies.study.sweep_options import Sweep
+from toolkit.studies.study.uncertain_numbers import Uncertain, Uncertainty
 
 LOAD_MARGIN = "load_margin"
 """A response that every study of statics has: the load factor of the first limit point."""
@@ -47,6 +50,8 @@ class StudyVariable(Description):
             )
         if self.factors is not None and self.of is None:
             raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        if self.of is not None:
+            check_shares(self.of, self.factors)
         return self
 
 
@@ -112,12 +117,16 @@ class Objective(Description):
         Of several cases their "sum", or the "worst": a smooth maximum (KS), which is a little above the largest.
     aggregation
         How sharp the smooth maximum is, in 1/(unit of the objective): it is above the largest by at most log(cases)/aggregation.
+    scale
+        What a large change of it is, which says when a search ends. By default what the ranges of the variables change it by: the lower
+        quartile, of all designs that the search has solved, of the largest derivative.
     """
 
     minimize: Weights = None
     maximize: Weights = None
     over_cases: Literal["sum", "worst"] = "sum"
     aggregation: Positive | None = None
+    scale: Positive | None = None
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
@@ -128,6 +137,11 @@ class Objective(Description):
         if (self.over_cases == "worst") != (self.aggregation is not None):
             raise ValueError('`aggregation`, in 1/(unit of the objective), belongs to over_cases = "worst"; write both or none')
         return self
+
+    @classmethod
+    def none(cls) -> Self:
+        """That of a study that is not for an optimum."""
+        return cls.model_construct(minimize={})
 
     @property
     def weights(self) -> Mapping[str, float]:
@@ -147,7 +161,7 @@ def _analysis(value: Any) -> Any:
 
 
 class Study(Description):
-    """A study of a scene: variables, an objective, constraints, and cases.
+    """A study of a scene: what of it may change, or is uncertain, and what is wanted.
 
     Attributes
     ----------
@@ -156,9 +170,12 @@ class Study(Description):
     analysis
         What is solved for every design: "statics" or "motion". Frequencies are responses of statics.
     variables
-        Path or short name of a number of the scene, or a new name of several numbers -> between which bounds it may be.
+        Path or short name of a number of the scene, or a new name of several numbers -> between which bounds it may be. Optima and sweeps
+        need them.
+    uncertain
+        Path or short name of a number of the scene, or a new name of several numbers -> its distribution.
     objective
-        What is to be as small or as large as possible.
+        What is to be as small or as large as possible; an optimum needs it.
     constraints
         Response -> its limits, in every case. `load_margin` is built in: the load factor of the first limit point.
     cases
@@ -168,18 +185,25 @@ class Study(Description):
         Responses beside those of the scene, written as there.
     search
         How the optimum is looked for.
+    sweep
+        Which designs a sweep solves.
+    uncertainty
+        How uncertain responses are found.
     directory
         Folder that the scene's path starts from; for a study file its own.
     """
 
     scene: str
     analysis: Annotated[Literal["statics", "motion"], BeforeValidator(_analysis)] = "statics"
-    variables: dict[str, StudyVariable] = Field(min_length=1)
-    objective: Objective
+    variables: dict[str, StudyVariable] = Field(default_factory=dict)
+    uncertain: dict[str, Uncertain] = Field(default_factory=dict)
+    objective: Objective = Field(default_factory=Objective.none)
     constraints: dict[str, Limit] = Field(default_factory=dict)
     cases: dict[str, dict[str, Number]] = Field(default_factory=dict)
     responses: dict[str, Annotated[Registered, WithJsonSchema({"type": "object", "required": ["type"]})]] = Field(
         default_factory=dict
     )
     search: Search = Search()
+    sweep: Sweep = Sweep()
+    uncertainty: Uncertainty = Uncertainty()
     directory: Annotated[Path, WithJsonSchema({"type": "string"})] = Path()

@@ -13,7 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.frames.chosen_frames import automatic
 from toolkit.sensitivity.preparation import responses_of
-from toolkit.studies.processes import Progress
+from toolkit.studies.places.place import Progress
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
 from toolkit.studies.tradeoff.errors.judged import Judged, cheapest, judge
 from toolkit.studies.tradeoff.errors.reference import Reference, find_reference

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from toolkit.bodies.planar.chosen_frames import ChosenFrames, FrameChoice
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Sequence
 from functools import partial
 
-from toolkit.studies.processes import Progress, side_by_side
+from toolkit.studies.places.place import Place, Progress, done_at
 from toolkit.studies.tradeoff.runs.worker import Case, measure
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting
@@ -33,7 +33,7 @@ def measured(case: Case, settings: Sequence[Setting], jobs: int, progress: Progr
     done = len(settings) - len(missing)
     progress(done, len(settings))
     waiting = dict(enumerate(_models_first(list(missing.values()))))
-    for _, record in side_by_side(partial(measure, case), waiting, jobs, REMEDY):
+    for _, record in done_at(Place(jobs), partial(measure, case), waiting, REMEDY):
         found[record.key] = record
         done += 1
         progress(done, len(settings))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from toolkit.studies.processes import Progress
+from toolkit.studies.places.place import Progress
 from toolkit.studies.tradeoff.runs.one_run import Ready, gradients_once, ready_to_run, values_once
 from toolkit.studies.tradeoff.runs.worker import Case
 from toolkit.studies.tradeoff.settings.record import Record

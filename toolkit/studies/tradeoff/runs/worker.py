@@ -12,12 +12,13 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate.rebuilt_bodies import rebuildable, with_model
 from toolkit.sensitivity.result import result
 from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.studies.identity import hashed
 from toolkit.studies.tradeoff.runs.one_run import gradients_once, ready_to_run
 from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting, with_options
 from toolkit.studies.tradeoff.settings.skin_models import build, model_file
-from toolkit.studies.tradeoff.settings.store import Store, hashed
+from toolkit.studies.tradeoff.settings.store import Store
 
 
 @dataclass(frozen=True)

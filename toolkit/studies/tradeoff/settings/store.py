@@ -6,23 +6,17 @@ never read again; it may be deleted at any time.
 
 from __future__ import annotations
 
-import json
-from functools import cache
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from pydantic import ValidationError
 
-import toolkit
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.files.toml_file import read_toml
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.rebuilt_bodies import rebuildable
+from toolkit.studies.identity import hashed, program
 from toolkit.studies.tradeoff.settings.record import Record
-
-UNINVOLVED = ("cli", "command_line", "report", "render", "results", "conformance")
-"""Parts of the toolkit that no run goes through."""
 
 
 class Store:
@@ -43,11 +37,6 @@ class Store:
     def keep(self, record: Record) -> None:
         """Write a record in one stroke."""
         write_whole(self.folder / f"{record.key}.json", record.model_dump_json(indent=1).encode())
-
-
-def hashed(*parts: Any) -> str:
-    """Hash of anything that JSON can hold; numbers count with all their digits."""
-    return sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def fingerprint(path: Path, scene: Scene, changes: dict[str, str], names: list[str]) -> str:
@@ -71,11 +60,3 @@ def _content(path: Path) -> str:
         return sha256(path.read_bytes()).hexdigest()
     except OSError:
         return "missing"
-
-
-@cache
-def program() -> str:
-    """Hash of all files of the toolkit that a run goes through."""
-    root = Path(toolkit.__file__ or "").parent
-    files = [path for path in sorted(root.rglob("*.py")) if path.relative_to(root).with_suffix("").parts[0] not in UNINVOLVED]
-    return sha256(b"".join(path.read_bytes() for path in files)).hexdigest()

@@ -1,0 +1,142 @@
+"""Many designs of a study, as functions: a sweep, and what follows from uncertain numbers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.clock import Progress
+from toolkit.studies.places.place import Place
+from toolkit.studies.study.study_file import Study
+from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.sweep.sweep import sweep_problem, swept
+from toolkit.studies.sweep.swept import Swept
+from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
+from toolkit.studies.uncertainty.uncertain_result import UncertainResult
+from toolkit.studies.uncertainty.uncertain_study import uncertain_study
+
+
+def sweep(
+    study: Study | str | Path,
+    *,
+    scene: Scene | None = None,
+    output: str | Path | None = None,
+    processes: int = 1,
+    threads: int = 1,
+    dask: str = "",
+    progress: Progress | None = None,
+) -> Swept:
+    """Solve many designs of a study: a grid, scattered ones, or those of a file, as its table [sweep] says.
+
+    Parameters
+    ----------
+    study
+        A study file, what `read_study` has made of one, or a Study made in Python.
+    scene
+        A scene made in Python, instead of the one that the study names.
+    output
+        Folder in which all designs are kept. A sweep that was interrupted, even killed, goes on there to the same bits.
+    processes
+        How many designs are solved at once, each in a process of its own; a script that asks for more than one needs
+        `if __name__ == "__main__":`.
+    threads
+        How many are solved at once in this process instead.
+    dask
+        Address of a Dask scheduler whose workers solve them instead.
+    progress
+        Called with the designs solved and the designs in all.
+
+    Returns
+    -------
+    swept
+        `columns` is the table; `values(response)` and `gradients(response)` are arrays, nan where a design failed; `verdict`.
+
+    Raises
+    ------
+    InputError
+        The study, its scene or the designs cannot be meant; or the folder holds another study.
+    NoDesignError
+        Not one design could be solved.
+    StudyError
+        A process or the cluster ended; what was finished is kept.
+
+    Examples
+    --------
+    >>> found = ffrf.sweep("study.toml", output="sweep", processes=2)
+    >>> found.values("max_stress"), found.gradients("max_stress"), found.verdict
+    """
+    place = Place(processes, threads, dask)
+    problem = sweep_problem(study if isinstance(study, Study) else read_study(study), scene)
+    return swept(problem, made_folder(output), place, progress)
+
+
+def uncertainty(
+    study: Study | str | Path,
+    *,
+    scene: Scene | None = None,
+    output: str | Path | None = None,
+    processes: int = 1,
+    threads: int = 1,
+    dask: str = "",
+    progress: Progress | None = None,
+) -> UncertainResult:
+    """Find out how sure responses are whose scene has uncertain numbers: those of the study's table [uncertain].
+
+    Parameters
+    ----------
+    study
+        A study file, what `read_study` has made of one, or a Study made in Python.
+    scene
+        A scene made in Python, instead of the one that the study names.
+    output
+        Folder in which all designs are kept. What was interrupted, even killed, goes on there to the same bits.
+    processes
+        How many designs are solved at once, each in a process of its own; a script that asks for more than one needs
+        `if __name__ == "__main__":`.
+    threads
+        How many are solved at once in this process instead.
+    dask
+        Address of a Dask scheduler whose workers solve them instead.
+    progress
+        Called with the designs solved and the designs in all.
+
+    Returns
+    -------
+    found
+        `responses[name]` has mean, sigma, quantiles, probabilities beyond limits, and Sobol's indices; `verdict`.
+
+    Raises
+    ------
+    InputError
+        The study or its scene cannot be meant; the folder holds another study; or OpenTURNS is not installed.
+    NoDesignError
+        Not one design could be solved.
+    StudyError
+        A process or the cluster ended; what was finished is kept.
+
+    Examples
+    --------
+    >>> found = ffrf.uncertainty("study.toml")
+    >>> found.responses["max_stress"].sigma, found.responses["max_stress"].alone, found.verdict
+    """
+    place = Place(processes, threads, dask)
+    checked = uncertain_study(study if isinstance(study, Study) else read_study(study), scene)
+    return found_uncertainty(checked, made_folder(output), place, progress)
+
+
+def made_folder(path: str | Path | None) -> Path | None:
+    """The folder, which is made unless it is there; None stays None.
+
+    Raises
+    ------
+    InputError
+        It cannot be made.
+    """
+    folder = None if path is None else Path(path)
+    if folder is not None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{str(folder)!r} cannot be made a folder ({error.strerror}). Give another output.") from error
+    return folder

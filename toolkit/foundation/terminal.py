@@ -1,0 +1,60 @@
+"""What the programs `ffrf` and `ffrf-preprocess` have in common on the terminal: options, JSON, and errors as one plain message."""
+
+from __future__ import annotations
+
+import errno
+import json
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+from typing import Annotated, Any
+
+import typer
+
+from toolkit.foundation.errors import ToolkitError, out_of_memory, refusal
+
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C ended, as shells have it."""
+
+
+def show_version(wanted: bool) -> None:
+    """Print the version of the toolkit, and end."""
+    if wanted:
+        typer.echo(f"ffrf-toolkit {version('ffrf-toolkit')}")
+        raise typer.Exit
+
+
+Version = Annotated[bool, typer.Option("--version", callback=show_version, is_eager=True, help="Print the version and exit.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress and no remarks on standard error, only errors.")]
+AsJson = Annotated[bool, typer.Option("--json", help="Print one JSON object and nothing else on standard output.")]
+
+
+def print_json(record: dict[str, Any]) -> None:
+    """Print one JSON object; everything in it is finite or null."""
+    typer.echo(json.dumps(record, indent=2, allow_nan=False))
+
+
+@contextmanager
+def errors_in_words(as_json: bool) -> Iterator[None]:
+    """An error of the toolkit becomes one plain message on standard error and exit code 1, where JSON was asked for an object too."""
+    try:
+        yield
+    except ToolkitError as error:
+        raise _failed(str(error), as_json) from None
+    except OSError as error:
+        if error.errno == errno.EPIPE:  # whoever read the output has seen enough
+            raise
+        raise _failed(refusal(error), as_json) from None
+    except MemoryError as error:
+        raise _failed(out_of_memory(error), as_json) from None
+    except KeyboardInterrupt:
+        typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+def _failed(message: str, as_json: bool) -> typer.Exit:
+    """Say what went wrong."""
+    typer.echo(message, err=True)
+    if as_json:
+        print_json({"error": message})
+    return typer.Exit(1)

@@ -1,0 +1,1 @@
+"""Sweeps: values and gradients at many designs of a study, as tables."""

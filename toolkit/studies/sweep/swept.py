@@ -1,0 +1,122 @@
+"""What a sweep returns: a row for every design, with values and gradients, or the reason why there are none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolkit.foundation.verdict import Verdict
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.problem import Problem, by_case
+
+Cell = int | float | str
+
+
+@dataclass(frozen=True)
+class Swept:
+    """Values and gradients of a study at many designs.
+
+    Attributes
+    ----------
+    problem
+        The study with its scene.
+    designs
+        Values of the variables, (designs, n).
+    solved
+        What came of each design, in their order; equal designs were solved once.
+    verdict
+        Whether the numbers can be trusted, by the runs at designs of extreme values.
+    wall
+        Time that the designs took, also before an interruption, in s.
+    """
+
+    problem: Problem
+    designs: np.ndarray
+    solved: tuple[Evaluation, ...]
+    verdict: Verdict
+    wall: float
+
+    @property
+    def responses(self) -> dict[str, tuple[int, int]]:
+        """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
+        cases, names = list(self.problem.cases), self.problem.responses
+        return {by_case([case], name)[0]: (i, j) for j, name in enumerate(names) for i, case in enumerate(cases)}
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Response, with its case -> label of its unit."""
+        return {label: self.problem.unit_of(self.problem.responses[j]) for label, (_, j) in self.responses.items()}
+
+    @property
+    def failed(self) -> int:
+        """How many designs could not be solved."""
+        return sum(each.failed for each in self.solved)
+
+    def values(self, response: str) -> np.ndarray:
+        """A response at all designs, (designs,); nan where they failed."""
+        place = self.responses[response]
+        return np.array([math.nan if each.failed else each.values[place] for each in self.solved])
+
+    def gradients(self, response: str) -> np.ndarray:
+        """Its derivatives by the variables, (designs, n); nan where designs failed."""
+        none = np.full(len(self.problem.variables), math.nan)
+        place = self.responses[response]
+        return np.array([none if each.failed else each.gradients[place] for each in self.solved])
+
+    @property
+    def columns(self) -> dict[str, list[Any]]:
+        """The table: number of the design, variables, why it failed, responses and derivatives."""
+        table: dict[str, list[Any]] = {"design": list(range(1, len(self.designs) + 1))}
+        table |= {name: self.designs[:, k].tolist() for k, name in enumerate(self.problem.variables)}
+        table["failure"] = [each.reason for each in self.solved]
+        table |= {label: self.values(label).tolist() for label in self.responses}
+        if self.problem.study.sweep.gradients:
+            for label in self.responses:
+                slopes = self.gradients(label)
+                table |= {f"d({label})/d({name})": slopes[:, k].tolist() for k, name in enumerate(self.problem.variables)}
+        return table
+
+    @property
+    def said(self) -> str:
+        """What it took, as a sentence."""
+        return f"{len(self.designs)} designs, {self.failed} of which could not be solved, in {self.wall:.1f} s."
+
+    def record(self) -> dict[str, Any]:
+        """The JSON object: where responses are least and largest; the table is in the CSV file."""
+        low, high = self.problem.bounds
+        return {
+            "sweep": {
+                "points": self.problem.study.sweep.kind,
+                "variables": {
+                    name: {"least": float(low[k]), "largest": float(high[k])} for k, name in enumerate(self.problem.variables)
+                },
+                "responses": {
+                    label: {
+                        "least": self._extreme(label, np.nanargmin),
+                        "largest": self._extreme(label, np.nanargmax),
+                        "unit": unit,
+                    }
+                    for label, unit in self.units.items()
+                },
+            },
+            "failures": [
+                {"design": k + 1, "variables": self._named(k), "reason": each.reason}
+                for k, each in enumerate(self.solved)
+                if each.failed
+            ],
+            "evaluations": len(self.designs),
+            "failed": self.failed,
+            "wall_s": self.wall,
+            **self.verdict.record(),
+        }
+
+    def _extreme(self, label: str, where: Any) -> dict[str, Any]:
+        values = self.values(label)
+        k = int(where(values))
+        return {"value": float(values[k]), "design": k + 1, "at": self._named(k)}
+
+    def _named(self, k: int) -> dict[str, float]:
+        return dict(zip(self.problem.variables, map(float, self.designs[k]), strict=True))

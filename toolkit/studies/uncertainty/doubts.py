@@ -1,0 +1,103 @@
+"""What speaks against uncertain responses."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from toolkit.foundation.verdict import Caution
+from toolkit.studies.designs.judged_runs import extremes, said_at
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.solved_design import solved
+from toolkit.studies.uncertainty.spread import Spread
+from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
+
+MISSED = 0.1
+"""Error of polynomials at designs left out, in parts of sigma, that is too large: they miss a hundredth of the variance."""
+ERRORS, SLACK = 4.0, 0.01
+"""Standard errors by which random designs may differ, and part of sigma that the difference may be beside them."""
+RARE = 1e-3
+"""Probability below which polynomials are asked about what no design has seen."""
+ANOTHER = 1e-5
+"""Relative change of a value by which an equilibrium is another one."""
+
+
+def doubts(
+    study: UncertainStudy, spreads: Mapping[str, Spread], exact: Sequence[Evaluation], random: Sequence[Evaluation], warm: bool
+) -> Iterator[Caution]:
+    """Cautions of failed designs, of polynomials, and of runs at the means and at extreme designs."""
+    yield from _failed([*exact, *random])
+    yield from _polynomials(spreads)
+    yield from _samples(spreads)
+    if np.any(study.joint.together):
+        yield Caution(
+            "correlated", "numbers go together, so that no share of the variance belongs to one of them alone.", doubt=False
+        )
+    ends = extremes(exact)
+    named = {
+        f"design {k + 1}" if k else "at the means": each
+        for k, each in enumerate(exact)
+        if any(each is end for end in ends) or not k
+    }
+    yield from said_at(study.problem, {name: each for name, each in named.items() if not each.failed})
+    if warm:
+        yield from _elsewhere(study, extremes([*exact, *random]))
+
+
+def _failed(found: Sequence[Evaluation]) -> Iterator[Caution]:
+    reasons = Counter(each.reason for each in found if each.failed)
+    if reasons:
+        reason, count = reasons.most_common(1)[0]
+        yield Caution(
+            "failed-designs",
+            f"{sum(reasons.values())} of {len(found)} designs could not be solved, and all numbers are those of the others alone: so "
+            f"probable is it that nothing can be said. {count} of them: {reason}",
+        )
+
+
+def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
+    bad = {name: each.left_out for name, each in spreads.items() if each.left_out > MISSED}
+    if bad:
+        worst = max(bad, key=lambda name: bad[name])
+        yield Caution(
+            "polynomials",
+            f"the polynomials of {', '.join(bad)} are off by {bad[worst]:.2g} sigma at designs that were left out, most for {worst} "
+            f"(limit {MISSED:g}). Give more runs; a maximum that moves from place to place has kinks, its smooth maximum has not.",
+        )
+    for name, each in spreads.items():
+        rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE or p in (0.0, 1.0)]
+        if rare and each.sampled is None:
+            yield Caution(
+                "tails",
+                f"that {name} is {rare[0]} is so rare, or so common, that it rests on tails of polynomials and distributions.",
+                doubt=False,
+            )
+
+
+def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
+    """Where random designs say something else than the polynomials."""
+    for name, each in spreads.items():
+        if each.sampled is None:
+            continue
+        for what, own, (value, error) in (("mean", each.mean, each.sampled.mean), ("sigma", each.sigma, each.sampled.sigma)):
+            if abs(own - value) > ERRORS * error + SLACK * each.sigma:
+                yield Caution(
+                    "monte-carlo",
+                    f"{what} of {name} is {own:.6g} by the polynomials, and {value:.6g} +- {error:.2g} by {each.sampled.runs} random "
+                    "designs. Believe these, or give more runs with gradients.",
+                )
+
+
+def _elsewhere(study: UncertainStudy, ends: Sequence[Evaluation]) -> Iterator[Caution]:
+    """That the path from the unloaded state leads elsewhere than the warm start."""
+    for end in ends:
+        cold = solved(study.problem, end.lane, end.design, None, False)
+        if cold.failed or not np.allclose(cold.values, end.values, rtol=ANOTHER, atol=0):
+            yield Caution(
+                "beyond-snap-through",
+                "a design of an extreme value is another one along the path from the unloaded state: it lies beyond a snap-through. "
+                "Leave out uncertainty.warm_starts.",
+            )
+            return

@@ -1,0 +1,123 @@
+"""Uncertain responses: some designs with gradients, the polynomials through them, and random designs to judge these by."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from toolkit.foundation.verdict import Verdict
+from toolkit.studies.designs.design_work import Asked, DesignWork
+from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.identity import hashed
+from toolkit.studies.places.place import HERE, Place, Progress
+from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.study.fingerprint import fingerprint
+from toolkit.studies.study.problem import by_case
+from toolkit.studies.study.solved_design import solved
+from toolkit.studies.study.store import Store
+from toolkit.studies.sweep.points import sobol
+from toolkit.studies.sweep.sweep import WITH, WITHOUT, refuse_all_failed
+from toolkit.studies.uncertainty.doubts import doubts
+from toolkit.studies.uncertainty.expansion import Expansion, fitted
+from toolkit.studies.uncertainty.spread import Spread, beyond, quantiles_of, sampled
+from toolkit.studies.uncertainty.uncertain_result import UncertainResult
+from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
+
+STORE = "uncertainty.h5"
+"""Name of the store in the folder of a study."""
+SAMPLES = 2**16
+"""Points at which polynomials are looked at for quantiles and probabilities."""
+
+
+def found_uncertainty(
+    study: UncertainStudy, folder: Path | None = None, place: Place = HERE, progress: Progress | None = None
+) -> UncertainResult:
+    """Find out what follows from uncertain numbers.
+
+    Parameters
+    ----------
+    study
+        The checked study.
+    folder
+        Where all designs are kept, and found again after an interruption; None keeps nothing.
+    place
+        Where they are solved.
+    progress
+        Called with the designs solved and the designs in all.
+
+    Raises
+    ------
+    InputError
+        There are too few designs; the folder holds another study; or OpenTURNS is not installed.
+    NoDesignError
+        Not one design could be solved.
+    StudyError
+        A process or the cluster ended; what was finished is kept.
+    """
+    problem, options = study.problem, study.options
+    start = solved(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
+    start = None if start is None or start.failed else start
+    key = fingerprint(problem) if start is None else hashed(fingerprint(problem), study.designs[0].tolist())
+    store = Store(None if folder is None else folder / STORE, key)
+    asked = [Asked(WITH, each) for each in study.designs]
+    asked += [Asked(WITHOUT, each, False) for each in study.random_designs()]
+    found = solve_designs(DesignWork(problem, start), asked, store, place, progress)
+    exact, random = found[: len(study.designs)], found[len(study.designs) :]
+    refuse_all_failed(exact)
+    expansions = _expansions(study, exact)
+    spreads = _spreads(study, expansions, exact, random)
+    verdict = Verdict.of(doubts(study, spreads, exact, random, start is not None))
+    wall = sum(each.wall for each in found)
+    return UncertainResult(study, spreads, expansions, tuple(exact), tuple(random), verdict, wall)
+
+
+def _places(study: UncertainStudy) -> dict[str, tuple[int, int]]:
+    """Response, with its case -> place of case and response."""
+    cases, names = study.problem.cases, study.problem.responses
+    return {label: (i, j) for j, name in enumerate(names) for i, label in enumerate(by_case(cases, name))}
+
+
+def _expansions(study: UncertainStudy, exact: Sequence[Evaluation]) -> dict[str, Expansion]:
+    good = [k for k, each in enumerate(exact) if not each.failed]
+    germs, places = study.germs[good], _places(study)
+    values = np.array([[exact[k].values[place] for place in places.values()] for k in good])
+    by_numbers = np.array([[exact[k].gradients[place] for place in places.values()] for k in good])
+    slopes = np.einsum("krx,kxg->krg", by_numbers, study.joint.slopes(germs))
+    return dict(zip(places, fitted(study.joint.germs, germs, values, slopes, study.options.degree), strict=True))
+
+
+def _spreads(
+    study: UncertainStudy, expansions: dict[str, Expansion], exact: Sequence[Evaluation], random: Sequence[Evaluation]
+) -> dict[str, Spread]:
+    problem, options, joint = study.problem, study.options, study.joint
+    germs = joint.germs_of(sobol(SAMPLES, len(joint.marginals), options.seed))
+    good, found = [each for each in random if not each.failed], {}
+    for label, place in _places(study).items():
+        each, name = expansions[label], problem.responses[place[1]]
+        values, limit = each.basis.values(germs) @ each.coefficients, problem.study.constraints.get(name)
+        alone, together = each.shares()
+        tied = bool(np.any(joint.together))
+        found[label] = Spread(
+            problem.unit_of(name),
+            each.mean,
+            each.sigma,
+            _first_order(study, exact[0], place),
+            quantiles_of(values, options.quantiles),
+            beyond(values, limit),
+            None if tied else dict(zip(problem.variables, map(float, alone), strict=True)),
+            None if tied else dict(zip(problem.variables, map(float, together), strict=True)),
+            each.degree,
+            each.left_out,
+            sampled(np.array([e.values[place] for e in good]), options.quantiles, limit) if len(good) > 1 else None,
+        )
+    return found
+
+
+def _first_order(study: UncertainStudy, first: Evaluation, place: tuple[int, int]) -> tuple[float, float] | None:
+    """Mean and standard deviation by the value and the derivatives at the means; None if that design could not be solved."""
+    if first.failed:
+        return None
+    slope = first.gradients[place]
+    return float(first.values[place]), float(np.sqrt(slope @ study.joint.covariance @ slope))

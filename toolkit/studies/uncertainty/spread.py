@@ -1,0 +1,127 @@
+"""What is known about one uncertain response."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from toolkit.studies.study.study_file import Limit
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """A response at random designs.
+
+    Attributes
+    ----------
+    runs
+        Designs that could be solved.
+    mean, sigma
+        Of the response, each with its standard error.
+    quantiles
+        Share -> value.
+    beyond
+        Limit in words -> share of the designs beyond it, with its standard error.
+    """
+
+    runs: int
+    mean: tuple[float, float]
+    sigma: tuple[float, float]
+    quantiles: Mapping[float, float]
+    beyond: Mapping[str, tuple[float, float]]
+
+    def record(self) -> dict[str, Any]:
+        """Keys of a JSON object."""
+        return {
+            "runs": self.runs,
+            "mean": {"value": self.mean[0], "standard_error": self.mean[1]},
+            "sigma": {"value": self.sigma[0], "standard_error": self.sigma[1]},
+            "quantiles": {f"{share:g}": value for share, value in self.quantiles.items()},
+            "beyond": {limit: {"value": p, "standard_error": error} for limit, (p, error) in self.beyond.items()},
+        }
+
+
+@dataclass(frozen=True)
+class Spread:
+    """An uncertain response.
+
+    Attributes
+    ----------
+    unit
+        Label of its unit.
+    mean, sigma
+        By the polynomials.
+    first_order
+        Both by value and derivatives at the means alone; None if that design could not be solved.
+    quantiles
+        Share -> value.
+    beyond
+        Limit in words -> probability that the response is beyond it.
+    alone, together
+        Uncertain number -> share of the variance that comes from it alone, and from it together with all others (Sobol's indices of the
+        first order and total ones); None where numbers go together.
+    degree
+        Of the polynomials.
+    left_out
+        Their error at designs that were left out of the fit, in parts of sigma.
+    sampled
+        The same at random designs; None without them.
+    """
+
+    unit: str
+    mean: float
+    sigma: float
+    first_order: tuple[float, float] | None
+    quantiles: Mapping[float, float]
+    beyond: Mapping[str, float]
+    alone: Mapping[str, float] | None
+    together: Mapping[str, float] | None
+    degree: int
+    left_out: float
+    sampled: Sampled | None = None
+
+    def record(self) -> dict[str, Any]:
+        """Keys of a JSON object."""
+        return {
+            "mean": self.mean,
+            "sigma": self.sigma,
+            "unit": self.unit,
+            "first_order": None if self.first_order is None else dict(zip(("mean", "sigma"), self.first_order, strict=True)),
+            "quantiles": {f"{share:g}": value for share, value in self.quantiles.items()},
+            "beyond": dict(self.beyond),
+            "sobol_first": None if self.alone is None else dict(self.alone),
+            "sobol_total": None if self.together is None else dict(self.together),
+            "degree": self.degree,
+            "leave_one_out_error": self.left_out,
+            "monte_carlo": None if self.sampled is None else self.sampled.record(),
+        }
+
+
+def limits_of(limit: Limit | None) -> dict[str, tuple[float, float]]:
+    """Ways to be beyond a limit: in words -> the limit, and 1 if that is above it or -1 if it is below."""
+    low, high = limit.limits if limit else (None, None)
+    found = {} if low is None else {f"below {low:g}": (low, -1.0)}
+    return found | ({} if high is None else {f"above {high:g}": (high, 1.0)})
+
+
+def beyond(values: np.ndarray, limit: Limit | None) -> dict[str, float]:
+    """Shares of values beyond a limit."""
+    return {words: float(np.mean(sign * (values - at) > 0)) for words, (at, sign) in limits_of(limit).items()}
+
+
+def quantiles_of(values: np.ndarray, shares: tuple[float, ...]) -> dict[float, float]:
+    """Values below which so many are."""
+    return dict(zip(shares, map(float, np.quantile(values, shares)), strict=True))
+
+
+def sampled(values: np.ndarray, shares: tuple[float, ...], limit: Limit | None) -> Sampled:
+    """What random designs say about a response."""
+    count, mean, sigma = len(values), float(np.mean(values)), float(np.std(values, ddof=1))
+    fourth = float(np.mean((values - mean) ** 4)) / sigma**4 if sigma else 1.0
+    sigma_error = sigma / 2 * float(np.sqrt(max(fourth - 1, 0.0) / count))
+    share = beyond(values, limit)
+    errors = {words: (p, float(np.sqrt(max(p * (1 - p), 1 / count) / count))) for words, p in share.items()}
+    return Sampled(count, (mean, sigma / float(np.sqrt(count))), (sigma, sigma_error), quantiles_of(values, shares), errors)

@@ -1,0 +1,80 @@
+"""A study whose numbers are uncertain: checked, with the distributions of its numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+from toolkit.studies.study.problem import Problem, problem_of_all
+from toolkit.studies.study.study_file import Study, StudyVariable
+from toolkit.studies.study.uncertain_numbers import Uncertainty
+from toolkit.studies.sweep.points import sobol
+from toolkit.studies.uncertainty.joint import Joint, joint_of
+from toolkit.studies.uncertainty.marginal import marginal_of
+
+
+@dataclass(frozen=True)
+class UncertainStudy:
+    """A checked study.
+
+    Attributes
+    ----------
+    problem
+        Whose variables are the uncertain numbers.
+    joint
+        Their distributions.
+    """
+
+    problem: Problem
+    joint: Joint
+
+    @property
+    def options(self) -> Uncertainty:
+        """How the responses are found out about."""
+        return self.problem.study.uncertainty
+
+    @cached_property
+    def germs(self) -> np.ndarray:
+        """Of the designs with gradients, (runs, n): the first is the one of all means, the others are points of Sobol's sequence."""
+        scattered = self.joint.germs_of(sobol(self.options.runs - 1, len(self.joint.marginals), self.options.seed))
+        return np.vstack([self.joint.germs_at_mean(), scattered])
+
+    @cached_property
+    def designs(self) -> np.ndarray:
+        """Their numbers, (runs, n)."""
+        return np.vstack([self.joint.mean, self.joint.numbers(self.germs[1:])])
+
+    def random_designs(self) -> np.ndarray:
+        """Numbers of the random designs, (monte_carlo, n): more of them leave the first ones as they are."""
+        shares = np.random.default_rng([self.options.seed, 1]).random((self.options.monte_carlo, len(self.joint.marginals)))
+        return self.joint.numbers(self.joint.germs_of(shares))
+
+
+def uncertain_study(study: Study, scene: Scene | None = None) -> UncertainStudy:
+    """A study with its scene and the distributions of its numbers.
+
+    Raises
+    ------
+    InputError
+        No number is uncertain, a name is unknown, or something contradicts something else.
+    """
+    if not isinstance(study, Study):
+        raise InputError(f"a study is what `read_study` returns, or a Study made in Python, not {type(study).__name__}.")
+    if not study.uncertain:
+        raise InputError(
+            "uncertain is empty: write [uncertain] with numbers of the scene and their distributions, for example "
+            't_w = { type = "normal", sigma = 0.05 }.'
+        )
+    anywhere = {
+        name: StudyVariable(between=(0.0, 1.0), of=each.of, factors=each.factors) for name, each in study.uncertain.items()
+    }
+    problem = problem_of_all(
+        study.model_copy(update={"variables": anywhere}), scene, study.uncertainty.responses, "uncertainty.responses"
+    )
+    own = dict(zip(problem.variables, map(float, problem.start), strict=True))
+    marginals = {name: marginal_of(name, each, own[name]) for name, each in study.uncertain.items()}
+    return UncertainStudy(problem, joint_of(problem.variables, marginals, study.uncertainty.correlations))
