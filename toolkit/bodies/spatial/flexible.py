@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, field_validator
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
@@ -51,6 +51,14 @@ class SpatialFlexible(ModelBody, SpatialBody):
     frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     deflection: Annotated[dict[str, Triple], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Triple], Quantity("length/time")] = Field(default_factory=dict)
+
+    @field_validator("frames", mode="before")
+    @classmethod
+    def _number_or_nodes(cls, frames: object) -> object:
+        if isinstance(frames, bool | float | str) or (isinstance(frames, int) and frames < 1):
+            auto = ' ("auto" chooses for bodies in the plane alone)' if frames == "auto" else ""
+            raise ValueError(f"is a whole number from 1 up, or a list of nodes and interface points where the body is cut{auto}")
+        return frames
 
     @property
     def dependence(self) -> tuple[str, ...]:
