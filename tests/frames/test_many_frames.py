@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import toolkit as ffrf
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
+from toolkit.foundation.errors import SingularSystemError
 from toolkit.sensitivity.frames.places import node_places
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers import direct_solve
@@ -94,3 +96,13 @@ def test_sparse_factors_of_many_frames_find_what_dense_ones_do(tmp_path, monkeyp
     )  # both stop at round-off, which the stiffness against tension magnifies
     np.testing.assert_allclose(sparse.dq, dense.dq, atol=1e-7 * np.abs(dense.dq).max())
     assert sparse.load_steps == dense.load_steps
+
+
+def test_joints_that_repeat_each_other_are_refused_among_many_unknowns_too(tmp_path):
+    """Sparse factors of a singular matrix exist to round-off; their pivots tell."""
+    scene = cantilever(tmp_path, np.column_stack([np.linspace(0, 1, 49), np.zeros(49)]), 48, (0.0, EI))
+    pins: dict[str, Any] = {name: ffrf.plane.Revolute(bodies=("beam", "ground"), point="tip") for name in ("pin", "again")}
+    with pytest.raises(SingularSystemError, match="repeat or contradict each other") as found:
+        solve(prepare(scene.model_copy(update={"joints": pins})), "static")
+    assert "again" in str(found.value)
+    assert "beam at node 0" not in str(found.value)
