@@ -34,6 +34,10 @@ ENDS = {
         0.0,
         1e-7,
     ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
+    "large_deformation": (
+        0.0,
+        1e-5,
+    ),  # relative difference to central differences: their truncation, (1e-6)^(2/3), and their noise
     "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
     "spatial_bracket": (
         0.0,
