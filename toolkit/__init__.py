@@ -16,6 +16,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from toolkit import bridges
     from toolkit.description.run_options import RunOptions
     from toolkit.door import extend, plane, space
     from toolkit.door.many_designs import sweep, uncertainty
@@ -48,6 +49,7 @@ _PLACES = {
     "ToolkitError": "toolkit.foundation.errors:ToolkitError",
     "UncertainResult": "toolkit.studies.uncertainty.uncertain_result:UncertainResult",
     "Verdict": "toolkit.foundation.verdict:Verdict",
+    "bridges": "toolkit.bridges:",
     "certify": "toolkit.sensitivity.certificate.certificate:certify",
     "compile": "toolkit.door.model:compile_model",
     "extend": "toolkit.door.extend:",
@@ -75,6 +77,7 @@ __all__ = [
     "ToolkitError",
     "UncertainResult",
     "Verdict",
+    "bridges",
     "certify",
     "compile",
     "extend",

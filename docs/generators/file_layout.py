@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import fields, is_dataclass
+from typing import Any
 
 from docs.generators.comments import meanings, words
 from docs.generators.key_tables import cell
-from toolkit.reduced_model.file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION
+from toolkit.reduced_model.file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION, SPATIAL_PARTS
 from toolkit.reduced_model.model import ReducedModel
 
 
@@ -31,11 +32,16 @@ def _section(name: str, meaning: str) -> str:
     head = f"### {name}/\n\n" + (f"{meaning[0].upper()}{meaning[1:]}: one group for each name.\n\n" if meaning else "")
     if not is_dataclass(kind):
         return head + "Datasets of the names and shapes of `invariants/`, those alone that are not zero."
-    assert isinstance(kind, type)
     below = f"{name}/NAME/" if "dict" in str(item.type) else f"{name}/"
+    found = head + _kind(kind, below)
+    return found + f"\n\nIn space: {_kind(SPATIAL_PARTS[name], below)}" if name in SPATIAL_PARTS else found
+
+
+def _kind(kind: Any, below: str) -> str:
+    """What a class says of itself, and its fields."""
     inside = meanings(kind)
     rows = {f"{below}{each.name}": inside.get(each.name, "") for each in fields(kind)}
-    return f"{head}{words(kind)}\n\nIn the reference: [`{kind.__name__}`][{kind.__module__}.{kind.__name__}].\n\n{_table(rows)}"
+    return f"{words(kind)}\n\nIn the reference: [`{kind.__name__}`][{kind.__module__}.{kind.__name__}].\n\n{_table(rows)}"
 
 
 def _table(rows: dict[str, str]) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 from scipy import sparse
@@ -67,6 +67,11 @@ class LineElement(BlockElement):
 
     The nodes turn too: their coordinates are x, y and a rotation, in space the displacements along and the rotations about x, y and z.
     """
+
+    def apart(self) -> Self:
+        """The same elements, no two of which share a coordinate: the nodes of the first element, then those of the second, and so on."""
+        nodes = self.ends.reshape(-1, self.nodes.shape[1])
+        return replace(self, nodes=nodes, connectivity=np.arange(len(nodes)).reshape(-1, 2))
 
     @property
     @abstractmethod

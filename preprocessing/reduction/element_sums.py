@@ -1,9 +1,9 @@
-"""The finite elements of a planar body one by one, as the reduced model keeps them, with their dependence on every parameter."""
+"""The finite elements of a body one by one, as the reduced model keeps them, with their dependence on every parameter."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import fields, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -15,12 +15,15 @@ from preprocessing.basis.reduction import undeformed
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
 from preprocessing.elements.block_element import LineElement
 from preprocessing.elements.section import Monomial, monomial
+from preprocessing.elements.space import Form
 from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import LOCAL, Elements
+from toolkit.reduced_model.elements import Elements, SpatialElements
 
-AXES = np.tile(np.eye(2, 3), 2)
-"""The unit rigid translations of an element, (2, 6)."""
+KINDS: dict[int, Any] = {2: Elements, 3: SpatialElements}
+"""By the dimension of space."""
+PLACES = ("nodes", "connectivity", "held")
+"""Fields that are no sums."""
 
 Arrays = dict[str, np.ndarray]
 
@@ -28,16 +31,22 @@ Arrays = dict[str, np.ndarray]
 class ElementSums(NamedTuple):
     """Elements of a body, and their dependence on the parameters as in `ReducedModel`."""
 
-    elements: Elements
+    elements: Elements | SpatialElements
     derivatives: dict[str, Derivatives]
     affine: dict[str, Polynomial]
 
 
-def element_sums(space: DesignSpace, nominal: Discretisation) -> ElementSums:
-    """All elements at the nominal design of a planar body."""
-    summands = {factors: _significant(arrays) for factors, arrays in _by_monomial(nominal.element).items()}
+def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int]) -> ElementSums:
+    """All elements at the nominal design of a body, whose frame is tied to the nodes `held`, or to none."""
+    every = _by_monomial(nominal.element)
+    mass = _sum(every, space.values)["mass"]
+    units = {factors: monomial(space.values, factors) if "mass" in arrays else 1.0 for factors, arrays in every.items()}
+    summands = {factors: _significant(arrays, mass / units[factors]) for factors, arrays in every.items()}
     arrays = {"nodes": nominal.nodes, **_sum(summands, space.values)}
-    elements = Elements(connectivity=nominal.element.connectivity, **arrays)
+    kind = KINDS[nominal.nodes.shape[1]]
+    found_by_place = {"connectivity": nominal.element.connectivity, "held": np.array(held, np.int64)}
+    places = {f.name: found_by_place[f.name] for f in fields(kind) if f.name in found_by_place}
+    elements = kind(**places, **arrays)
     names = list(space.values)
     terms: dict[str, list[Term]] = {}
     for factors, found in summands.items():
@@ -54,7 +63,7 @@ def _rates(space: DesignSpace, parameter: str, nominal: Arrays) -> Arrays:
     stepped = space.stepped(parameter)
     found = {"nodes": derivative_of(stepped.nodes + 0j)}
     found |= {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped.element), space.values).items()}
-    scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal)}
+    scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal, nominal["mass"])}
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
 
 
@@ -66,7 +75,7 @@ def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
 
 def _sum(summands: Mapping[Monomial, Arrays], values: Mapping[str, Any]) -> Arrays:
     """The arrays at values of the parameters."""
-    names = [f.name for f in fields(Elements) if f.name not in ("nodes", "connectivity")]
+    names = list(dict.fromkeys(name for arrays in summands.values() for name in arrays))
     return {
         name: sum(monomial(values, factors) * arrays[name] for factors, arrays in summands.items() if name in arrays)
         for name in names
@@ -75,40 +84,64 @@ def _sum(summands: Mapping[Monomial, Arrays], values: Mapping[str, Any]) -> Arra
 
 def _by_monomial(element: LineElement) -> dict[Monomial, Arrays]:
     """Monomial of the parameters -> what it multiplies in every array."""
-    count = len(element.connectivity)
-    torn = replace(
-        element,
-        nodes=element.nodes[element.connectivity].reshape(-1, element.nodes.shape[1]),
-        connectivity=np.arange(2 * count).reshape(-1, 2),
-    )
-    xi = undeformed(torn.nodes).reshape(count, LOCAL, 1)
-    z = np.concatenate([xi, np.broadcast_to(np.eye(LOCAL), (count, LOCAL, LOCAL))], axis=2)
+    apart = element.apart()
+    count, local = len(element.connectivity), 2 * element.per_node
+    xi = undeformed(apart.nodes).reshape(count, local, 1)
+    z = np.concatenate([xi, np.broadcast_to(np.eye(local), (count, local, local))], axis=2)
+    hidden = np.zeros((count, element.hidden, 1 + local))
+    hidden[:, :, 0] = 1
+    z = np.concatenate([z, hidden], axis=1)
     found: dict[Monomial, Arrays] = {}
-    for part in assemble(torn).parts:
+    for part in assemble(apart).parts:
         own = found.setdefault(part.factors, {})
-        for name, array in _summands(part, z):
+        for name, array in _summands(part, apart, z):
             own[name] = own[name] + array if name in own else array
     return found
 
 
-def _summands(part: Part, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+def _summands(part: Part, apart: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
     """What one part of one matrix adds."""
+    local = 2 * apart.per_node
     if part.name == "stress":
-        yield "stress_operator", _rows(part.matrix)
+        yield "stress_operator", _rows(part.matrix, local)
         return
-    blocks = _blocks(part.matrix, len(z))
+    blocks = _blocks(part.matrix, apart, z.shape[1])
     if isinstance(part.name, str):
-        yield part.name, _each(symmetric, blocks)
-    elif part.name == (0, 1):
-        yield "gyroscopic", _each(antisymmetric, _moment(z, blocks - np.swapaxes(blocks, 1, 2)))
+        yield part.name, _each(symmetric, blocks[:, :local, :local])
     else:
-        axis = part.name[0]
-        yield "inertia", _each(symmetric, _moment(z, blocks))
-        moment = np.zeros((len(z), 2, 1 + LOCAL), blocks.dtype if np.iscomplexobj(blocks) else z.dtype)
-        moment[:, axis] = np.einsum("i,eij,ejz->ez", AXES[axis], blocks, z)
+        yield from _of_mass(part.name, blocks, apart, z)
+
+
+def _of_mass(pair: tuple[int, int], blocks: np.ndarray, apart: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """What one component mass matrix adds."""
+    space = apart.space
+    for form in (form for form in space.forms if pair in form.pairs):
+        yield form.item, _placed(form, _form(form, blocks, z), len(space.pairs))
+    if pair[0] == pair[1]:
+        axis = np.zeros(z.shape[1])
+        axis[pair[0] : 2 * apart.per_node : apart.per_node] = 1
+        row = np.einsum("i,eij,ejz->ez", axis, blocks, z)
+        moment = np.zeros((len(z), space.dimension, z.shape[2]), row.dtype)
+        moment[:, pair[0]] = row
         yield "first_moment", moment
-        if axis == 0:
-            yield "mass", np.einsum("i,eij,j->e", AXES[0], blocks, AXES[0])
+        if pair[0] == 0:
+            yield "mass", np.einsum("i,eij,j->e", axis, blocks, axis)
+
+
+def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
+    if form.part == "antisymmetric":
+        return _each(antisymmetric, _moment(z, blocks - np.swapaxes(blocks, 1, 2)))
+    moment = _moment(z, blocks)
+    return _each(symmetric, moment) if form.part == "symmetric" else moment
+
+
+def _placed(form: Form, moment: np.ndarray, places: int) -> np.ndarray:
+    """A moment, as one of several of its element if it has a place among them."""
+    if form.place is None:
+        return moment
+    found = np.zeros((len(moment), places, *moment.shape[1:]), moment.dtype)
+    found[:, form.place] = moment
+    return found
 
 
 def _moment(z: np.ndarray, blocks: np.ndarray) -> np.ndarray:
@@ -119,35 +152,41 @@ def _each(part: Any, blocks: np.ndarray) -> np.ndarray:
     return np.stack([part(block) for block in blocks])
 
 
-def _blocks(matrix: Any, count: int) -> np.ndarray:
-    """The blocks (n_e, 6, 6) on the diagonal of a sparse matrix that has no others."""
-    entries = matrix.tocoo()
-    found = np.zeros((count, LOCAL, LOCAL), entries.dtype)
-    np.add.at(found, (entries.row // LOCAL, entries.row % LOCAL, entries.col % LOCAL), entries.data)
+def _blocks(matrix: Any, apart: LineElement, size: int) -> np.ndarray:
+    """The blocks (n_e, size, size) of a sparse matrix that has no entries between elements; hidden coordinates are the last."""
+    entries, local, nodal = matrix.tocoo(), 2 * apart.per_node, apart.coordinates.nodal
+    owner = np.where(entries.row < nodal, entries.row // local, entries.row - nodal)
+    row, column = (np.where(each < nodal, each % local, local) for each in (entries.row, entries.col))
+    found = np.zeros((len(apart.connectivity), size, size), entries.dtype)
+    np.add.at(found, (owner, row, column), entries.data)
     return found
 
 
-def _rows(matrix: Any) -> np.ndarray:
-    """Rows (n_s, 6), each on the coordinates of its own element."""
+def _rows(matrix: Any, local: int) -> np.ndarray:
+    """Rows (n_s, local), each on the coordinates of its own element."""
     entries = matrix.tocoo()
-    found = np.zeros((matrix.shape[0], LOCAL), entries.dtype)
-    np.add.at(found, (entries.row, entries.col % LOCAL), entries.data)
+    found = np.zeros((matrix.shape[0], local), entries.dtype)
+    np.add.at(found, (entries.row, entries.col % local), entries.data)
     return found
 
 
-def _significant(arrays: Arrays) -> Arrays:
-    """With zeros in the place of round-off."""
-    scales = _scales(arrays)
+def _significant(arrays: Arrays, mass: np.ndarray) -> Arrays:
+    """With zeros in the place of round-off; `mass` of whole elements: what only turns has none of its own."""
+    scales = _scales(arrays, mass)
     return {name: np.where(np.abs(array) > ROUND_OFF * scales[name], array, 0.0) for name, array in arrays.items()}
 
 
-def _scales(arrays: Arrays) -> Arrays:
+def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:
     """How large every entry could be, element by element; see `toolkit.reduced_model.entry_scales`."""
-    found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping", "inertia") if name in arrays}
-    if "inertia" in arrays:
-        found["gyroscopic"] = found["inertia"]
-        found["mass"] = np.abs(arrays["mass"])
-        diagonal = np.abs(np.einsum("eii->ei", arrays["inertia"]))
+    found: Arrays = {name: _of_squares(arrays[name]) for name in ("stiffness", "damping") if name in arrays}
+    moments = {name: arrays[name] for name in ("inertia", "gyroscopic", "second_moment") if name in arrays}
+    if moments:
+        inertia = moments["inertia"] if "inertia" in moments else moments["second_moment"][:, :3].sum(axis=1)
+        found |= {
+            name: _of_squares(inertia) if each.ndim == 3 else _of_squares(inertia)[:, None] for name, each in moments.items()
+        }
+        found["mass"] = np.abs(mass)
+        diagonal = np.abs(np.einsum("eii->ei", inertia))
         found["first_moment"] = np.sqrt(found["mass"][:, None] * diagonal)[:, None]
     if "stress_operator" in arrays:
         rows = np.abs(arrays["stress_operator"])

@@ -18,7 +18,7 @@ from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import Elements
+from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants
 
@@ -34,7 +34,7 @@ class Reduced:
     affine: dict[str, Polynomial]
     interfaces: dict[str, InterfacePoint]
     stress: StressPoints
-    elements: Elements | None = None
+    elements: Elements | SpatialElements | None = None
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
 
@@ -83,14 +83,26 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     found = contracted(
         nominal.parts, matrices, space.values, basis.z, rates, interfaces, computed=choice.kind != "full", exact=bool(exact)
     )
-    if not element_parts(nominal.nodes.shape[1], choice.kind):
+    if not element_parts(choice.kind):
         return Reduced(space, basis, *found, interfaces, nominal.stress_points)
-    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *element_sums(space, nominal))
+    return Reduced(
+        space,
+        basis,
+        *found,
+        interfaces,
+        nominal.stress_points,
+        *element_sums(space, nominal, _held(choice, clamped_node, len(nominal.nodes))),
+    )
 
 
-def element_parts(dimension: int, basis: str) -> tuple[str, ...]:
-    """Parts of a reduced model that hold its elements one by one: planar ones with all nodal coordinates have them."""
-    return ("elements", "element_derivatives", "element_affine") if dimension == 2 and basis == "full" else ()
+def element_parts(basis: str) -> tuple[str, ...]:
+    """Parts of a reduced model that hold its elements one by one: those with all nodal coordinates have them."""
+    return ("elements", "element_derivatives", "element_affine") if basis == "full" else ()
+
+
+def _held(choice: BasisChoice, clamped_node: int | Sequence[int], n_nodes: int) -> list[int]:
+    """Nodes that the frame is tied to; the last one may be -1."""
+    return [] if choice.chord is not None else [int(node) % n_nodes for node in np.atleast_1d(clamped_node)]
 
 
 def _shape_rates(basis: Basis, changes: Sequence[Change]) -> Iterator[np.ndarray]:

@@ -21,7 +21,11 @@ def command(
     """Write the files of a new wing and say what to do with them."""
     with errors_in_words(as_json):
         files = [str(file) for file in new_wing(folder, airfoil, target, chord)]
-        following = [f"ffrf-preprocess {folder}/skin.toml", f"ffrf statics {folder}/scene.toml"]
+        following = [
+            f"ffrf-preprocess {folder}/skin.toml",
+            f"ffrf statics {folder}/scene.toml",
+            f"ffrf optimize {folder}/study.toml",
+        ]
         if as_json:
             print_json({"files": files, "next": following})
             return

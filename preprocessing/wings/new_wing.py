@@ -12,7 +12,7 @@ from preprocessing.airfoil.airfoil import read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
 from preprocessing.recipes.skin.droop import drooped
-from preprocessing.wings.texts import README, SCENE, SKIN
+from preprocessing.wings.texts import README, SCENE, SKIN, STUDY
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
 
@@ -30,6 +30,11 @@ DROOP = 6.0 / 550.0
 
 LINKAGE = {"A": (72.5 / 550, 0.42214), "B": (75.3 / 550, 0.15679), "D": (61.8 / 550, 0.47488)}
 """Joints of the reference wing: place along the chord, and height as a part of the section's thickness there."""
+
+TORQUES, THICKNESSES = (0.6, 1.5), (0.8, 5 / 3)
+"""Bounds of the study, in parts of what the scene has."""
+ALONG, ACROSS = 0.01, 0.15
+"""How far the study may move joints: along the chord in parts of it, and in height in parts of the section's thickness there."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +62,7 @@ class Section:
 def new_wing(
     folder: str | Path, airfoil: str | Path, target: str | Path | None = None, chord: float = REFERENCE_CHORD
 ) -> list[Path]:
-    """Write a folder with airfoil.dat, target.dat, skin.toml, scene.toml and README.md.
+    """Write a folder with airfoil.dat, target.dat, skin.toml, scene.toml, study.toml and README.md.
 
     Parameters
     ----------
@@ -123,6 +128,28 @@ def _texts(section: Section, folder: Path, airfoil: Path, target: Path | None) -
     texts = {
         "skin.toml": SKIN.substitute(numbers),
         "scene.toml": SCENE.substitute(numbers),
+        "study.toml": STUDY.substitute(_bounds(section, torque, 1.5 * scale)),
         "README.md": README.substitute(words),
     }
     return {name: text.encode() for name, text in texts.items()}
+
+
+def _bounds(section: Section, torque: float, thickness: float) -> dict[str, str]:
+    """What the study may change, and how far."""
+    lines = []
+    for name, (along, height) in LINKAGE.items():
+        x, chord = section.joint(along, height)[0], section.chord
+        lowest, highest = (section.joint(along, height + sign * ACROSS)[1] for sign in (-1, 1))
+        lines += [
+            f'"points.{name}.x" = {{ between = {_between(x - ALONG * chord, x + ALONG * chord)} }}',
+            f'"points.{name}.y" = {{ between = {_between(lowest, highest)} }}',
+        ]
+    return {
+        "M_t": _between(*(part * torque for part in TORQUES)),
+        "t_w": _between(*(part * thickness for part in THICKNESSES)),
+        "joints": "\n".join(lines),
+    }
+
+
+def _between(low: float, high: float) -> str:
+    return f"[{low:#.5g}, {high:#.5g}]"

@@ -84,20 +84,43 @@ end_time = 1.2
 step = 0.05
 """)
 
+STUDY = Template("""\
+# The best torque, thickness and places of A, B and D: nearest to the target, within 60 MPa and far from a snap-through.
+scene = "scene.toml"
+analysis = "statics"
+
+[variables]
+M_t = { between = $M_t }
+t_w = { between = $t_w }
+$joints
+
+[responses]
+shape_mse = { type = "shape-mse", body = "skin" }  # mm^2; the root of it has no derivative at zero
+stress = { type = "ks-stress", body = "skin", aggregation = 2.0 }  # smoother than the scene's, and at most 2 MPa above the largest
+
+[objective]
+minimize = "shape_mse"
+
+[constraints]
+stress = { below = 60.0 }
+load_margin = { above = 1.05 }
+""")
+
 README = Template("""\
 # A morphing wing from $name
 
 `airfoil.dat` is the section as it is, `target.dat` the section that the wing shall take: $target.
-`skin.toml` describes the flexible skin, `scene.toml` the linkage that morphs it.
+`skin.toml` describes the flexible skin, `scene.toml` the linkage that morphs it, and `study.toml` what of it may change to come closer to
+the target.
 
 ```
 ffrf-preprocess $folder/skin.toml        # meshes the skin and writes skin.h5; again after every change of skin.toml
 ffrf statics $folder/scene.toml          # the morphed state: stress, distance to the target, and how both depend on the design
+ffrf optimize $folder/study.toml --output $folder/optimum   # the best torque, thickness and places of A, B and D
 ffrf render $folder/scene.toml --output $folder/pictures
 ffrf sensitivity $folder/scene.toml      # the same of the whole motion
 ffrf statics $folder/scene.toml --set M_t=$more   # any number can be changed for one run
 ```
 
-The linkage is that of `models/morphing_wing`, moved into this section. To come closer to the target,
-change the torque and the places of A, B and D.
+The linkage is that of `models/morphing_wing`, moved into this section.
 """)

@@ -39,6 +39,10 @@ ENDS = {
         0.0,
         1e-9,
     ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
+    "my_linkage_optimised": (
+        0.0,
+        1e-5,
+    ),  # relative: what the residual of 1e-6 leaves of the limit's slack is some ten times itself
     "my_own_joint": (0.0, 1e-9),  # relative, off the closed form: constant accelerations are integrated without error
     "my_own_load": (0.0, 1e-4),  # relative: (step / delay)^2 = 2.5e-5, of second order
     "my_own_response": (0.0, 1e-5),  # relative, off school geometry: drift of the driven joint with 200 steps

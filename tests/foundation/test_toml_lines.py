@@ -14,6 +14,7 @@ A = [1.0, 2.0]
 [bodies]  # with a remark
 rod = { type = "rod", between = ["A", "B"] }
 loads.drive.torque = 3
+"loads.drive.torque.x" = 3
 [joints."my joint"]
 type = "revolute"
 [[cases]]
@@ -30,10 +31,12 @@ name = "one"
         ("bodies", 8),
         ("bodies.rod.area", 9),
         ("bodies.loads.drive.torque", 10),
-        ("joints.my joint", 11),
-        ("joints.my joint.type", 12),
-        ("joints.my joint.axis", 11),
-        ("cases.name", 14),
+        ("bodies.loads.drive.torque.x", 11),
+        ("bodies.loads.drive", 8),
+        ("joints.my joint", 12),
+        ("joints.my joint.type", 13),
+        ("joints.my joint.axis", 12),
+        ("cases.name", 15),
         ("solver.step", None),
     ],
 )

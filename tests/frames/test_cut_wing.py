@@ -104,3 +104,28 @@ def test_pictures_show_the_parts_where_their_nodes_are(runs):
     places, _ = cut_positions(solution.system.scene, "skin", solution.q[0, solution.coordinates("skin")])
     np.testing.assert_allclose(shape.line[:, 0], places[:-1], atol=1e-9)  # mm: round-off of two ways to the same place
     np.testing.assert_allclose(shape.line[:, -1], places[1:], atol=1e-6)  # at a cut the tie closes to 1e-10 of the size
+
+
+def test_the_verdict_says_which_gradients_one_frame_falsifies(runs):
+    """By a run with more frames, whose estimates are those of the errors that are seen against a frame to every element."""
+    doubts = {
+        n: next((each.text for each in run.verdict.warnings if each.code == "geometric-gradients"), "") for n, run in runs.items()
+    }
+    signs = doubts[1].partition(" is in doubt")[0]
+    assert "shape_rmse by x_A" in signs
+    assert "shape_rmse by y_A" in signs
+    assert "t_w" not in signs  # of the right sign, though it is off by half
+    assert "bodies.skin.frames = 4" in doubts[1]
+    assert "shape_rmse by x_A" not in doubts[4].partition(" is in doubt")[0]
+    assert "gradients are off by up to" in doubts[4]
+    assert not runs[4].verdict.trusted
+    assert "off by up to 6% (shape_rmse by bodies.skin.chord)" in doubts[15]  # a small one: a tenth of what one frame makes of it
+    assert not doubts[30]
+    listed = runs[1].verdict.measures["geometric_error"]["signs_in_doubt"]
+    assert {"response": "shape_rmse", "variable": "x_A"} in listed
+    assert "geometric_error" not in runs[30].verdict.measures  # there are no more frames to compare with
+    for n in (1, 4, 15):
+        found = runs[n].verdict.measures["geometric_error"]["gradients"]["shape_rmse"]
+        for name in ("t_w", "x_A"):
+            true = runs[30].gradients["shape_rmse"][name] - runs[n].gradients["shape_rmse"][name]
+            assert 0.5 < found[name] / true < 2.0, (n, name)  # the next terms of the error, and parts of unequal length

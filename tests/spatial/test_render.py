@@ -1,7 +1,5 @@
 """Pictures of space: bodies, axes and loads are where the solution has them, the camera sees them, and a time series can be read."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -13,9 +11,9 @@ from tests.models.solid_bodies import box, cantilever
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigid, SpatialRod
-from toolkit.command_line.commands.report_command import refuse_space
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.point import BodyPoint, Point
+from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.cam import SpatialSwingCam
 from toolkit.joints.both.distance import SpatialDistance
@@ -46,8 +44,12 @@ from toolkit.render.space.curves import counted_angle, stress_extremes
 from toolkit.render.space.look import choose_spatial_look, outermost
 from toolkit.render.space.probe import drawing
 from toolkit.render.view import View
+from toolkit.report.material import Material
+from toolkit.report.write import write_report
 from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.results.collect import collect
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.direct import direct
 
 WIDTH, LENGTHS = 600, (1.0, 0.2, 0.15)
 TOP = "[pressure_surfaces.top]\nbox = [0.0, -0.1, 0.075, 1.0, 0.1, 0.075]\n"
@@ -186,10 +188,16 @@ def test_space_has_no_vector_pictures_and_nothing_has_pictures_of_an_unknown_for
         View(format="jpeg").check(gallows(folder))
 
 
-def test_a_report_of_space_is_refused_with_the_commands_that_show_it():
-    refuse_space(2, Path("scene.toml"))
-    with pytest.raises(InputError, match=r"ffrf render scene\.toml --animate.*--paraview"):
-        refuse_space(3, Path("scene.toml"))
+def test_a_report_of_a_scene_in_space_has_pictures_curves_and_numbers(folder, opengl, tmp_path):
+    found = direct(gallows(folder, solver=RunOptions(end_time=0.003, step=0.001)), [], "transient")
+    path = write_report(Material(found.solution, collect(found)), tmp_path, "Gallows")
+    text = path.read_text(encoding="utf-8")
+    assert text.count("data:image/png") == 2  # instants and curves
+    assert text.count("data:image/gif") == 1
+    assert {"overview.png", "curves.png", "animation.gif", "numbers.json", "results.h5"} <= {
+        file.name for file in tmp_path.iterdir()
+    }
+    assert "monitors.svg" in {file.name for file in (tmp_path / "figures").iterdir()}
 
 
 @pytest.mark.parametrize("frame", ["moving", "translating", "turning", "grounded"])

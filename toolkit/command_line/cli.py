@@ -184,7 +184,9 @@ def inspect(
     if file.suffix != ".toml":
         (print_json if as_json else print_file)(describe(file))
         return
-    scene = read(file, changes, quiet)
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+
+    scene = with_chosen_frames(read(file, changes, quiet), "transient")
     record = describe_scene(scene)
     names = list(scene.design) if variables is None else design_of(scene, variables)
     found = receipt_of(scene, names, keep_all, measure, quiet)
@@ -232,8 +234,8 @@ app.command()(report)
 app.command()(stability)
 app.command()(sweep)
 app.command()(tradeoff)
-app.command()(uncertainty)
 app.command("warm-up")(warm_up)
+app.command()(uncertainty)
 
 
 def main() -> None:

@@ -100,7 +100,8 @@ def motion_of(
 
 def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:
     """The motion or the equilibrium of a scene, with a progress bar."""
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
     from toolkit.sensitivity.preparation import prepare, solve
 
     with at_work("load steps" if kind == "static" else "time steps", scene, kind, quiet=quiet) as progress:
-        return solve(prepare(scene), kind, progress)
+        return solve(prepare(with_chosen_frames(scene, kind)), kind, progress)

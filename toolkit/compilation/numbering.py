@@ -129,8 +129,8 @@ def number(scene: Scene, extra_markers: tuple[tuple[str, str], ...] = ()) -> Num
                     f"beside its name, in the class {type(joint).__name__}."
                 )
         names += [f"{direction} of joint {name!r}" for direction in joint.row_names]
-    for name, body in scene.bodies.items():
-        if body.turns == QUATERNION:
+    for name in scene.pieces():
+        if scene.body(name).turns == QUATERNION:
             length[name] = len(names)
             names.append(f"length of the quaternion of body {name!r}")
     loads = {f"loads.{name}": load for name, load in scene.loads.items() if isinstance(load, Load)}
@@ -157,6 +157,6 @@ def weights(scene: Scene, remembered: Remembered | None = None) -> np.ndarray:
     states = [np.nan if load.state == "angle" else 1.0 for load in _with_state(scene).values()]
     lengths = np.concatenate([*(body.coordinate_lengths(placed) for body in scene.all_bodies().values()), states])
     rows = [np.nan if quantity == "angle" else 1.0 for joint in scene.joints.values() for _, quantity in joint.rows]
-    rows += [np.nan for body in scene.bodies.values() if body.turns == QUATERNION]
+    rows += [np.nan for name in scene.pieces() if scene.body(name).turns == QUATERNION]
     lengths = np.concatenate([np.real(lengths), rows])
     return np.where(np.isnan(lengths), 1.0, lengths / placed.size)

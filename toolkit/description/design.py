@@ -31,23 +31,24 @@ class CommonVariable(Description):
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
-        if len(set(self.of)) < len(self.of):
-            twice = next(path for path in self.of if self.of.count(path) > 1)
-            raise ValueError(f"`of` names {twice} twice; name each number once, with the factor that it shall have")
-        if self.factors is not None and len(self.factors) != len(self.of):
-            raise ValueError(
-                f"{len(self.of)} paths but {len(self.factors)} factors; give as many of each, or no factors if all are one"
-            )
-        if 0 in self.shares:
-            raise ValueError(
-                f"the factor of {self.of[self.shares.index(0)]} is zero, so that nothing drives it; leave it out of `of`"
-            )
+        check_shares(self.of, self.factors)
         return self
 
     @property
     def shares(self) -> tuple[float, ...]:
         """The factors, also where they are not written."""
         return (1.0,) * len(self.of) if self.factors is None else self.factors
+
+
+def check_shares(of: tuple[str, ...], factors: tuple[float, ...] | None) -> None:
+    """Refuse numbers of a variable that are named twice, or whose factors are too few, too many, or zero."""
+    if len(set(of)) < len(of):
+        twice = next(path for path in of if of.count(path) > 1)
+        raise ValueError(f"`of` names {twice} twice; name each number once, with the factor that it shall have")
+    if factors is not None and len(factors) != len(of):
+        raise ValueError(f"{len(of)} paths but {len(factors)} factors; give as many of each, or no factors if all are one")
+    if 0 in (factors or ()):
+        raise ValueError(f"the factor of {of[(factors or ()).index(0)]} is zero, so that nothing drives it; leave it out of `of`")
 
 
 def _entry(value: Any) -> Any:

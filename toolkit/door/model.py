@@ -224,7 +224,7 @@ class Model:
             raise InputError(
                 "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
             )
-        system = self.at({} if numbers is None else numbers)._compiled.primal
+        system = self.at({} if numbers is None else numbers)._compiled.analysed_by("static").primal
         options = system.scene.solver.model_copy(update={"equilibrium": "spinning"}) if spinning else None
         state = at_rest(system) if undeformed else solve(system, "static", progress, options)
         found = solve_modes(state, count)
@@ -266,7 +266,9 @@ class Model:
         if isinstance(count, bool) or not isinstance(count, int) or count < 1:
             raise InputError(f"count = {count!r}: give a whole number of modes, at least one.")
         refuse_changed(self._compiled.files)
-        return campbell_of(self.at({} if numbers is None else numbers)._compiled.primal, speeds, count, progress)
+        return campbell_of(
+            self.at({} if numbers is None else numbers)._compiled.analysed_by("static").primal, speeds, count, progress
+        )
 
     def map(
         self,

@@ -104,7 +104,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
         rough=np.zeros(1, np.int64),
         halves=np.zeros((2, plan.n), dtype),
         joint=plan.joints.work(dtype),
-        load=load_work(len(plan.markers.pose), dtype),
+        load=load_work(plan.loads, plan.markers.start, len(plan.markers.pose), dtype),
         floating=plan.floating.work(dtype),
     )
 

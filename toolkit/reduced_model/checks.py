@@ -11,7 +11,7 @@ from toolkit.foundation.errors import ModelFileError
 from toolkit.foundation.units import LARGEST, SMALLEST, UNIT_SYSTEMS
 from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import LOCAL, Elements
+from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, SpatialElements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import (
     InterfacePoint,
@@ -59,6 +59,10 @@ SHAPES: dict[Any, dict[str, str]] = {
         "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
         "stiffness": "euu", "damping": "euu", "stress_operator": "su",
     },
+    SpatialElements: {
+        "nodes": "k3", "connectivity": "e2", "held": "h", "mass": "e", "first_moment": "e3y", "second_moment": "e6yy",
+        "stiffness": "evv", "damping": "evv", "stress_operator": "sv",
+    },
     SpatialInvariants: {
         "stiffness": "ff", "damping": "ff", "mass": "", "first_moment": "3z", "second_moment": "6zz", "stress_operator": "scf",
     },
@@ -66,7 +70,8 @@ SHAPES: dict[Any, dict[str, str]] = {
     SurfaceLoad: {"force": "3", "moment": "33z"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
-"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u; others are free."""
+"""One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
+others are free."""
 
 
 def letters_of(part: Any) -> dict[str, str]:
@@ -86,7 +91,7 @@ def check(model: ReducedModel, path: Path) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL}
+    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
@@ -181,7 +186,10 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
     p, sizes_of = np.array(list(model.nominal.values())), _sizes(model.invariants)
     for item, polynomial in {**(model.affine or {}), **(model.element_affine or {})}.items():
         place = f"{'element_' * item.startswith('elements.')}affine/{item}"
-        names = [*SHAPES[type(model.invariants)], *(f"elements.{name}" for name in SHAPES[Elements])]
+        names = [
+            *SHAPES[type(model.invariants)],
+            *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind]),
+        ]
         if item not in names:
             _refuse(path, place, f"is the name of no invariant; there are {', '.join(names)}")
         _fit_all(path, place, polynomial, sizes)
@@ -222,6 +230,8 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
     elements = model.elements
     if elements is not None and not np.isin(elements.connectivity, np.arange(len(elements.nodes))).all():
         _refuse(path, "elements/connectivity", f"names nodes other than 0 to {len(elements.nodes) - 1}")
+    if isinstance(elements, SpatialElements) and not np.isin(elements.held, np.arange(len(elements.nodes))).all():
+        _refuse(path, "elements/held", f"names nodes other than 0 to {len(elements.nodes) - 1}")
     for name in ("triangles", "lines"):
         if surface is not None and not np.isin(getattr(surface, name), np.arange(len(surface.position))).all():
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")

@@ -30,7 +30,7 @@ ITEMS: dict[str, Dimension] = {
     "gyroscopic": MASS.times(LENGTH.power(2)), "stiffness": LABELLED["energy"], "damping": LABELLED["energy"].times(TIME),
     "stress_operator": LABELLED["stress"], "second_moment": MASS.times(LENGTH.power(2)),
     "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
-    "nodes": LENGTH, "connectivity": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
+    "nodes": LENGTH, "connectivity": NONE, "held": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
     "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "triangles": NONE, "lines": NONE,
     "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
@@ -92,8 +92,10 @@ class _Scales:
         self.model, self.units = model, units
         self.length = factor(LENGTH, model.units, units)
         coordinate = np.where(_moving(model), self.length, 1.0)
-        local = np.tile([self.length, self.length, 1.0], 2)
-        self.per_axis = {"f": 1 / coordinate, "z": 1 / np.append(1.0, coordinate), "u": 1 / local, "w": 1 / np.append(1.0, local)}
+        local, spatial = np.tile([self.length] * 2 + [1.0], 2), np.tile([self.length] * 3 + [1.0] * 3, 2)
+        widths = {"f": coordinate, "u": local, "v": spatial}
+        self.per_axis = {letter: 1 / each for letter, each in widths.items()}
+        self.per_axis |= {letter: 1 / np.append(1.0, widths[of]) for letter, of in (("z", "f"), ("w", "u"), ("y", "v"))}
 
     def part(self, part: Any, point: bool = False) -> Any:
         """All arrays of one object."""

@@ -1,13 +1,16 @@
-"""The finite elements behind a planar reduced model, one by one: from them the runtime makes parts with floating frames of their own."""
+"""The finite elements behind a reduced model, one by one: from them the runtime makes parts with floating frames of their own."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 LOCAL = 6
 """Coordinates of an element: displacements x, y and the rotation of its first node, then of its second, in the axes of the model."""
+SPATIAL_LOCAL = 12
+"""The same in space: displacements along and rotations about x, y and z of its first node, then of its second."""
 
 
 @dataclass(frozen=True)
@@ -27,3 +30,29 @@ class Elements:
     stiffness: np.ndarray  # (n_elements, 6, 6)
     damping: np.ndarray  # (n_elements, 6, 6)
     stress_operator: np.ndarray  # (n_stress, 6), on the coordinates of the element that the stress point is in
+
+    def held_nodes(self, mesh: Any) -> np.ndarray:
+        """Numbers of the nodes that the frame of the whole body is tied to: those that no column of the mesh moves."""
+        if mesh is None:
+            return np.zeros(0, int)
+        moved: np.ndarray = mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1)
+        return np.flatnonzero(np.all(moved == 0, axis=1))
+
+
+@dataclass(frozen=True)
+class SpatialElements:
+    """The invariants of every element on its own coordinates, with Q[a, b] in the order of `SpatialInvariants`."""
+
+    nodes: np.ndarray  # (n_nodes, 3), undeformed
+    connectivity: np.ndarray  # (n_elements, 2), first and second node
+    held: np.ndarray  # (n_held,) nodes that the frame of the whole body is tied to
+    mass: np.ndarray  # (n_elements,)
+    first_moment: np.ndarray  # (n_elements, 3, 13)
+    second_moment: np.ndarray  # (n_elements, 6, 13, 13)
+    stiffness: np.ndarray  # (n_elements, 12, 12)
+    damping: np.ndarray  # (n_elements, 12, 12)
+    stress_operator: np.ndarray  # (n_stress, 12), on the coordinates of the element that the stress point is in
+
+    def held_nodes(self, _mesh: Any) -> np.ndarray:
+        """As kept."""
+        return self.held

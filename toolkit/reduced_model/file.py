@@ -16,7 +16,7 @@ from toolkit.foundation.files.hdf5 import SIGNATURE, Content, reading, schema_of
 from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
-from toolkit.reduced_model.elements import Elements
+from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -46,7 +46,9 @@ PARTS: dict[str, Any] = {
     "surface": Surface,
     "surface_loads": SurfaceLoad,
 }
-"""Groups of the file; those in `_NAMED` hold several named objects. In space `invariants` are `SpatialInvariants`."""
+"""Groups of the file; those in `_NAMED` hold several named objects."""
+SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
+"""What they hold in space instead."""
 _NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
 
 
@@ -189,7 +191,7 @@ def _write(group: h5py.Group, name: str, value: Any) -> None:
 def _read_part(content: Content, name: str, dimension: int) -> Any:
     if name != "invariants" and not content.has(name):
         return None
-    kind = SpatialInvariants if name == "invariants" and dimension == 3 else PARTS[name]
+    kind = SPATIAL_PARTS.get(name, PARTS[name]) if dimension == 3 else PARTS[name]
     if name in _NAMED:
         return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
     return _read_object(kind, content, name)

@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.joints.both.tie import Tie
+from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
 from toolkit.loads.spatial.torque import SpatialTorque
 from toolkit.markers.component import Component
-from toolkit.scene.cut_scene import Tie
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
@@ -89,8 +90,12 @@ class Moment(ABC):
 
     def components(self) -> list[Component]:
         """All joints and loads that grip bodies, but for those that tie the parts of a cut body."""
-        every = [*self.scene.joints.values(), *self.scene.loads.values()]
-        return [each for each in every if isinstance(each, Component) and not isinstance(each, Tie)]
+        every = [*self.joints(), *self.scene.loads.values()]
+        return [each for each in every if isinstance(each, Component)]
+
+    def joints(self) -> list[Joint]:
+        """All joints, but for those that tie the parts of a cut body."""
+        return [each for each in self.scene.joints.values() if not isinstance(each, Tie)]
 
     def grips(self) -> list[tuple[str, str]]:
         """(body, point) wherever a joint or load grips, each once."""

@@ -75,7 +75,7 @@ def _ks_table(material: Material, name: str, response: KSStress) -> Table:
         )
     caption = (
         f"{name} against its aggregation parameter; the largest of the n = {stress.size} stresses is {largest:.8g} {label}. "
-        f"The scene uses {response.aggregation:g}. Compare table 1 of the paper."
+        f"The scene uses {response.aggregation:g}."
     )
     head = [
         "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS - maximum in {label}",
@@ -94,8 +94,8 @@ def gradient_table(material: Material) -> Table:
             rows.append([name, variable, slope, label, *(abs(other - slope) / (abs(slope) or 1.0) for other in others)])
     compared = [f"relative difference to {method}" for method in material.judges]
     caption = (
-        "Total derivatives of the responses. The forward difference uses steps of 1e-6 of the value, as in the paper, the central "
-        "one 1e-5; the complex step is exact to round-off. Compare table 2 of the paper."
+        "Total derivatives of the responses. The forward difference uses steps of 1e-6 of the value, the central "
+        "one 1e-5; the complex step is exact to round-off."
     )
     head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
     return Table("gradients", "Gradients", caption, head, rows)
@@ -117,8 +117,7 @@ def cost_table(material: Material) -> Table:
         rows.append([method, runs, total, total / primal if primal else np.nan])
     caption = (
         f"Wall times on the machine of this report, {count} variables. Compiled and warm; the median of several runs where a run is "
-        "short. The other methods compile the scene's numbers anew for every run, and the complex step runs as plain Python. "
-        "Compare table 3 of the paper."
+        "short. The other methods compile the scene's numbers anew for every run, and the complex step runs as plain Python."
     )
     return Table("cost", "Cost", caption, ["analysis", "runs", "wall time in s", "relative to primal"], rows)
 

@@ -8,14 +8,16 @@ from pathlib import Path
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.report import page
-from toolkit.report.animation import animate
 from toolkit.report.drawing import Drawing
-from toolkit.report.figures.catalogue import FIGURES
+from toolkit.report.figures.catalogue import FIGURES_IN
 from toolkit.report.material import Material, Progress
+from toolkit.report.motion import motion_sections
 from toolkit.report.page import Section
 from toolkit.report.tables import Table, all_tables
-from toolkit.report.viewer import viewer_data
 from toolkit.results.results_file import save_results
+
+ANSWERS = ("responses", "gradients")
+"""Tables that stand before all pictures."""
 
 
 def write_report(material: Material, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
@@ -38,11 +40,13 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     if material.results.path != folder / "results.h5":
         save_results(material.results, folder / "results.h5")
     drawings = _draw(material, folder / "figures", progress)
-    sections = [*_motion(material, folder, progress), *_figure_sections(drawings, folder / "figures")]
-    sections += [
+    written = [
         Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
     ]
-    sections = [_trust(material), *sections, _missing(material), _again(material)]
+    answers = [each for each in written if each.name in ANSWERS]
+    sections = [_trust(material), *answers, *motion_sections(material, folder, progress)]
+    sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
+    sections += [_missing(material), _again(material)]
     path = folder / "report.html"
     _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
     return path
@@ -72,11 +76,12 @@ def summary(material: Material) -> str:
 def _draw(material: Material, folder: Path, progress: Progress) -> list[tuple[str, Drawing]]:
     """Draw and save all figures; each with the name of the function that drew it."""
     found = []
-    for number, figure in enumerate(FIGURES):
+    figures = FIGURES_IN[material.scene.space]
+    for number, figure in enumerate(figures):
         for drawing in figure(material):
             drawing.save(folder)
             found.append((figure.__name__, drawing))
-        progress("figures", number + 1, len(FIGURES))
+        progress("figures", number + 1, len(figures))
     return found
 
 
@@ -88,18 +93,6 @@ def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[
         body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
         sections.append(Section(kind, own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize(), body, len(own) > 1))
     return sections
-
-
-def _motion(material: Material, folder: Path, progress: Progress) -> list[Section]:
-    """The moving pictures, if anything moves."""
-    if not material.moving:
-        return []
-    gif = animate(material, folder / "animation.gif", lambda done, total: progress("animation", done, total))
-    data, stress = viewer_data(material), material.results.unit("stress")
-    colors = f"from {-data['limit']:.3g} to {data['limit']:.3g} {stress}"
-    hint = f"From blue to red: stress of the outer fibre {colors}. Grey: undeformed; dashes: target." if material.skins else ""
-    shown = f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>"
-    return [Section("motion", "Motion", page.pictures([shown, page.picture(gif, "The same as an animation (animation.gif).")]))]
 
 
 def _trust(material: Material) -> Section:

@@ -10,12 +10,14 @@ and how far it has turned, x_0 its undeformed place.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
-from toolkit.bodies.planar.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.cut.framed_part import elements_at, whole_design
+from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
@@ -52,8 +54,8 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
         The frame of the whole is not tied to one of its nodes.
     """
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
-    rows = _rows(scene, name, body)
+    assert isinstance(body, PlanarCutBody)
+    rows = _rows(scene, name)
     order = chain_nodes(elements_at(whole_design(scene, name)).connectivity)
     assert order is not None
     found = [_seen(each, q) for each in rows]
@@ -68,20 +70,45 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     return places, slopes
 
 
+def moves_nodes(scene: Scene, name: str) -> bool:
+    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body."""
+    return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+
+
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
     """X_0, psi and x_0 in one state q (n,) of the body's coordinates: what belongs to the undeformed whole is drawn from there."""
     body = scene.bodies[name]
-    assert isinstance(body, CutBody)
+    assert isinstance(body, PlanarCutBody)
     held = clamped_nodes(scene.model(body.model, "elements", "mesh"))
     if body.frame == "moving" and len(held) != 1:
         return q[:2], float(q[2]), np.zeros(2)
-    axes, origin = _axes(scene, name, body, _rows(scene, name, body), q)
+    axes, origin = _axes(scene, name, body, _rows(scene, name), q)
     return axes.place, float(axes.angle), origin
 
 
-def _rows(scene: Scene, name: str, body: CutBody) -> list[Rows]:
+@dataclass(frozen=True, eq=False)
+class _Same:
+    """A scene that equals itself alone: states of one run are looked at one by one."""
+
+    scene: Scene
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Same) and self.scene is other.scene
+
+    def __hash__(self) -> int:
+        return id(self.scene)
+
+
+def _rows(scene: Scene, name: str) -> list[Rows]:
     """All nodes in the order of the chain, one between two parts as the first of the second."""
-    found = []
+    return _rows_of(_Same(scene), name)
+
+
+@lru_cache(maxsize=8)
+def _rows_of(same: _Same, name: str) -> list[Rows]:
+    scene, found = same.scene, []
+    body = scene.bodies[name]
+    assert isinstance(body, PlanarCutBody)
     for k, part in enumerate(body.parts(name).values()):
         assembled, count = part.part(scene), part.last - part.first  # type: ignore[attr-defined]
         last = k == len(body.cuts) - 2
@@ -106,7 +133,7 @@ def _seen(rows: Rows, q: np.ndarray) -> Seen:
     return Seen(r + inside, theta + rows.angle @ state, place_q, angle_q)
 
 
-def _axes(scene: Scene, name: str, body: CutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
+def _axes(scene: Scene, name: str, body: PlanarCutBody, rows: list[Rows], q: np.ndarray) -> tuple[Seen, np.ndarray]:
     """X_0, psi and x_0."""
     if body.frame == "grounded":
         return Seen(np.array(body.position), body.angle, np.zeros((2, len(q))), np.zeros(len(q))), np.zeros(2)

@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.compilation.quantities import STEP
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
-from toolkit.responses.cut_shape import cut_positions
+from toolkit.responses.cut_shape import cut_positions, moves_nodes
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import Partials
 from toolkit.responses.stress.stress import design_rates
@@ -96,6 +96,12 @@ def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tupl
         if any(path.startswith(f"bodies.{body}.") for path in variable.paths):
             moved = scene.moved(variable, 1j * STEP)
             target = target_shape(moved, body).target
+            if (
+                set(variable.paths) <= set(scene.model_parameters())
+                and not moves_nodes(moved, body)
+                and not np.any(np.imag(target))
+            ):
+                continue  # a section: its effect is that of the state
             yield x, np.imag([cut_positions(moved, body, state)[0] - target for state in np.real(q)]) / STEP
 
 

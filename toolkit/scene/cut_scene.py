@@ -8,16 +8,15 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
-import numpy as np
-
 from toolkit.bodies.body import Body
-from toolkit.bodies.model_body import refuse_unknown
-from toolkit.bodies.planar.cut.cut_body import CutBody, part_name
-from toolkit.bodies.planar.cut.framed_part import NODE
+from toolkit.bodies.cut.cut_body import CutBody, part_name
+from toolkit.bodies.cut.framed_part import NODE
+from toolkit.bodies.model_body import ModelBody, refuse_unknown
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
-from toolkit.joints.both.rigid_joint import RigidJoint
+from toolkit.joints.both.tie import Tie
 from toolkit.reduced_model.cut.chain import chain_nodes, place_of
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene
@@ -40,6 +39,11 @@ class CutScene(Scene):
         written = [(name, self.body(name)) for name in super().pieces(names)]
         return tuple(piece for name, body in written for piece in (body.parts(name) if isinstance(body, CutBody) else [name]))
 
+    def piece(self, body: str, point: str) -> str:
+        """The part of a cut body that the point lies in."""
+        found = self.body(body)
+        return part_name(body, found.part_at(self, point, body)) if isinstance(found, CutBody) else body
+
     @property
     def written(self) -> Scene:
         """The scene as the user has written it, at its own numbers."""
@@ -47,7 +51,7 @@ class CutScene(Scene):
         fields = dict(self)
         for group in ("points", "joints"):
             fields[group] = {name: item for name, item in fields[group].items() if name not in ties}
-        fields["bodies"] = {name: _uncut(body) if isinstance(body, CutBody) else body for name, body in self.bodies.items()}
+        fields["bodies"] = {name: _uncut(body) for name, body in self.bodies.items()}
         return Scene.model_construct(**fields)
 
     @property
@@ -56,15 +60,23 @@ class CutScene(Scene):
         return [name for name, joint in self.joints.items() if isinstance(joint, Tie)]
 
 
-def _uncut(body: CutBody) -> Flexible:
-    written = {**dict(body), **body.model_values()}
-    del written["cuts"]
-    return Flexible.model_construct(**written)
+def _uncut(body: Body) -> Body:
+    if isinstance(body, CutBody):
+        return body.uncut()
+    if isinstance(body, ChosenFrames):
+        chosen = {**dict(body), **body.model_values()}
+        del chosen["choice"]
+        return Flexible.model_construct(**chosen)
+    return body
 
 
 def written(scene: Scene) -> Scene:
-    """The scene as the user has written it."""
-    return scene.written if isinstance(scene, CutScene) else scene
+    """The scene as the user has written it, with the numbers of frames that were chosen."""
+    if isinstance(scene, CutScene):
+        return scene.written
+    if any(isinstance(body, ChosenFrames) for body in scene.bodies.values()):
+        return scene.model_copy(update={"bodies": {name: _uncut(body) for name, body in scene.bodies.items()}})
+    return scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,12 +103,6 @@ def _with_parts_of(same: _SameBodies) -> dict[str, Body]:
     return found
 
 
-class Tie(RigidJoint):
-    """Between two parts of a body, or between its clamp and the ground."""
-
-    kind = ""
-
-
 def with_parts(scene: Scene) -> Scene:
     """The scene with its cut bodies; itself if none is.
 
@@ -105,14 +111,17 @@ def with_parts(scene: Scene) -> Scene:
     InputError
         A body cannot be cut so; says where and what would be right.
     """
-    wanted = {name: body for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.parted}
+    wanted = {name: body for name, body in scene.bodies.items() if isinstance(body, ModelBody) and body.parted}
     if not wanted or isinstance(scene, CutScene):
         return scene
     fields: dict[str, Any] = dict(scene)
+    body: Any
     for name, body in wanted.items():
         model = _model(scene, name, body)
+        if body.frames == "auto":
+            raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
         cuts = _cuts(scene, name, body, model)
-        cut = CutBody.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
+        cut = scene.space.cut_body.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
         held = _clamp(name, model) if body.frame == "grounded" else []
         nodes = [*cuts[1:-1], *held]
         fields["bodies"] = {**fields["bodies"], name: cut}
@@ -122,8 +131,23 @@ def with_parts(scene: Scene) -> Scene:
         }
         ties = {tie_name(name, node): (part_name(name, k), part_name(name, k + 1)) for k, node in enumerate(cuts[1:-1])}
         ties |= {tie_name(name, node): ("ground", name) for node in held}
-        fields["joints"] = {**fields["joints"], **{tie: Tie(bodies=pair, point=tie) for tie, pair in ties.items()}}
+        fields["joints"] = {**fields["joints"], **{tie: scene.space.tie(bodies=pair, point=tie) for tie, pair in ties.items()}}
     return CutScene.model_construct(**fields)
+
+
+def most_frames(scene: Scene, name: str) -> int:
+    """How many frames a body can have at most: one for every element.
+
+    Raises
+    ------
+    InputError
+        It cannot be cut; says why.
+    """
+    body = scene.bodies[name]
+    assert isinstance(body, Flexible)
+    elements = _model(scene, name, body).elements
+    assert elements is not None
+    return len(elements.connectivity)
 
 
 def can_be_cut(model: ReducedModel) -> bool:
@@ -136,7 +160,7 @@ def tie_name(body: str, node: int) -> str:
     return f"{body} at node {node}"
 
 
-def _model(scene: Scene, name: str, body: Flexible) -> ReducedModel:
+def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
     """The reduced model, if it can be cut."""
     model = scene.model(body.model, "elements", "mesh")
     if model.elements is None:
@@ -154,6 +178,11 @@ def _model(scene: Scene, name: str, body: Flexible) -> ReducedModel:
             f"bodies.{name}.frames = {body.frames}: the elements of reduced model {body.model!r} are no chain from one end to another, but "
             "branch or close, and only chains can be cut. Leave `frames` out."
         )
+    if body.frame not in ("moving", "grounded"):
+        raise InputError(
+            f'bodies.{name}.frame = "{body.frame}" belongs to a body with one frame, and frames = {body.frames}. Write frame = "moving" '
+            "and hold the body by a joint, or leave `frames` out."
+        )
     if written := [key for key, wishes in body.deflected.items() if wishes]:
         raise InputError(
             f"bodies.{name}.{written[0]} is the shape of a body with one frame, and frames = {body.frames}. Leave out one of the two."
@@ -161,7 +190,7 @@ def _model(scene: Scene, name: str, body: Flexible) -> ReducedModel:
     return model
 
 
-def _cuts(scene: Scene, name: str, body: Flexible, model: ReducedModel) -> list[int]:
+def _cuts(scene: Scene, name: str, body: Any, model: ReducedModel) -> list[int]:
     """Numbers of the nodes along the chain where it is cut, both ends among them."""
     assert model.elements is not None
     count = len(model.elements.connectivity)
@@ -206,10 +235,10 @@ def _node(name: str, model: ReducedModel, place: int | str) -> int:
 def clamped_nodes(model: ReducedModel) -> list[int]:
     """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node."""
     order = None if model.elements is None else chain_nodes(model.elements.connectivity)
-    if model.mesh is None or order is None:
+    if model.elements is None or order is None:
         return []
-    still = np.all(model.mesh.recovery[:, 1:].reshape(len(model.mesh.nodes), -1) == 0, axis=1)
-    return [k for k, node in enumerate(order) if still[node]]
+    held = model.elements.held_nodes(model.mesh)
+    return [k for k, node in enumerate(order) if node in held]
 
 
 def _clamp(name: str, model: ReducedModel) -> list[int]:

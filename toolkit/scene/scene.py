@@ -100,6 +100,10 @@ class Scene(Description):
         """Bodies with coordinates and mass of their own: these names, or all, with the parts of a cut body in its place."""
         return tuple(self.bodies if names is None else names)
 
+    def piece(self, body: str, _point: str) -> str:
+        """The one of these that a point of a body lies in."""
+        return body
+
     def interface(self, point: str) -> Point | BodyPoint:
         """The point as it was written.
 

@@ -6,11 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from toolkit.bodies.body import Body
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.body import PlanarBody
+from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.bodies.planar.ground import Ground
 from toolkit.bodies.spatial.body import SpatialBody
+from toolkit.bodies.spatial.cut.cut_body import SpatialCutBody
 from toolkit.bodies.spatial.ground import SpatialGround
 from toolkit.description.description import Registered
+from toolkit.joints.both.tie import PlanarTie, SpatialTie, Tie
 from toolkit.joints.kernels.records import ROWS, SPATIAL_ROWS
 from toolkit.joints.planar.joint import PlanarJoint
 from toolkit.joints.spatial.joint import SpatialJoint
@@ -36,6 +40,8 @@ class Space:
         Whether the names of the axes name the entries of every vector, and not of points alone.
     ground
         The body that is always there.
+    cut_body, tie
+        A body that is cut into parts, and the joint between two of them.
     frame_size
         Coordinates of a frame that moves and turns.
     constant_rigid_mass
@@ -46,8 +52,6 @@ class Space:
         Whether the preprocessing has finite elements that turn, which a flexible body can be compared with.
     camera
         Whether its pictures are what a camera sees, in pixels; else they are lines and may be vectors.
-    reported
-        Whether the figures of a report can show it.
     wrench
         Components of the force and torque of a joint.
     joint_rows
@@ -61,12 +65,13 @@ class Space:
     named_vectors: bool
     kinds: Mapping[str, Mapping[str, type[Registered]]]
     ground: Body
+    cut_body: type[CutBody]
+    tie: type[Tie]
     frame_size: int
     constant_rigid_mass: bool
     rotations_add: bool
     turning_elements: bool
     camera: bool
-    reported: bool
     wrench: tuple[str, ...]
     joint_rows: int
     load_parameters: int
@@ -78,12 +83,13 @@ PLANE = Space(
     named_vectors=False,
     kinds={"bodies": PlanarBody.kinds, "joints": PlanarJoint.kinds, "loads": AnyPlanarLoad.kinds},
     ground=Ground(),
+    cut_body=PlanarCutBody,
+    tie=PlanarTie,
     frame_size=3,
     constant_rigid_mass=True,
     rotations_add=True,
     turning_elements=True,
     camera=False,
-    reported=True,
     wrench=("x", "y", "torque"),
     joint_rows=ROWS,
     load_parameters=LOAD_ARGUMENTS - 7,
@@ -94,12 +100,13 @@ SPACE = Space(
     named_vectors=True,
     kinds={"bodies": SpatialBody.kinds, "joints": SpatialJoint.kinds, "loads": AnySpatialLoad.kinds},
     ground=SpatialGround(),
+    cut_body=SpatialCutBody,
+    tie=SpatialTie,
     frame_size=7,
     constant_rigid_mass=False,
     rotations_add=False,
     turning_elements=False,
     camera=True,
-    reported=False,
     wrench=("x", "y", "z", "torque-x", "torque-y", "torque-z"),
     joint_rows=SPATIAL_ROWS,
     load_parameters=SPATIAL_ARGUMENTS - 25,

@@ -15,7 +15,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
-from toolkit.foundation.files.toml_lines import line_of
+from toolkit.foundation.files.toml_lines import naming_lines
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.scene.changed_numbers import with_numbers
@@ -58,10 +58,8 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
             single.add(long if isinstance(long, str) else key)
             _change(table, long if isinstance(long, str) else key, text, path)
     _refuse_bodies(table, path)
-    try:
+    with naming_lines(path, changed={*single, *common}):
         scene = scene_from_table(table, path)
-    except InputError as error:
-        raise InputError(_with_lines(str(error), path, {*single, *common})) from error
     for name in common:
         if (
             twice := next((each for each in scene.paths_of(name) if each in {scene.path_of(key) for key in single}), None)
@@ -77,17 +75,6 @@ def _refuse_bodies(table: Mapping[str, Any], path: Path) -> None:
             f"{path.name} describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess {path}`, and name that as "
             "the model of a body in a scene."
         )
-
-
-def _with_lines(message: str, path: Path, changed: set[str]) -> str:
-    """A message, every line of which names a key first, with the numbers of their lines in the file; not of keys from outside of it."""
-    text, lines = path.read_text(encoding="utf-8-sig"), []
-    for problem in message.splitlines():
-        place = problem.removeprefix(f"{path.name}: ").split(" ")[0].rstrip(":")
-        known = problem.startswith(f"{path.name}: ") and place not in changed
-        line = line_of(text, place) if known else None
-        lines.append(problem if line is None else f"{problem} (line {line})")
-    return "\n".join(lines)
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
 from toolkit.description.design import Design
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.preparation import prepare
+from toolkit.sensitivity.frames.chosen_frames import Choices, Frames, chosen_frames, with_choices, with_frames
+from toolkit.sensitivity.preparation import Kind, prepare
 from toolkit.system.model_files import FileStates, file_states
 from toolkit.system.renewal import renewed
 from toolkit.system.system import System
@@ -52,6 +53,37 @@ class Compiled:
     def files(self) -> FileStates:
         """States of the files of reduced models when they were first asked for; all of one origin share them."""
         return file_states(self.scene) if self.base is None else self.base.files
+
+    def analysed_by(self, kind: Kind) -> Compiled:
+        """The same with numbers of frames that an analysis needs, where the scene leaves them to be chosen.
+
+        They are chosen once, at the scene's own numbers, so that its values at other numbers can be compared.
+        """
+        root = self if self.base is None else self.base
+        if kind not in root._chosen:
+            root._chosen[kind] = chosen_frames(root.scene, kind)
+        choices = root._chosen[kind]
+        return self._other(("chosen", kind), lambda scene: with_choices(scene, choices)) if choices else self
+
+    def reframed(self, frames: Mapping[str, Frames]) -> Compiled:
+        """The same with other frames in some of its bodies."""
+        return self._other(tuple(sorted(frames.items())), lambda scene: with_frames(scene, frames))
+
+    def _other(self, key: Hashable, change: Callable[[Scene], Scene]) -> Compiled:
+        """The same with a changed scene; what that compiles is kept for all other numbers."""
+        root = self if self.base is None else self.base
+        if key not in root._others:
+            root._others[key] = Compiled(change(root.scene), self.names)
+        other = root._others[key]
+        return other if self is root else Compiled(change(self.scene), self.names, other, self.paths)
+
+    @cached_property
+    def _chosen(self) -> dict[Kind, Choices]:
+        return {}
+
+    @cached_property
+    def _others(self) -> dict[Hashable, Compiled]:
+        return {}
 
     @cached_property
     def primal(self) -> System:

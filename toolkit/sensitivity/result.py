@@ -16,6 +16,7 @@ from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
+from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, doubtful_gradients, frame_errors
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
@@ -51,6 +52,8 @@ class Result:
         Why the method was chosen, if nobody named one.
     repeat
         The same analysis with other options, which `verdict` needs.
+    reframed
+        The same analysis with other floating frames, which `verdict` needs where there are gradients.
     """
 
     values: dict[str, Any]
@@ -62,6 +65,7 @@ class Result:
     wall_sensitivity: float | None
     reason: str = ""
     repeat: Repeat | None = field(default=None, compare=False)
+    reframed: Reframed | None = field(default=None, compare=False)
 
     @cached_property
     def measures(self) -> dict[str, Any]:
@@ -89,8 +93,26 @@ class Result:
         return found
 
     @cached_property
+    def frame_errors(self) -> FrameErrors | None:
+        """Estimated errors by the number of floating frames, by a run with more of them when it is first asked for."""
+        if self.reframed is None or not self.gradients:
+            return None
+        return frame_errors(self.solution, self.values, self.gradients, self.reframed)
+
+    @cached_property
     def verdict(self) -> Verdict:
-        """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run."""
+        """Whether values and gradients can be trusted, and why not; found out when it is first asked for, at the price of half a run, and
+        of one with more floating frames where there are gradients of bodies that deform far."""
+        found, errors = self._verdict, self.frame_errors
+        if errors is None:
+            return found
+        sizes = variable_sizes(self.solution.system.scene, self)
+        doubts = doubtful_gradients(errors, self.gradients, sizes)
+        return Verdict.of([*found.warnings, *doubts], {**found.measures, "geometric_error": errors.record(self.gradients, sizes)})
+
+    @property
+    def _verdict(self) -> Verdict:
+        """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
             return Verdict.of([*found.warnings, *self._undefined()], found.measures)

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.linear.dense_lu import SWEEPS
-from toolkit.linear.linear_solver import linear_solver, solve_once
+from toolkit.linear.linear_solver import TRUSTED_REFINEMENT, linear_solver, solve_once
 from toolkit.system.system import System
 
 NULL, ALIKE = 1e-12, 10.0
 """Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""
+MANY = 400
+"""Unknowns from which sparse factors with pivoting come first."""
 TAKES_PART = 0.0931
 """Part of the largest from which an unknown takes part in a motion or in forces; no ratio of lengths that people choose."""
 
@@ -26,8 +30,29 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
     """
     block: np.ndarray = np.ascontiguousarray(rhs.reshape(system.n, -1), system.dtype)
     values = np.ascontiguousarray(values, system.dtype)
+    if (found := _sparse(system, values, block)) is not None:
+        return found[:, 0] if rhs.ndim == 1 else found
     out = _compiled(system, values, block, where) if system.compiled else _plain(system, values, block, where)
     return out[:, 0] if rhs.ndim == 1 else out
+
+
+def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray | None:
+    """Of a large real system, by sparse factors with pivoting, refined once; None where they are not good enough.
+
+    The loop's own solver falls back to dense factors where its fixed order meets a bad pivot, as it does without inertia.
+    """
+    if system.n < MANY or not system.compiled:
+        return None
+    matrix = csc_array(system.matrix(values))
+    try:
+        factors = splu(matrix)
+    except RuntimeError:  # exactly singular
+        return None
+    found = factors.solve(block)
+    change = factors.solve(block - matrix @ found)
+    found = found + change
+    moved, changed = (np.abs(system.weights[: system.n_q, None] * each[: system.n_q]).max(initial=0) for each in (found, change))
+    return found if np.isfinite(moved) and changed <= TRUSTED_REFINEMENT * moved else None
 
 
 def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.scene import Scene

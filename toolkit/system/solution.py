@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.foundation.verdict import Caution, Verdict

@@ -12,6 +12,7 @@ from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, la
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
+from toolkit.validity.description.frame_number import frames_chosen
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 from toolkit.validity.equilibrium import limits_passed
 from toolkit.validity.motion.bushing_turns import bushings_turned_far
@@ -47,7 +48,9 @@ def _of_states(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution
 
 def measures(solution: Solution) -> dict[str, Any]:
     """What is measured to judge a solution; of an equilibrium nothing but how well its joints are closed."""
-    return measured(solution) if solution.steps else {"drift": solution.drift}
+    found = measured(solution) if solution.steps else {"drift": solution.drift}
+    chosen = frames_chosen(solution.system.scene)
+    return {**found, "frames": chosen} if chosen else found
 
 
 def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:

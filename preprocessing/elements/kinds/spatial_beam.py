@@ -16,7 +16,7 @@ import numpy as np
 
 from preprocessing.elements import spatial_beam
 from preprocessing.elements.block_element import LineElement
-from preprocessing.elements.element import Contribution, squared
+from preprocessing.elements.element import Contribution, Coordinates, squared
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, SectionShape
 from preprocessing.elements.space import SPACE
@@ -42,6 +42,9 @@ class SpatialBeam(LineElement):
     patches: Sequence[SpatialPatch]
 
     space, per_node, hidden = SPACE, 6, 1
+
+    def apart(self) -> SpatialBeam:
+        return SpatialBeamsApart(**vars(super().apart()))
 
     @property
     def axes(self) -> np.ndarray:
@@ -107,3 +110,17 @@ class SpatialBeam(LineElement):
                 if terms:
                     placed = self.placed_rows(elements, each.modulus_factor * rows, numbers, int(first[-1]))
                     yield Contribution("stress", each.patch, terms, placed)
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialBeamsApart(SpatialBeam):
+    """Beams that share no node, each with an offset of its own; the offsets follow one another as the elements do."""
+
+    @property
+    def coordinates(self) -> Coordinates:
+        return Coordinates(self.space, len(self.nodes), self.per_node, len(self.connectivity))
+
+    @property
+    def dofs(self) -> np.ndarray:
+        own = super().dofs[:, :-1]
+        return np.column_stack([own, self.coordinates.nodal + np.arange(len(own))])

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import ConfigDict, Field, field_validator, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
@@ -39,6 +39,10 @@ class Flexible(ModelBody, StartVelocity):
         Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
         names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
+        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
+    geometric_error
+        With `frames = "auto"`: how far nodes may be from where ever more frames would bring them, in parts of the body's largest
+        displacement; by default 0.01.
     deflection
         Point of the body -> u_x, u_y, its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -55,7 +59,8 @@ class Flexible(ModelBody, StartVelocity):
     frame: Literal["moving", "grounded"] = "moving"
     position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
     angle: Annotated[Number, Quantity("angle")] = 0.0
-    frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
+    frames: Annotated[int, Field(ge=1, strict=True)] | Literal["auto"] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
+    geometric_error: Annotated[Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] | None, Quantity("1")] = None
     deflection: Annotated[dict[str, Pair], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Pair], Quantity("length/time")] = Field(default_factory=dict)
 
@@ -65,9 +70,22 @@ class Flexible(ModelBody, StartVelocity):
             raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
         return self
 
+    @field_validator("frames", mode="before")
+    @classmethod
+    def _number_or_nodes(cls, frames: object) -> object:
+        if isinstance(frames, bool | float) or (isinstance(frames, str) and frames != "auto"):
+            raise ValueError('is a whole number, "auto", or a list of nodes and interface points where the body is cut')
+        return frames
+
+    @model_validator(mode="after")
+    def _error_of_a_choice(self) -> Flexible:
+        if self.geometric_error is not None and self.frames != "auto":
+            raise ValueError('`geometric_error` is what frames = "auto" chooses a number for; write that, or leave it out')
+        return self
+
     def means(self, field: str) -> bool:
-        """A grounded body has no velocity."""
-        return self.has_frame or field not in ("velocity", "angular_velocity")
+        """A grounded body has no velocity; an error that is wanted is no number of the body."""
+        return field != "geometric_error" and (self.has_frame or field not in ("velocity", "angular_velocity"))
 
     @property
     def has_frame(self) -> bool:

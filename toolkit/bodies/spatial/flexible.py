@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import ConfigDict, Field
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
-from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
@@ -29,6 +29,10 @@ class SpatialFlexible(ModelBody, SpatialBody):
         Where the origin of the reduced model lies at the start, in units of length.
     orientation
         Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
+    frames
+        Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
+        it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
+        names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
     deflection
         Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -44,8 +48,19 @@ class SpatialFlexible(ModelBody, SpatialBody):
 
     position: Annotated[Triple, Quantity("length")] = (0.0, 0.0, 0.0)
     orientation: Annotated[Triple, Quantity("angle")] = (0.0, 0.0, 0.0)
+    frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     deflection: Annotated[dict[str, Triple], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Triple], Quantity("length/time")] = Field(default_factory=dict)
+
+    @property
+    def dependence(self) -> tuple[str, ...]:
+        """Of the elements too, if they make parts."""
+        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
+
+    @property
+    def parted(self) -> bool:
+        """Of more than one frame."""
+        return self.frames != 1
 
     @property
     def placement(self) -> np.ndarray:

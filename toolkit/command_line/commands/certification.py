@@ -39,11 +39,12 @@ def certify(
     if output is not None:
         refuse_no_picture(output)
     from toolkit.sensitivity.certificate.certificate import certify as compare
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
     from toolkit.sensitivity.preparation import frozen
 
-    described = read(scene, changes, quiet)
-    names = design_of(described, variables)
     kind: Kind = "static" if static else "transient"
+    described = with_chosen_frames(read(scene, changes, quiet), kind)
+    names = design_of(described, variables)
     with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None

@@ -23,7 +23,7 @@ StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study
 
 def optimize(
     study: StudyFile,
-    method: Annotated[str | None, typer.Option(help="slsqp or trust-constr, instead of the study's.")] = None,
+    method: Annotated[str | None, typer.Option(help="sqp, slsqp, trust-constr, mma or ccsa, instead of the study's.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many searches, instead of the study's.")] = None,
     evaluations: Annotated[int | None, typer.Option(min=1, help="Most designs of one search, instead of the study's.")] = None,
     output: Annotated[
@@ -34,10 +34,11 @@ def optimize(
     quiet: Quiet = False,
 ) -> None:
     """Find the best design of a study; exit with an error if none can be called an optimum. What was interrupted goes on."""
+    from toolkit.foundation.files.toml_lines import naming_lines
     from toolkit.studies.optimization.optimize import optimized
     from toolkit.studies.study.problem import problem_of
     from toolkit.studies.study.search_options import Search
-    from toolkit.studies.study.study_reader import read_study
+    from toolkit.studies.study.study_reader import TABLES, read_study
 
     described = read_study(study)
     given = {"method": method, "starts": starts, "evaluations": evaluations}
@@ -45,10 +46,11 @@ def optimize(
     if changed:
         search = Search.model_validate({**described.search.model_dump(), **_checked(changed)})
         described = described.model_copy(update={"search": search})
-    problem = problem_of(described)
+    with naming_lines(study, TABLES):
+        problem = problem_of(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with bar("designs", quiet) as progress:
+    with naming_lines(study, TABLES), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
@@ -62,7 +64,7 @@ def optimize(
 
 
 def _checked(changed: dict[str, Any]) -> dict[str, Any]:
-    from toolkit.studies.optimization.methods import METHODS
+    from toolkit.studies.optimization.methods.catalogue import METHODS
 
     if changed.get("method", "slsqp") not in METHODS:
         raise typer.BadParameter(

@@ -11,11 +11,11 @@ from toolkit.command_line.announcements import Progress, at_work, bar
 from toolkit.command_line.arguments import Changes, prepare_folder, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
 from toolkit.command_line.printed.printing import warn
-from toolkit.foundation.errors import InputError
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.report.material import Material
+    from toolkit.scene.scene import Scene
 
 PARTS = ("forward-difference", "central-difference", "complex-step", "certificate", "figures", "animation")
 """What a report's time goes to, in the order of the work."""
@@ -35,7 +35,7 @@ def report(
     """Write a page with figures, tables and numbers about a scene or its results."""
     from toolkit.render.packages import require
 
-    require("matplotlib")
+    require("matplotlib")  # which the report imports
     from toolkit.report.write import write_report
 
     check_options(file, changes, models)
@@ -46,7 +46,7 @@ def report(
             from toolkit.report.material import judge
 
             material = judge(material, _part(progress))
-        path = write_report(material, folder, f"Report of {file.name}", _part(progress))
+        path = write_report(material, folder, title_of(file), _part(progress))
     verdict = material.results.verdict
     if as_json:
         print_json({"report": str(path), **verdict.record()})
@@ -55,21 +55,18 @@ def report(
     warn(verdict, quiet)
 
 
-def refuse_space(dimension: int, file: Path) -> None:
-    """Refuse scenes in space before anything is computed.
+def title_of(file: Path) -> str:
+    """What the page is called: the name of the scene, which is that of its folder where its file is only called scene."""
+    name = file.resolve().parent.name if file.stem == "scene" else file.stem
+    return f"{name[:1].upper()}{name[1:]}".replace("_", " ")
 
-    Raises
-    ------
-    InputError
-        The scene is not planar; says which commands show one in space.
-    """
-    from toolkit.scene.space import SPACES
 
-    if dimension not in SPACES or not SPACES[dimension].reported:
-        raise InputError(
-            f"{file.name!r} is a scene in space, and the figures of a report are planar. ffrf render {file.name} --animate draws it with "
-            "its curves, ffrf simulate --output FILE.h5 and ffrf export FILE.h5 --paraview DIR make a time series of it."
-        )
+def _refuse_undrawn(scene: Scene) -> None:
+    """Refuse a scene that cannot be drawn on this machine, before anything long is computed."""
+    from toolkit.render.pictures import refuse_what_cannot_be_drawn
+    from toolkit.render.view import View
+
+    refuse_what_cannot_be_drawn(scene, View())
 
 
 def _from_results(file: Path, models: Path | None) -> Material:
@@ -78,8 +75,9 @@ def _from_results(file: Path, models: Path | None) -> Material:
     from toolkit.results.results_file import load_results
 
     results = load_results(file)
-    refuse_space(int(results.scene.table.get("dimension", 2)), file)
-    return Material(restore_solution(results, models), results)
+    solution = restore_solution(results, models)
+    _refuse_undrawn(solution.system.scene)
+    return Material(solution, results)
 
 
 def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
@@ -87,12 +85,13 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.results.collect import collect
     from toolkit.sensitivity.clock import repeated
     from toolkit.sensitivity.direct import direct
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
     scene, text = read(file, changes, quiet), text_of(file)
-    refuse_space(scene.dimension, file)
+    _refuse_undrawn(scene)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(scene, names, "transient", progress, repeated)
+        found = direct(with_chosen_frames(scene, "transient"), names, "transient", progress, repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

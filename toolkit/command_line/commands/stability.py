@@ -52,7 +52,10 @@ def stability(
 
         require("matplotlib")
         prepare_folder(output)
-    described = read(scene, changes, quiet)
+    from toolkit.scene.cut_scene import written
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+
+    described = written(with_chosen_frames(read(scene, changes, quiet), "transient"))
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)

@@ -38,7 +38,8 @@ Axes = Annotated[
     str | None,
     typer.Option(
         metavar="step,scheme,...",
-        help="What to vary, with values if you like: step=0.1/0.05,scheme,rho_inf=0.5/1,modes=full/8,elements. An unknown one lists all.",
+        help="What to vary, with values if you like: step=0.1/0.05,scheme,rho_inf=0.5/1,modes=full/8,elements,frames=1/4/every. An "
+        "unknown one lists all.",
     ),
 ]
 
@@ -63,6 +64,8 @@ def tradeoff(
 ) -> None:
     """Measure what accuracy costs: run a grid of settings against a reference, and recommend the cheapest within a budget."""
     from toolkit.studies.tradeoff import tradeoff as study
+    from toolkit.studies.tradeoff.settings.frame_axes import framed
+    from toolkit.studies.tradeoff.settings.setting import EVERY_ELEMENT
 
     described = read(scene, changes, quiet)
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
@@ -75,7 +78,7 @@ def tradeoff(
         )  # compiled once, before several processes would do it
         compile_before(described.model_copy(update={"solver": solver}), "transient", bool(names), quiet)
     found = study.tradeoff(planned, partial(bar, quiet=quiet), jobs or os.cpu_count() or 1, repeats)
-    verdict = _model_verdict(described)
+    verdict = _model_verdict(framed(described, EVERY_ELEMENT) if "frames" in planned.axes else described)
     record = {**record_of(found), **verdict.record()}
     _keep(found, record, folder, quiet)
     if as_json:
@@ -88,7 +91,7 @@ def tradeoff(
 
 
 def _model_verdict(scene: Scene) -> Verdict:
-    """What speaks against the model itself, which no setting of the solver mends: of the motion with the scene's own settings."""
+    """What speaks against the model itself, which no setting mends: of the motion with the scene's own ones."""
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.sensitivity.preparation import prepare, solve
     from toolkit.validity.bodies.physics import excessive_speeds, large_deformations

@@ -23,8 +23,9 @@ def compiled(scene: Scene, keep_all: bool) -> Model:
         return compile_model(scene)
     from toolkit.receipt.everything import prepare_everything
     from toolkit.sensitivity.compiled import Compiled
+    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 
-    return Model(Compiled.of(prepare_everything(scene)))
+    return Model(Compiled.of(prepare_everything(with_chosen_frames(scene, "transient"))))
 
 
 def receipt_of(scene: Scene, design: list[str], keep_all: bool, measured: bool, quiet: bool = False) -> dict[str, Any]:

@@ -120,7 +120,7 @@ def _cells(each: Judged, axes: list[str], reduced: bool) -> list[str]:
 
 
 def _print_recommendation(found: Tradeoff, best: Judged) -> None:
-    from toolkit.studies.tradeoff.recommendation import next_steps, skin_fragments, solver_fragment
+    from toolkit.studies.tradeoff.recommendation import frames, next_steps, skin_fragments, solver_fragment
 
     own = next((each for each in found.settings if each.setting.own and not each.record.failure), None)
     gain = f", {own.price / best.price:.2g} times the speed of the scene as it stands" if own and own is not best else ""
@@ -132,6 +132,8 @@ def _print_recommendation(found: Tradeoff, best: Judged) -> None:
         typer.echo(
             f"\nIn the skin file of {body}, which ffrf-preprocess builds again, in place of the tables of these names:\n\n{text}"
         )
+    for body, number in frames(found.plan.case, best.setting).items():
+        typer.echo(f"\nIn the scene's bodies.{body}: frames = {number}")
     for line in next_steps(found.plan.case, best.setting):
         typer.echo(f"\n{line}")
 

@@ -22,13 +22,13 @@ from toolkit.scene.scene import Scene
 
 def turning(scene: Scene) -> list[str]:
     """Bodies whose frame turns, in the order of the frames."""
-    return [name for name, body in scene.bodies.items() if body.turns]
+    return [name for name in scene.pieces() if scene.body(name).turns]
 
 
 def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern: Pattern) -> Frames:
     """Frames that turn; body b of the moving bodies has frame b."""
     names = turning(scene)
-    first = [numbering.first[name] + scene.bodies[name].frame_size - scene.bodies[name].turns for name in names]
+    first = [numbering.first[name] + scene.body(name).frame_size - scene.body(name).turns for name in names]
     rows = [numbering.length.get(name, -1) for name in names]
     position = np.zeros((len(names), 12), np.int64)
     for f, (at, row) in enumerate(zip(first, rows, strict=True)):
@@ -38,7 +38,7 @@ def frames_part(scene: Scene, numbering: Numbering, values: Quantities, pattern:
     axes = np.array([np.real(part.axis) for part in values.floating.values()], float).reshape(-1, 3)
     return Frames(
         first=ints([first]),
-        turns=ints([[scene.bodies[name].turns for name in names]]),
+        turns=ints([[scene.body(name).turns for name in names]]),
         axis=axes,
         row=ints([rows]),
         position=position,
@@ -57,7 +57,7 @@ def spatial_floating_part(
     falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
     positions, borders = [ints([])], []
     for name, part in zip(names, bodies, strict=True):
-        frame, size = numbering.first[name], scene.bodies[name].frame_size
+        frame, size = numbering.first[name], scene.body(name).frame_size
         if not part.full:
             positions.append(pattern.find(frame + size - 1 + part.row, frame + size - 1 + part.column))
         local = frame + np.arange(size - 1 + len(part.moment))
@@ -70,8 +70,8 @@ def spatial_floating_part(
         block_body=ints([[b for b, _, _ in blocks]]),
         block_variable=ints([[x for _, x, _ in blocks]]),
         frame=ints([[numbering.first[name] for name in names]]),
-        moves=ints([[scene.bodies[name].moves for name in names]]),
-        turns=ints([[scene.bodies[name].turns for name in names]]),
+        moves=ints([[scene.body(name).moves for name in names]]),
+        turns=ints([[scene.body(name).turns for name in names]]),
         n_f=ints([[len(part.moment) - 1 for part in bodies]]),
         mass=np.array([part.mass for _, _, part in blocks], dtype),
         moment_start=starts([len(part.moment) for _, _, part in blocks])[:-1],
@@ -109,13 +109,14 @@ def spatial_marker_arrays(
 ) -> SpatialMarkers:
     """Markers and their design derivatives; `columns` are the coordinates that each one feels."""
     active, number = marker_changes(derivatives), {name: f for f, name in enumerate(turning(scene))}
-    bodies = [scene.body(body) for body, *_ in numbering.markers]
+    pieces = [scene.piece(body, point) for body, point, *_ in numbering.markers]
+    bodies = [scene.body(piece) for piece in pieces]
     parts, full = list(values.markers.values()), _with_axes(scene, numbering)
     return SpatialMarkers(
         plane=None,
         frames=frames,
         pose=tuple(range(POSE)),
-        frame=ints([[number.get(body, len(number)) for body, *_ in numbering.markers]]),
+        frame=ints([[number.get(piece, len(number)) for piece in pieces]]),
         moves=ints([[body.moves for body in bodies]]),
         turns=ints([[body.turns for body in bodies]]),
         bends=ints([[int(np.any(part.shape[:, 3:] != 0)) if m in full else 0 for m, part in enumerate(parts)]]),

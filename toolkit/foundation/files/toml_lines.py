@@ -4,11 +4,53 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Container, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
+
+from toolkit.foundation.errors import InputError
 
 HEADER = re.compile(r"\s*(\[\[?[^\[\]]+\]\]?)\s*(#.*)?$")
 KEY = re.compile(r"""\s*((?:[\w-]+|"[^"]*"|'[^']*')(?:\s*\.\s*(?:[\w-]+|"[^"]*"|'[^']*'))*)\s*=""")
+
+
+@contextmanager
+def naming_lines(path: Path, tables: Container[str] = (), changed: Container[str] = ()) -> Iterator[None]:
+    """Errors about keys of a file say in which line they stand.
+
+    Parameters
+    ----------
+    path
+        The file. Every line of a message that begins with its name, and then names a key, is given the key's line.
+    tables
+        First keys that are known to be of this file where a message begins with them, without its name; the name is put before it.
+    changed
+        Keys whose values did not come from the file: they have no line.
+
+    Raises
+    ------
+    InputError
+        As it came, with the lines.
+    """
+    try:
+        yield
+    except InputError as error:
+        said = _with_lines(str(error), path, tables, changed)
+        if said == str(error):
+            raise
+        raise InputError(said) from error
+
+
+def _with_lines(message: str, path: Path, tables: Container[str], changed: Container[str]) -> str:
+    text, lines = path.read_text(encoding="utf-8-sig"), []
+    for problem in message.splitlines():
+        bare = problem.removeprefix(f"{path.name}: ")
+        place = bare.split(" ")[0].rstrip(":")
+        of_file = bare != problem or place.split(".")[0] in tables
+        line = line_of(text, place) if of_file and place not in changed else None
+        lines.append(problem if line is None else f"{path.name}: {bare} (line {line})")
+    return "\n".join(lines)
 
 
 def line_of(text: str, place: str) -> int | None:
@@ -19,18 +61,18 @@ def line_of(text: str, place: str) -> int | None:
     text
         The file.
     place
-        Keys with dots, such as `loads.drive.torque`; numbers count in lists.
+        Keys with dots, such as `loads.drive.torque`; numbers count in lists. A key may have dots of its own: `variables.points.A.x`.
 
     Returns
     -------
     line
         Counted from 1: of the key if it has a line of its own, else of the nearest table or list around it; nothing if the file has none.
     """
-    parts = place.split(".")
     best, found = 0, None
     for number, keys in _keys(text):
-        if len(keys) > best and keys == parts[: len(keys)]:
-            best, found = len(keys), number
+        key = ".".join(keys)
+        if len(key) > best and f"{place}.".startswith(f"{key}."):
+            best, found = len(key), number
     return found
 
 

@@ -1,1 +1,1 @@
-"""Parts of a planar body between two of its nodes, assembled from its elements."""
+"""Parts of a body between two of its nodes, assembled from its elements."""

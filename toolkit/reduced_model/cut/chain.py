@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.elements import Elements
+from toolkit.reduced_model.elements import Elements, SpatialElements
 
 ON_NODE = 1e-9
 """A point closer to a node than this part of its element is on the node."""
@@ -32,8 +32,8 @@ def chain_nodes(connectivity: np.ndarray) -> np.ndarray | None:
     return nodes if follows and len(set(nodes.tolist())) == len(nodes) else None
 
 
-def place_of(elements: Elements, position: np.ndarray, what: str) -> Place:
-    """Where a point (2,) lies on the chain; complex steps of the nodes and of the point move its ratio.
+def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: str) -> Place:
+    """Where a point (d,) lies on the chain; complex steps of the nodes and of the point move its ratio.
 
     Raises
     ------

@@ -7,7 +7,7 @@ import numpy as np
 from toolkit.reduced_model.chord_condition import Chord
 from toolkit.reduced_model.cut.chain import Place
 from toolkit.reduced_model.cut.part import Part
-from toolkit.reduced_model.model import InterfacePoint, Mesh, ReducedModel, StressPoints
+from toolkit.reduced_model.model import InterfacePoint, ReducedModel, StressPoints
 
 FIRST, LAST = "first node", "last node"
 """Names of the interface points at the ends of a part."""
@@ -15,14 +15,11 @@ FIRST, LAST = "first node", "last node"
 
 def part_model(part: Part, whole: ReducedModel) -> ReducedModel:
     """The reduced model of a part at the design that the part was made at; nothing in it tells another design."""
-    count = part.last - part.first
     ends = {FIRST: Place(part.first, 0.0), LAST: Place(part.last - 1, 1.0)}
     stress = None
     if whole.stress is not None:
         found = {name: array[part.stress_rows] for name, array in vars(whole.stress).items()}
         stress = StressPoints(**{**found, "element": found["element"] - part.first})
-    connectivity = np.arange(count)[:, None] + np.arange(2)
-    outline = np.zeros((0, 2)) if whole.mesh is None else whole.mesh.target_outline
     return ReducedModel(
         dimension=whole.dimension,
         units=whole.units,
@@ -35,8 +32,8 @@ def part_model(part: Part, whole: ReducedModel) -> ReducedModel:
         invariants=part.invariants,
         interfaces={name: _at(part, place) for name, place in ends.items()},
         stress=stress,
-        mesh=Mesh(np.real(part.nodes), connectivity, np.real(part.recovery), np.real(part.nodes), outline),
         path=whole.path,
+        **part.picture(whole),
     )
 
 

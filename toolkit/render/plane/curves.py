@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.responses.shape_error import gaps

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from toolkit.bodies.planar.cut.cut_body import CutBody
-from toolkit.bodies.planar.cut.framed_part import FramedPart
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope, values
 from toolkit.reduced_model.model import Mesh, ReducedModel

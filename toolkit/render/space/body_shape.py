@@ -7,6 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.reduced_model.model import StressPoints
 from toolkit.reduced_model.spatial_model import Surface
@@ -43,11 +45,26 @@ def body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:
     model, elastic = scene.model(found.model, "surface", "stress"), moment.elastic(body)
     surface, stress = model.surface, np.real(stress_components(scene, body, elastic))
     assert surface is not None
-    points = moment.place(body, surface.position @ np.append(1.0, elastic))
+    points = _points(moment, body, surface)
     told = at_points(surface, stress)
     moved = np.abs(surface.position[:, :, 1:]).max(axis=(1, 2), initial=0)
     still = moved <= STILL * moved.max(initial=0)
     return BodyShape(points, surface.triangles, surface.lines, _sides(surface, model.stress), told, still)
+
+
+def _points(moment: SpatialConfiguration, body: str, surface: Surface) -> np.ndarray:
+    """The surface's points in space, (n, 3); of a cut body from the fibres of its parts."""
+    found, scene = moment.scene.body(body), moment.scene
+    if not isinstance(found, CutBody):
+        return moment.place(body, surface.position @ np.append(1.0, moment.elastic(body)))
+    points = np.full(surface.position.shape[:2], np.nan)
+    for name, part in found.parts(body).items():
+        assert isinstance(part, FramedPart)
+        own = part.design_point(scene).model.surface
+        if own is not None:
+            rows = surface.lines.ravel()[part.part(scene).stress_rows]
+            points[rows] = moment.place(name, own.position @ np.append(1.0, moment.elastic(name)))
+    return points
 
 
 def at_points(surface: Surface, values: np.ndarray) -> np.ndarray:

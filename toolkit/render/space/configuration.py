@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialMarkerNumbers
 from toolkit.bodies.spatial.flexible import SpatialFlexible
 from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
@@ -39,8 +40,11 @@ class SpatialConfiguration(Moment):
         return found
 
     def elastic(self, body: str) -> np.ndarray:
-        """q_f of a flexible body, shape (n_f,)."""
-        return self.coordinates(body)[self.spatial_body(body).frame_size :]
+        """q_f of a flexible body, shape (n_f,); of a cut one those of all its parts."""
+        found = self.spatial_body(body)
+        if isinstance(found, CutBody):
+            return self.coordinates(body)[found.elastic_places]
+        return self.coordinates(body)[found.frame_size :]
 
     def rotation(self, body: str) -> np.ndarray:
         """A of the body's frame, (3, 3); without orientation coordinates the unit matrix."""
@@ -61,11 +65,13 @@ class SpatialConfiguration(Moment):
 
     def position(self, body: str, point: str) -> np.ndarray:
         """Where the body carries the named point of the scene: r + A (z0 + Z c), (3,)."""
+        body = self.scene.piece(body, point)
         marker, c = self._marker(body, point)
         return self._carried(body, np.real(marker.point[:3] + c @ marker.shape[:, :3]), np.real(marker.point[12:15]))
 
     def turned(self, body: str, point: str, axes: np.ndarray) -> np.ndarray:
         """Directions (3, n), columns, of the undeformed configuration that turn with the body at a point: A R(T c) e."""
+        body = self.scene.piece(body, point)
         marker, c = self._marker(body, point, axes)
         return (
             self.rotation(body)

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.spatial.transform import Rotation
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
@@ -49,7 +50,8 @@ def _motion_panels(solution: Solution, moments: list[SpatialConfiguration]) -> P
 
 def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
     """Angle by which every frame has turned about its main axis; whole turns count."""
-    turning = [name for name in solution.system.scene.bodies if moments[0].spatial_body(name).turns]
+    bodies = solution.system.scene.bodies.items()
+    turning = [name for name, body in bodies if body.turns and not isinstance(body, CutBody)]
     curves = {name: counted_angle(np.array([moment.rotation(name) for moment in moments])) for name in turning}
     return [("rotation about own main axis", "angle", merged(curves))] if curves else []
 

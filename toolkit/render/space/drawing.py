@@ -142,7 +142,7 @@ def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
 
 def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """The axes of the bodies' frames."""
-    for body in moment.scene.bodies:
+    for body in moment.scene.pieces():
         origin, axes = moment.frame(body)
         for direction, color in zip(axes.T, AXES.values(), strict=True):
             panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **_SHINE)

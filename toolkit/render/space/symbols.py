@@ -35,7 +35,7 @@ class SpatialSymbol(NamedTuple):
 
 def spatial_symbols(moment: SpatialConfiguration) -> list[SpatialSymbol]:
     """Joints, grounds and clamps of a scene."""
-    found = [symbol for joint in moment.scene.joints.values() for symbol in _joint_symbols(moment, joint)]
+    found = [symbol for joint in moment.joints() for symbol in _joint_symbols(moment, joint)]
     for link in moment.links():
         for (body, _), end in zip(link.grips, moment.ends(link), strict=True):
             found += [*_ground(end, body == "ground"), SpatialSymbol("pin", end, np.eye(3), body == "ground")]

@@ -14,8 +14,10 @@ from toolkit.report.figures.skin_error import skin_error
 from toolkit.report.figures.stress_motion import stress_motion
 from toolkit.report.figures.stress_sensitivity import stress_sensitivity
 from toolkit.report.material import Material
+from toolkit.scene.space import PLANE, SPACE, Space
 
-FIGURES: tuple[Callable[[Material], list[Drawing]], ...] = (
+Figure = Callable[[Material], list[Drawing]]
+FIGURES: tuple[Figure, ...] = (
     load_curves,
     mechanism,
     stress_motion,
@@ -25,3 +27,6 @@ FIGURES: tuple[Callable[[Material], list[Drawing]], ...] = (
     certificate,
     monitor_curves,
 )
+"""Of scenes in the plane."""
+FIGURES_IN: dict[Space, tuple[Figure, ...]] = {PLANE: FIGURES, SPACE: (load_curves, certificate, monitor_curves)}
+"""Those of scenes in space look at no body; pictures of bodies come from `motion`."""

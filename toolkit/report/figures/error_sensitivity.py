@@ -29,6 +29,6 @@ def _one(material: Material, body: str) -> Drawing:
         axes[-1, 0].set_xlabel(f"arc length in {length}")
     caption = (
         f"How the distance of each node of {body} to the target changes with each variable, at the end of the motion. A node that "
-        "meets its target exactly has no derivative. Compare figure 10 of the paper."
+        "meets its target exactly has no derivative."
     )
     return Drawing(f"error_sensitivity_{body}", f"Sensitivity of the distance to the target of {body}", caption, figure)

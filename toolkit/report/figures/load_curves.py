@@ -12,6 +12,9 @@ from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
 
+MOST_DOTS = 100
+"""Steps that are marked one by one."""
+
 
 def load_curves(material: Material) -> list[Drawing]:
     """Every load and driver that follows a curve; torques as torques, all else as the factor that the curve is."""
@@ -25,11 +28,12 @@ def load_curves(material: Material) -> list[Drawing]:
             scale, label = _scale(part, scene.units)
             panel.plot(times, scale * part.curve.evaluate(times)[:, 0], **style(number))
             steps = material.solution.times
-            panel.plot(steps, scale * part.curve.evaluate(steps)[:, 0], ".", color="black", markersize=4, label="time steps")
+            if len(steps) <= MOST_DOTS:
+                panel.plot(steps, scale * part.curve.evaluate(steps)[:, 0], ".", color="black", markersize=4, label="time steps")
+                panel.legend(loc="lower right")
             panel.set_ylabel(f"{name}: {label}")
-        axes[0, 0].legend(loc="lower right")
         axes[-1, 0].set_xlabel(f"time in {unit(scene.units, 'time')}")
-    return [Drawing("load_curves", "Loads over time", "What drives the motion, as in figure 6 of the paper.", figure)]
+    return [Drawing("load_curves", "Loads over time", "What drives the motion.", figure)]
 
 
 def _scale(part: Any, units: str) -> tuple[float, str]:

@@ -41,5 +41,5 @@ def mechanism(material: Material) -> list[Drawing]:
             draw_line(panel, last, body, color="black", linewidth=3.0)
         draw_symbols(panel, last)
         write_names(panel, last)
-    caption = "The last position in full, earlier ones in grey; circles are joints. Compare figure 5b of the paper."
+    caption = "The last position in full, earlier ones in grey; circles are joints."
     return [Drawing("mechanism", "Motion of the mechanism", caption, figure)]

@@ -49,7 +49,7 @@ def _one(material: Material, body: str) -> Drawing:
         draw_outlines(shapes, last, body)
         draw_line(shapes, last, body, color="black", linewidth=3.0, label="deformed")
         shapes.legend(loc="center right")
-    caption = f"Distance of the nodes of {body} to the target, at the end of the motion. Compare figure 8 of the paper."
+    caption = f"Distance of the nodes of {body} to the target, at the end of the motion."
     return Drawing(f"skin_error_{body}", f"Shape of {body} and distance to the target", caption, figure)
 
 

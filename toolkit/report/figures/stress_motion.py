@@ -17,10 +17,7 @@ def stress_motion(material: Material) -> list[Drawing]:
     if not material.skins:
         return []
     moments = [material.moment(step) for step in spread(material.solution.steps, INSTANTS + 1)[-INSTANTS:]]
-    caption = (
-        "Outer half of the band: outer fibre; inner half: inner fibre. Red is tension, blue compression. "
-        "Compare figure 7 of the paper."
-    )
+    caption = "Outer half of the band: outer fibre; inner half: inner fibre. Red is tension, blue compression."
     figure = overview_figure(moments, material.look, NARROW, columns=1)
     return [Drawing("stress_motion", "Stress during the motion", caption, figure)]
 

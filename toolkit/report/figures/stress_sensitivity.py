@@ -42,7 +42,7 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
         color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}")
         open_windows(figure, moment, {above: corners})
         draw_band(above, moment, body, fibres[-1], colors, material.look.thickness[body])
-    caption = f"How the stress of {body} changes with {variable} ({path}). Compare figure 9 of the paper."
+    caption = f"How the stress of {body} changes with {variable} ({path})."
     return Drawing(f"stress_sensitivity_{body}_{variable}", f"Sensitivity of the stress to {variable}", caption, figure)
 
 

@@ -7,8 +7,8 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from scipy.sparse import coo_array
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import DEPENDENCE
-from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.compilation.quantities import STEP
 from toolkit.description.description import Positive
 from toolkit.description.point import BodyPoint
@@ -42,7 +42,8 @@ def stress_components(scene: Scene, body: str, q_f: np.ndarray) -> np.ndarray:
 def stress_rows(scene: Scene, body: str) -> Any:
     """The stress operator as a matrix (n_s times components, n_f); sparse if it is large and zero nearly everywhere."""
     if isinstance(scene.bodies.get(body), CutBody):
-        return flexible_body(scene, body).stress_operator(scene)
+        operator = flexible_body(scene, body).stress_operator(scene)
+        return operator.reshape(-1, operator.shape[-1])
     return design_point(scene, body).rows("stress_operator")
 
 

@@ -54,7 +54,8 @@ def refuse_unsteady(solution: Solution, frequency: float) -> None:
 def _translation(solution: Solution, off: np.ndarray) -> np.ndarray:
     """Velocities (n_q,) of all frames' origins by their mean: the spin's centre need not be the scene's origin."""
     system = solution.system
-    origins = [system.numbering.first[name] + np.arange(body.moves) for name, body in system.scene.bodies.items() if body.moves]
+    bodies = {name: system.scene.body(name) for name in system.scene.pieces()}
+    origins = [system.numbering.first[name] + np.arange(body.moves) for name, body in bodies.items() if body.moves]
     found = np.zeros(system.n_q)
     if origins:
         mean = np.mean([off[at] for at in origins], axis=0)

@@ -47,9 +47,9 @@ class Generator(NamedTuple):
 def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generator:
     """Of an angular velocity (1,), in space (3,) in the axes of space, about a point (d,); real or complex."""
     blocks, offsets = [], []
-    for name, body in system.scene.all_bodies().items():
+    for name in system.scene.pieces():
         size = _size(system, name)
-        matrix, offset = _of_frame(body, omega, centre)
+        matrix, offset = _of_frame(system.scene.body(name), omega, centre)
         kept = size - len(offset)
         blocks.append(block_diag(matrix, np.zeros((kept, kept))) if size else np.zeros((0, 0)))
         offsets.append(np.append(offset, np.zeros(kept)))
@@ -62,8 +62,9 @@ def generator(system: System, omega: np.ndarray, centre: np.ndarray) -> Generato
 def angular_velocity(system: System, q: np.ndarray, v: np.ndarray) -> np.ndarray:
     """Mean angular velocity (1,), in space (3,), of all frames that can turn, from q, v (n_q,); zero if there are none."""
     rates = []
-    for name, body in system.scene.bodies.items():
-        at = slice(system.numbering.first[name], system.numbering.first[name] + body.frame_size)
+    for name in system.scene.pieces():
+        body, first = system.scene.body(name), system.numbering.first[name]
+        at = slice(first, first + body.frame_size)
         rate = body.frame_motion(q[at], v[at]).get("angular_velocity")
         if rate is not None:
             rates.append(rate)

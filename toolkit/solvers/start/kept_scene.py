@@ -10,6 +10,7 @@ from typing import Any
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
 from toolkit.kept_run.end_state import EndState
+from toolkit.scene.cut_scene import written
 from toolkit.system.system import System
 
 READ_ANEW = ("model", "extrapolation")
@@ -34,7 +35,7 @@ def refuse_other_scene(system: System, end: EndState) -> None:
         missing = next((each for each in ours if each not in end.coordinates), None)
         which = f"it has no {missing}" if missing else f"it has the {foreign}" if foreign else "its bodies are in another order"
         raise InputError(f"solver.start: {name!r} keeps a run of another scene: {which}. {again}")
-    for body_name, body in scene.bodies.items():
+    for body_name, body in written(scene).bodies.items():
         there = end.bodies.get(body_name, {})
         here = {"type": body.kind, **{key: _plain(value) for key, value in body if key not in READ_ANEW and _is_word(key, value)}}
         for key, word in here.items():

@@ -33,7 +33,7 @@ def carried_along(system: System, q: np.ndarray, v: np.ndarray, dv: np.ndarray, 
         return v, dv
     v, dv = v.copy(), dv.copy()
     for name in system.numbering.length:
-        first = system.numbering.first[name] + system.scene.bodies[name].frame_size - QUATERNION
+        first = system.numbering.first[name] + system.scene.body(name).frame_size - QUATERNION
         at = slice(first, first + QUATERNION)
         omega = angular_velocity(given[at], v[at])
         domega = np.real(angular_velocity(dgiven[at].T, v[at]) + angular_velocity(given[at], dv[at].T))

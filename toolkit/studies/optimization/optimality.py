@@ -15,8 +15,8 @@ from scipy.optimize import nnls
 
 from toolkit.studies.optimization.program import Program, Values
 
-FLOOR = 1e-4
-"""Part of the largest derivative met that is never too small to compare with: an objective can vanish at its optimum."""
+ROUND_OFF = 1e-12
+"""Part of the objective that no derivative decides."""
 
 
 class Optimality(NamedTuple):
@@ -25,8 +25,9 @@ class Optimality(NamedTuple):
     Attributes
     ----------
     residual
-        Largest entry of what multipliers cannot balance, and of the products of multipliers and constraints, in parts of the objective, or
-        of its largest derivative there if that is more: by less than this part it would change over the whole range of a variable.
+        Largest entry of what multipliers cannot balance, and of the products of multipliers and constraints, in parts of the objective's
+        scale, or of its largest derivative there if that is more: by less than this part it would change over the whole range of a
+        variable. A number that is added to the objective changes nothing.
     violation
         Largest violation of a constraint, in parts of its size.
     multipliers
@@ -45,9 +46,8 @@ class Optimality(NamedTuple):
         return self.residual <= optimality and self.violation <= feasibility
 
 
-def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float) -> Optimality:
-    """What is left at z; `largest` is the largest derivative of the objective that the search has met, a small part of which counts where
-    the objective and its derivatives vanish."""
+def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float) -> Optimality:
+    """What is left at z; `typical` is a large change of the scaled objective."""
     n, identity = len(z), np.eye(len(z))
     constraints = np.concatenate([found.c, z, program.top - z])
     slopes = np.vstack([found.dc, identity, -identity])
@@ -55,7 +55,7 @@ def optimality_of(program: Program, z: np.ndarray, found: Values, largest: float
     wanted = np.concatenate([found.df, np.zeros(len(constraints))])
     multipliers, _ = nnls(matrix, wanted)
     left = np.abs(matrix @ multipliers - wanted)
-    scale = max(abs(found.f), float(np.max(np.abs(found.df))), FLOOR * largest, np.finfo(float).tiny)
+    scale = max(float(np.max(np.abs(found.df))), typical, ROUND_OFF * abs(found.f), np.finfo(float).tiny)
     violation = max(0.0, float(np.max(-constraints)))
     m = len(found.c)
     return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n))

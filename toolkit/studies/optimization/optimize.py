@@ -180,8 +180,8 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     if not left.met(options.optimality, options.feasibility):
         yield Caution(
             "not-optimal",
-            f"the KKT residual is {left.residual:.1e} of the objective, and {options.optimality:.1e} is wanted: {found.ended}. Give "
-            "more evaluations, more starts, or the other method.",
+            f"the KKT residual is {left.residual:.1e} of the objective's scale, and {options.optimality:.1e} is wanted: {found.ended}. "
+            "Give more evaluations, more starts, or another method.",
         )
     if dependent(found.program, found.best, left):
         yield Caution("prices", "active limits depend on each other: their prices can be shared in other ways too.", doubt=False)

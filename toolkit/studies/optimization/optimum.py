@@ -80,7 +80,7 @@ class Optimum:
 
     @property
     def optimality(self) -> float:
-        """KKT residual in parts of the objective, or of its largest derivative."""
+        """KKT residual in parts of the objective's scale, or of its largest derivative."""
         assert self.search.optimality is not None
         return self.search.optimality.residual
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolkit.studies.optimization.methods import METHODS
+from toolkit.studies.optimization.methods.catalogue import METHODS
+from toolkit.studies.optimization.methods.functions import DesignFailedError
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.study.evaluation import Evaluation
@@ -21,6 +22,8 @@ AGAIN = 3
 """How often a method that gave up begins anew where it stood."""
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
+TYPICAL = 0.25
+"""Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
 Tell = Callable[[Evaluation], None]
 
 
@@ -34,14 +37,6 @@ class _Arrived(_Ended):
 
 class _Spent(_Ended):
     """No more designs may be solved, or no more may fail."""
-
-
-class _Failed(_Ended):
-    """A design could not be solved."""
-
-    def __init__(self, z: np.ndarray) -> None:
-        super().__init__()
-        self.z = z
 
 
 @dataclass(frozen=True)
@@ -83,13 +78,22 @@ class Search:
         self.program, self.evaluator, self.lane, self.warm, self.tell = program, evaluator, lane, warm, tell
         self.options = program.problem.study.search
         self.done: dict[bytes, Evaluation] = {}
-        self.largest = 0.0
         self.last: np.ndarray | None = None
+        self.met = False
 
     @property
     def failed(self) -> int:
         """Designs that could not be solved."""
         return sum(each.failed for each in self.done.values())
+
+    @property
+    def _typical(self) -> float:
+        """What a large change of the scaled objective is: as the study says, or as the designs that were solved do."""
+        given = self.program.problem.study.objective.scale
+        if given is not None:
+            return given / self.program.unit
+        slopes = [np.max(np.abs(self.program.values(each).df)) for each in self.done.values() if not each.failed]
+        return float(np.quantile(slopes, TYPICAL))
 
     def run(self, start: np.ndarray, known: np.ndarray | None) -> Found:
         """Search from a start; where that fails, from designs on the way to a known one."""
@@ -123,22 +127,20 @@ class Search:
         radius, again = np.inf, 0
         while True:
             centre = self.last if self.last is not None else z
+            before = len(self.done)
             low, high = np.maximum(0.0, centre - radius), np.minimum(self.program.top, centre + radius)
             try:
                 METHODS[self.options.method](self._functions, centre, low, high, self._visited, self.options.evaluations)
-            except _Failed as failure:
-                if self.options.failures == "stop":
-                    return "a design could not be solved, and the study says to stop there"
+            except DesignFailedError as failure:
                 last = self.last if self.last is not None else z
                 radius = BACK * float(np.max(np.abs(failure.z - last)))
                 if radius < NEAREST:
                     return "designs all around cannot be solved: it stands at the edge of what can"
                 continue
-            if np.isfinite(radius):
-                radius = np.inf if radius > 1.0 else 8 * radius
-                again += self.last is None or bool(np.array_equal(self.last, centre))
-            else:
-                again += 1
+            if self.met:
+                raise _Arrived
+            radius = np.inf if radius > 1.0 else 8 * radius
+            again += len(self.done) == before or self.last is None or bool(np.array_equal(self.last, centre))
             if again > AGAIN:
                 return "the method made no progress any more"
 
@@ -155,20 +157,23 @@ class Search:
         return self.done[key]
 
     def _functions(self, z: np.ndarray) -> Values:
-        """F and c at z; a design that cannot be solved ends the method."""
+        """F and c at z; a design that cannot be solved is told to the method, which knows what to do or ends."""
         found = self._evaluated(self.program.design(z))
+        if found.failed and self.options.failures == "stop":
+            raise _Spent("a design could not be solved, and the study says to stop there")
         if found.failed:
-            raise _Failed(np.array(z))
-        values = self.program.values(found)
-        self.largest = max(self.largest, float(np.max(np.abs(values.df))))
-        return values
+            raise DesignFailedError(np.array(z))
+        return self.program.values(found)
 
     def _visited(self, z: np.ndarray) -> None:
-        """A design that the method has accepted: the next box is about this one, unless it is an optimum."""
+        """A design that the method has accepted: the next box is about this one, unless it is an optimum, as the one before was: a saddle
+        looks like one too, but the method leaves it."""
         values, z = self._functions(z), np.clip(z, 0.0, self.program.top)
         self.last = z
-        left = optimality_of(self.program, z, values, self.largest)
-        if left.met(self.options.optimality, self.options.feasibility):
+        left = optimality_of(self.program, z, values, self._typical)
+        met, before = left.met(self.options.optimality, self.options.feasibility), self.met
+        self.met = met
+        if met and before:
             raise _Arrived
 
     def _best(self) -> tuple[Evaluation | None, Optimality | None]:
@@ -177,7 +182,7 @@ class Search:
         for found in self.done.values():
             if not found.failed:
                 z, values = self.program.scaled(found.design), self.program.values(found)
-                left = optimality_of(self.program, z, values, self.largest)
+                left = optimality_of(self.program, z, values, self._typical)
                 feasible = left.violation <= self.options.feasibility
                 judged.append(((not left.met(self.options.optimality, self.options.feasibility), not feasible,
                                 values.f if feasible else left.violation), found, left))  # fmt: skip

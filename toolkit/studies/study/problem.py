@@ -14,10 +14,12 @@ from toolkit.foundation.listed_names import listed
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.responses.response import Response
 from toolkit.scene.changed_numbers import with_numbers
+from toolkit.scene.names import check_names
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.compiled import Compiled
+from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 from toolkit.sensitivity.preparation import Kind, responses_of
 from toolkit.studies.study.study_file import LOAD_MARGIN, Study
 
@@ -173,22 +175,37 @@ def checked(study: Study, scene: Scene | None = None) -> Problem:
     if not study.variables:
         raise InputError("variables is empty: write [variables] with numbers of the scene, and between which bounds they may be.")
     scene = read_scene(study.directory / study.scene) if scene is None else scene
-    _refuse_known("response", study.responses, scene.responses, "Give it another name.")
+    scene = with_chosen_frames(scene, "static" if study.analysis == "statics" else "transient")
+    _refuse_known("responses", study.responses, scene.responses, "a response of that name stands in the scene already.")
     if LOAD_MARGIN in study.responses:
         raise InputError(f"responses.{LOAD_MARGIN} is built in. Leave it out.")
     several = {name: CommonVariable(of=each.of, factors=each.factors) for name, each in study.variables.items() if each.of}
-    _refuse_known("variable of several numbers", several, scene.design, "Give it another name.")
+    _refuse_known("variables", several, scene.design, "the scene has a variable of that name already.")
     updated = {"responses": {**scene.responses, **study.responses}, "design": {**scene.design, **several}}
     scene = scene.model_copy(update=updated)
-    scene.design_variables(list(study.variables))
+    check_names(scene.points, scene.bodies, scene.joints, scene.loads, scene.responses)
+    _refuse_variables(study, scene)
     problem = Problem(study, scene, _asked(study, scene))
     _refuse_cases(problem)
     return problem
 
 
-def _refuse_known(what: str, names: Iterable[str], known: Iterable[str], remedy: str) -> None:
+def _refuse_known(table: str, names: Iterable[str], known: Iterable[str], why: str) -> None:
     if (twice := next((name for name in names if name in set(known)), None)) is not None:
-        raise InputError(f"the {what} {twice!r} of the study is one of the scene already. {remedy}")
+        raise InputError(f"{table}.{twice}: {why} Give this one another name.")
+
+
+def _refuse_variables(study: Study, scene: Scene) -> None:
+    """Refuse variables that lead nowhere, and two that drive the same number."""
+    for name in study.variables:
+        try:
+            scene.design_variables([name])
+        except InputError as error:
+            raise InputError(f"variables.{name}: {error}") from error
+    try:
+        scene.design_variables(list(study.variables))
+    except InputError as error:
+        raise InputError(f"variables: {error}") from error
 
 
 def _asked(study: Study, scene: Scene) -> tuple[str, ...]:

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from toolkit.description.description import Description, Number, Pair, Positive, Registered
+from toolkit.description.design import check_shares
 from toolkit.studies.study.search_options import Search
 from toolkit.studies.study.sweep_options import Sweep
 from toolkit.studies.study.uncertain_numbers import Uncertain, Uncertainty
@@ -49,6 +50,8 @@ class StudyVariable(Description):
             )
         if self.factors is not None and self.of is None:
             raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        if self.of is not None:
+            check_shares(self.of, self.factors)
         return self
 
 
@@ -114,12 +117,16 @@ class Objective(Description):
         Of several cases their "sum", or the "worst": a smooth maximum (KS), which is a little above the largest.
     aggregation
         How sharp the smooth maximum is, in 1/(unit of the objective): it is above the largest by at most log(cases)/aggregation.
+    scale
+        What a large change of it is, which says when a search ends. By default what the ranges of the variables change it by: the lower
+        quartile, of all designs that the search has solved, of the largest derivative.
     """
 
     minimize: Weights = None
     maximize: Weights = None
     over_cases: Literal["sum", "worst"] = "sum"
     aggregation: Positive | None = None
+    scale: Positive | None = None
 
     @model_validator(mode="after")
     def _fit(self) -> Self:

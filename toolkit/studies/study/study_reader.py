@@ -3,14 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from pydantic import ValidationError
 
 from toolkit.description.validation_messages import messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
+from toolkit.foundation.files.toml_lines import naming_lines
 from toolkit.scene_file.reader import responses_from_table
 from toolkit.studies.study.study_file import Study
+
+TABLES = frozenset(Study.model_fields) - {"scene", "directory"}
+"""First keys of a study file; errors that begin with another one are of the scene."""
 
 
 def read_study(path: str | Path) -> Study:
@@ -33,6 +38,11 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path)
     table = read_toml(path, "a study in TOML")
+    with naming_lines(path):
+        return _study(table, path)
+
+
+def _study(table: dict[str, Any], path: Path) -> Study:
     problems: list[str] = []
     responses = responses_from_table(table.get("responses", {}), problems)
     if not problems:

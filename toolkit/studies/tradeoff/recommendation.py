@@ -8,6 +8,7 @@ from typing import Any
 
 from toolkit.description.run_options import RunOptions
 from toolkit.studies.tradeoff.runs.worker import Case, model_bodies
+from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.setting import Setting, options_with
 from toolkit.studies.tradeoff.settings.skin_models import model_file, tables_file
 
@@ -24,7 +25,15 @@ def changes(case: Case, setting: Setting) -> dict[str, str]:
     """The same as changes of single values, `ffrf ... --set PATH=VALUE`, of those that differ from the scene's."""
     scene = case.scene()
     mine, theirs = scene.solver.model_dump(), options_with(scene, setting.solver).model_dump(exclude_unset=True)
-    return {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
+    solver = {f"solver.{key}": toml_value(value) for key, value in theirs.items() if mine.get(key) != value}
+    return {**solver, **{f"bodies.{name}.frames": str(number) for name, number in frames(case, setting).items()}}
+
+
+def frames(case: Case, setting: Setting) -> dict[str, int]:
+    """Body -> number of its floating frames, of those that have another one in the scene."""
+    scene = case.scene()
+    bodies = framed(scene, setting.frames).bodies
+    return {name: body.frames for name, body in bodies.items() if body is not scene.bodies[name] and body != scene.bodies[name]}  # type: ignore[attr-defined]
 
 
 def skin_fragments(case: Case, setting: Setting) -> dict[str, str]:

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 
+from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.frames.chosen_frames import automatic
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.places.place import Progress
 from toolkit.studies.tradeoff.budget import BudgetError, read_budget
@@ -103,6 +105,11 @@ def plan(
     """
     changes = changes or {}
     scene = read_scene(path, changes)
+    if bodies := automatic(scene):
+        raise InputError(
+            f'bodies.{bodies[0]}.frames = "auto" is chosen by runs, and this study compares numbers. Write one in the scene, and vary '
+            "it: --axes frames=1/2/4/8."
+        )
     names = list(scene.design if names is None else names)
     read = read_axes(scene, axes)
     budget = read_budget(list(responses_of(scene)), budgets, gradient_budgets, bool(names))

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from toolkit.bodies.planar.cut.framed_part import FramedPart
+from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel

@@ -67,8 +67,8 @@ def _velocities(system: System, q, v, dq, dv, time: float, written: dict[int, st
 
 
 def _spins(system: System, q: np.ndarray, v: np.ndarray, when: str) -> Iterator[tuple[str, float, str]]:
-    for name, body in system.scene.bodies.items():
-        first = system.numbering.first[name]
+    for name in system.scene.pieces():
+        body, first = system.scene.body(name), system.numbering.first[name]
         at = slice(first, first + body.frame_size)
         rate = body.frame_motion(q[at], v[at]).get("angular_velocity")
         if rate is not None and np.any(rate):

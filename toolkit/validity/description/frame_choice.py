@@ -14,8 +14,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.cut.cut_body import CutBody
 from toolkit.foundation.listed_names import quoted
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.joint import Joint

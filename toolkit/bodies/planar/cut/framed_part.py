@@ -1,139 +1,32 @@
-"""One part of a cut body: a flexible body whose frame goes through both of its ends."""
+"""One part of a cut body in the plane."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator
+from typing import Any, ClassVar
 
 import numpy as np
 
-from toolkit.bodies.body import CENTRE, Placed
+from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.planar.flexible import Flexible
-from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.cut.chain import Place, place_of
-from toolkit.reduced_model.cut.part import Part, coordinate_count, part_of
-from toolkit.reduced_model.cut.part_model import part_model
-from toolkit.reduced_model.design_point import DesignPoint
-from toolkit.reduced_model.elements import Elements
-from toolkit.reduced_model.model import Invariants
-
-NODE = "(node {})"
-"""In place of an interface point: a node of the chain by its number from the beginning."""
+from toolkit.reduced_model.cut.part import Part
+from toolkit.reduced_model.cut.planar_part import planar_part
 
 
-class FramedPart(Flexible):
-    """Elements from `first` up to, but without, `last` of a cut body, which the scene has under the name `whole`.
-
-    It has the numbers of the whole, and of its own the coordinates: frame and elastic ones.
-    """
+class PlanarFramedPart(FramedPart, Flexible):
+    """Its frame has two coordinates and an angle."""
 
     kind = ""
+    per_node: ClassVar[int] = 3
+    frame_coordinates: ClassVar[int] = 3
 
-    whole: str
-    first: int
-    last: int
+    @staticmethod
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray) -> Part:
+        """As `planar_part`."""
+        return planar_part(elements, first, last, stress_elements)
 
-    def part(self, scene: Placed) -> Part:
-        """The part at the scene's parameter values."""
-        design = whole_design(scene, self.whole)
-        key = (type(self), self.first, self.last)
-        if key not in design.kept:
-            stress = design.model.stress
-            owners = np.zeros(0, int) if stress is None else stress.element.astype(int)
-            design.kept[key] = part_of(elements_at(design), self.first, self.last, owners)
-        found: Part = design.kept[key]
-        return found
-
-    def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
-        """The part as a reduced model of its own, which holds at this design alone."""
-        design = whole_design(scene, self.whole)
-        key = (DesignPoint, self.first, self.last)
-        if key not in design.kept:
-            design.kept[key] = DesignPoint(part_model(self.part(scene), design.model))
-        found: DesignPoint = design.kept[key]
-        return found
-
-    def invariants(self, scene: Placed) -> Invariants:
-        """Sums over its elements."""
-        return self.part(scene).invariants
-
-    def nominal(self, scene: Placed) -> Invariants:
-        """The same, without imaginary steps."""
-        inv = self.part(scene).invariants
-        return Invariants(**{name: np.real(array) for name, array in vars(inv).items()})
-
-    def coordinate_names(self, scene: Placed) -> list[str]:
-        """The frame, and the nodal coordinates in the order of the chain."""
-        inner = [f"{axis} of node {k}" for k in range(self.first + 1, self.last) for axis in ("x", "y", "rotation")]
-        last = [f"{axis} of node {self.last}" for axis in ("displacement along the chord", "rotation")]
-        return ["x", "y", "rotation", f"rotation of node {self.first}", *inner, *last]
-
-    def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
-        """Undeformed, and not deforming."""
-        return np.zeros((2, coordinate_count(self.first, self.last)))[0], np.zeros(coordinate_count(self.first, self.last))
-
-    def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
-        """Of a point of the whole that lies in this part, or its own centre of mass."""
-        if point == CENTRE:
-            inv = self.invariants(scene)
-            return inv.first_moment / inv.mass, np.zeros(inv.first_moment.shape[-1])
-        return self.part(scene).at(self.within(place_on(scene, self.whole, point)))
-
-    def within(self, place: Place) -> Place:
-        """A node between two parts as the last one of the first, or the first one of the second."""
-        if place.element == self.last and place.ratio == 0:
-            return Place(self.last - 1, 1.0)
-        if place.element == self.first - 1 and place.ratio == 1:
-            return Place(self.first, 0.0)
-        return place
-
-
-def whole_design(scene: Placed, whole: str) -> DesignPoint:
-    """The reduced model of a cut body at the scene's parameter values, with its elements."""
-    design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh")
-    return design
-
-
-def elements_at(design: DesignPoint) -> Elements:
-    """The elements at a design."""
-    nominal = design.model.elements
-    assert nominal is not None
-    names = [name for name in vars(nominal) if name != "connectivity"]
-    return Elements(connectivity=nominal.connectivity, **{name: design.value(f"elements.{name}") for name in names})
-
-
-def place_on(scene: Placed, whole: str, point: str) -> Place:
-    """Where a point of the scene lies on the chain of a cut body.
-
-    Raises
-    ------
-    InputError
-        It is none of its interface points, or lies in two parts.
-    """
-    design = whole_design(scene, whole)
-    elements = elements_at(design)
-    node = node_number(scene, point)
-    if node is not None:
-        return Place(node, 0.0) if node < len(elements.connectivity) else Place(node - 1, 1.0)
-    position = scene.bodies[whole].point(scene, point, whole)[0][:, 0]
-    return place_of(elements, position, f"point {point!r}")
-
-
-def node_number(scene: Placed, point: str) -> int | None:
-    """Number of the node of a point that a cut has brought into the scene; None of others."""
-    written: Any = getattr(scene.interface(point), "interface", "")
-    begin, end = NODE.split("{}")
-    return int(written[len(begin) : -len(end)]) if written.startswith(begin) else None
-
-
-def refuse_frame_points(point: str, what: str) -> None:
-    """Refuse what has no place on any one of the parts.
-
-    Raises
-    ------
-    InputError
-        Always.
-    """
-    raise InputError(
-        f"{what} is asked for its point {point!r}, which a body with several floating frames has not: no frame is that of the whole body. "
-        "Use an interface point on the body, or leave `frames` out."
-    )
+    def elastic_names(self) -> Iterator[str]:
+        """The first node turns, and the last moves along the chord."""
+        yield f"rotation of node {self.first}"
+        yield from (f"{axis} of node {k}" for k in range(self.first + 1, self.last) for axis in ("x", "y", "rotation"))
+        yield from (f"{axis} of node {self.last}" for axis in ("displacement along the chord", "rotation"))

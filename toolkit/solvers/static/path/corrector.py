@@ -10,8 +10,10 @@ from scipy.linalg import lapack
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_point import PathPoint
+from toolkit.solvers.static.path.sparse_border import sparse_bordered_solve
 from toolkit.solvers.static.stability.saddle import balanced, factorised, free_count
 from toolkit.solvers.static.stability.softness import softest
+from toolkit.solvers.static.stability.sparse_saddle import MANY
 
 ROUND_OFF = 1e-13
 """Correction below which nothing is left to gain; one that no longer halves has met round-off above it."""
@@ -97,7 +99,10 @@ def bordered_solve(
     full[:, n] /= column
     row = np.abs(full[n]).max()
     full[n] /= row
-    *_, found, info = lapack.dgesv(full, np.append(scale * rhs[:n], rhs[n] / row))
+    wanted, info = np.append(scale * rhs[:n], rhs[n] / row), 0
+    found = sparse_bordered_solve(full, wanted) if n >= MANY else None
+    if found is None:
+        *_, found, info = lapack.dgesv(full, wanted)
     if info or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
     return np.append(scale * found[:n], found[n] / column)

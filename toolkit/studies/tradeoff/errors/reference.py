@@ -1,7 +1,7 @@
 """What errors are measured against: ever finer runs of the second-order scheme, extrapolated, with an estimate of their own error.
 
 Where the mesh of a skin is varied too, runs with ever finer meshes are extrapolated as well; the two corrections, and their errors, add
-up. Where modes are varied, the reference keeps all coordinates.
+up. Where modes are varied, the reference keeps all coordinates; where frames are, it has one to every element.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from toolkit.scene.scene import Scene
 from toolkit.studies.tradeoff.errors.richardson import Limit, limit
 from toolkit.studies.tradeoff.errors.studied import Studied
 from toolkit.studies.tradeoff.settings.record import Record
-from toolkit.studies.tradeoff.settings.setting import Choice, Setting
+from toolkit.studies.tradeoff.settings.setting import EVERY_ELEMENT, Choice, Setting
 
 ORDER = 2
 """Of the scheme of the reference."""
@@ -129,7 +129,8 @@ def _setting(scene: Scene, axes: dict[str, list[Choice]], step: float, mesh: lis
     solver |= {"scheme": "arnold-bruels", "tolerance": min(TOLERANCE, scene.solver.tolerance), "step": step}
     solver |= {"baumgarte": None} if "baumgarte" in axes else {}
     words = f"step {step:.6g}" + "".join(f", {n} elements" for n in mesh)
-    return Setting({"reference": Choice(words, solver, skin)})
+    frames = EVERY_ELEMENT if "frames" in axes else None
+    return Setting({"reference": Choice(words + (", a frame to every element" if frames else ""), solver, skin, frames)})
 
 
 def _measured(measure: Measure, settings: list[Setting]) -> list[Record]:
@@ -169,6 +170,8 @@ def described(found: Reference) -> Iterator[str]:
     if found.in_mesh:
         counts = [str(setting.skin["skin.elements"]) for setting in found.in_mesh]
         yield f"So are meshes of {', '.join(counts)} elements: errors contain that of the mesh."
+    if found.in_time[-1].frames is not None:
+        yield "Its bodies have one floating frame to every element: errors contain what fewer frames leave out."
     restless = [name for name, each in found.limits.items() if each.stalled and each.error > SEEN * abs(each.value)]
     if restless:
         yield (

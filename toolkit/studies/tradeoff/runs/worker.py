@@ -14,6 +14,7 @@ from toolkit.sensitivity.result import result
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.studies.identity import hashed
 from toolkit.studies.tradeoff.runs.one_run import gradients_once, ready_to_run
+from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.record import Record
 from toolkit.studies.tradeoff.settings.setting import Setting, with_options
 from toolkit.studies.tradeoff.settings.skin_models import build, model_file
@@ -58,14 +59,14 @@ class Case:
 
     def key(self, setting: Setting) -> str:
         """Hash of everything that a setting's record follows from."""
-        return hashed(self.identity, setting.solver, setting.skin)
+        return hashed(self.identity, setting.solver, setting.skin, setting.frames)
 
     def scene_of(self, setting: Setting) -> Scene:
         """The scene solved by a setting, whose models have been built."""
         scene = with_options(self.scene(), setting.solver)
         for body in model_bodies(scene, setting):
             scene = with_model(scene, body, model_file(self.models, self.identity, body, setting.skin).resolve())
-        return scene
+        return framed(scene, setting.frames)
 
 
 def model_bodies(scene: Scene, setting: Setting) -> list[str]:

@@ -12,7 +12,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml
 from toolkit.scene.scene import Scene
-from toolkit.studies.tradeoff.settings import skin_axes
+from toolkit.studies.tradeoff.settings import frame_axes, skin_axes
 from toolkit.studies.tradeoff.settings.setting import Choice
 
 STEP_FACTORS = (4.0, 2.0, 1.0, 1 / 2, 1 / 4, 1 / 8)
@@ -37,7 +37,7 @@ DEFAULT = ("step", "scheme", "newton", "quasi_static", "local_error")
 
 def available() -> list[str]:
     """Names of all axes."""
-    return [*SOLVER_AXES, *skin_axes.AXES]
+    return [*SOLVER_AXES, *skin_axes.AXES, *frame_axes.AXES]
 
 
 def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
@@ -68,6 +68,8 @@ def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
 def _choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
     if name in skin_axes.AXES:
         return skin_axes.choices(scene, name, given)
+    if name in frame_axes.AXES:
+        return frame_axes.choices(scene, given)
     maker = {"step": _steps, "baumgarte": _baumgarte}.get(name, _options)
     values = [_value(text) for text in given] if given else None
     return unlike(maker(scene, name, values))

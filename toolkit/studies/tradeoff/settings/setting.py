@@ -12,10 +12,14 @@ from toolkit.description.validation_messages import messages
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 
+EVERY_ELEMENT = "every"
+"""In place of a number of frames: one to each element."""
+
 
 @dataclass(frozen=True)
 class Choice:
-    """One value of one axis: its label, what it replaces in the solver's table and in skin.toml, and whether the scene has it already.
+    """One value of one axis: its label, what it replaces in the solver's table, in skin.toml and of the bodies' frames, and whether the
+    scene has it already.
 
     A solver's option that is None is left out, so that its default holds.
     """
@@ -23,6 +27,7 @@ class Choice:
     label: str
     solver: dict[str, Any] = field(default_factory=dict)
     skin: dict[str, Any] = field(default_factory=dict)
+    frames: int | str | None = None
     own: bool = False
 
 
@@ -46,6 +51,11 @@ class Setting:
     def skin(self) -> dict[str, Any]:
         """Keys of the skin's file that replace those that are there; none if the scene's own models serve."""
         return {key: value for choice in self.choices.values() for key, value in choice.skin.items()}
+
+    @property
+    def frames(self) -> int | str | None:
+        """Floating frames of the bodies that can have several; None if the scene's own serve."""
+        return next((choice.frames for choice in self.choices.values() if choice.frames is not None), None)
 
     @property
     def own(self) -> bool:

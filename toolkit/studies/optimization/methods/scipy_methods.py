@@ -1,17 +1,14 @@
-"""SciPy's methods, on functions that raise where a design fails: no method ever sees a value that is none."""
+"""SciPy's methods, on functions that raise where a design fails: none ever sees a value that is none."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
-from toolkit.studies.optimization.program import Values
+from toolkit.studies.optimization.methods.functions import Functions, Visited
 
-Functions = Callable[[np.ndarray], Values]
-Visited = Callable[[np.ndarray], None]
 INSIDE = 1e-9
 """How far within its bounds the interior-point method begins."""
 FINE = 1e-12
@@ -64,5 +61,3 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
 
 FIRST_STEP, BARRIER = 0.1, 1e-2
 """Radius of the first step in parts of the variables' ranges, and the first barrier in parts of the first slope of the objective."""
-
-METHODS = {"slsqp": slsqp, "trust-constr": trust_constr}

@@ -1,0 +1,108 @@
+"""Numbers of frames that are chosen by the error that a scene asks for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import toolkit as ffrf
+from preprocessing.basis.basis_choice import BasisChoice
+from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever
+from tests.frames.test_cut_wing import WING, wing
+from toolkit.foundation.errors import InputError
+from toolkit.scene.scene import Scene
+from toolkit.sensitivity.frames.places import largest_displacement, largest_distance, node_places
+from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.tradeoff.runs.worker import Case
+from toolkit.studies.tradeoff.settings.axes import read_axes
+from toolkit.studies.tradeoff.settings.frame_axes import framed
+from toolkit.studies.tradeoff.settings.setting import Setting
+
+
+def automatic(scene: Scene, body: str, **keys: object) -> Scene:
+    changed = scene.bodies[body].model_copy(update={"frames": "auto", **keys})
+    return scene.model_copy(update={"bodies": {**scene.bodies, body: changed}})
+
+
+@pytest.mark.parametrize(("wanted", "analysis"), [(1e-2, "transient"), (1e-3, "static")])
+def test_the_number_that_is_chosen_reaches_the_error(wanted, analysis, tmp_path):
+    """As it is seen against a frame to every element; other numbers keep the frames, and so does a file of results."""
+    model = ffrf.compile(automatic(wing(1), "skin", geometric_error=wanted), variables=["t_w"])
+    run = model.run(analysis)
+    said = run.verdict.measures["frames"]["skin"]
+    assert said["tried"][0] == 1
+    assert said["frames"] == said["tried"][-1] > 1
+    exact = solve(prepare(wing(30)), analysis)
+    true = largest_distance(node_places(run.solution, "skin"), node_places(exact, "skin")) / largest_displacement(exact, "skin")
+    assert true < said["estimated_error"] * 2 < 2 * wanted
+    assert true > said["estimated_error"] / 2  # the estimate is that of the error, and not a bound far above it
+    note = next(each for each in run.verdict.warnings if each.code == "frames")
+    assert not note.doubt
+    assert f"skin has {said['frames']} floating frames" in note.text
+    other = model.run(analysis, {"t_w": 1.6})
+    assert len(other.solution.q[0]) == len(run.solution.q[0])
+    kept = ffrf.load(run.save(tmp_path / "run.h5"), models=WING)
+    assert kept.solution.q.shape == run.solution.q.shape
+    assert kept.verdict.measures["frames"]["skin"]["frames"] == said["frames"]
+
+
+def test_one_frame_stays_where_it_is_enough():
+    model = ffrf.compile(automatic(wing(1), "skin"))
+    run = model.statics({"M_t": 4200.0})  # the number is that of the scene as it is written
+    assert run.verdict.measures["frames"]["skin"]["frames"] == 4
+    weak = automatic(wing(1), "skin").with_number("loads.drive.torque", 42.0)
+    said = ffrf.compile(weak).statics().verdict.measures["frames"]["skin"]
+    assert said["frames"] == 1
+    assert said["tried"] == [1, 2]
+    assert said["estimated_error"] < 1e-2
+
+
+def test_an_error_that_no_number_reaches_is_refused_with_the_mesh_that_would(tmp_path):
+    scene = automatic(cantilever(tmp_path, STRAIGHT[::4], 1, (0.0, 2 * EI)), "beam", geometric_error=1e-4)
+    with pytest.raises(
+        InputError, match=r"no number of frames reaches a geometric error of 0.0001. One to every element, 4 in all"
+    ) as found:
+        ffrf.compile(scene).statics()
+    needed = int(str(found.value).partition("with some ")[2].split()[0])
+    assert 10 < needed < 200  # one frame to each of 4 elements leaves a part of a percent or of some
+
+
+def test_a_body_that_cannot_be_cut_has_no_number_to_choose(tmp_path):
+    shapes = cantilever(tmp_path, STRAIGHT, 1, (0.0, EI), basis=BasisChoice("eigenmodes", count=4))
+    with pytest.raises(
+        InputError, match=r'frames = auto.*keeps shapes and not all nodal coordinates: build it with kind = "full"'
+    ):
+        ffrf.compile(automatic(shapes, "beam")).statics()
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ({"frames": "otto"}, 'is a whole number, "auto", or a list of nodes'),
+        ({"frames": "true"}, 'is a whole number, "auto", or a list of nodes'),
+        ({"frames": "2.5"}, 'is a whole number, "auto", or a list of nodes'),
+        ({"frames": "0"}, "greater than or equal to 1"),
+        ({"frames": "auto", "geometric_error": "0"}, "greater than 0"),
+        ({"frames": "4", "geometric_error": "0.01"}, 'is what frames = "auto" chooses a number for'),
+    ],
+)
+def test_words_that_cannot_be_meant_are_refused(keys, words):
+    with pytest.raises(InputError, match=words):
+        ffrf.read_scene(WING / "scene.toml", {f"bodies.skin.{key}": value for key, value in keys.items()})
+
+
+def test_the_study_of_settings_varies_frames():
+    scene = wing(2)
+    choices = read_axes(scene, "frames")["frames"]
+    assert [each.label for each in choices] == ["2", "1", "4", "8", "every"]
+    assert [each.own for each in choices] == [True, False, False, False, False]
+    case = Case(WING / "scene.toml", {}, (), Path("."), "")
+    counts = [case.scene_of(Setting({"frames": each})).bodies["skin"].frames for each in choices]  # type: ignore[attr-defined]
+    assert counts == [2, 1, 4, 8, 30]
+    assert len({case.key(Setting({"frames": each})) for each in choices}) == 5
+    assert framed(scene, None) is scene
+    with pytest.raises(InputError, match="whole numbers from 1 to 30, the elements of the body, or every"):
+        read_axes(scene, "frames=31")
+    with pytest.raises(InputError, match="this scene has none"):
+        read_axes(ffrf.read_scene(WING.parent / "pendulum" / "scene.toml"), "frames")

@@ -1,0 +1,126 @@
+"""A flexible body that is cut at nodes: to the scene one body, inside parts with floating frames."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from toolkit.bodies.body import CENTRE, Body, ConstantNumbers, Placed, no_constants
+from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.cut.framed_part import (
+    FramedPart,
+    elements_at,
+    node_number,
+    place_on,
+    refuse_frame_points,
+    whole_design,
+)
+from toolkit.bodies.model_body import FRAME, ModelBody
+
+
+class CutBody(ModelBody):
+    """What a scene writes of the body, with the numbers of the nodes that part it, both ends of the chain among them.
+
+    It has no coordinates of its own: those of its parts follow it, so that its markers count from the first coordinate of the first part.
+    """
+
+    kind = ""
+    uncut_kind: ClassVar[type[ModelBody]]
+    """What the scene has in its place before it is cut."""
+    part_kind: ClassVar[type[FramedPart]]
+    """Of its parts."""
+
+    cuts: tuple[int, ...]
+    choice: FrameChoice | None = None
+
+    @property
+    def has_frame(self) -> bool:
+        """All of its parts have one."""
+        return True
+
+    def uncut(self) -> ModelBody:
+        """The body as the scene has written it."""
+        written = {**dict(self), **self.model_values()}
+        del written["cuts"], written["choice"]
+        return self.uncut_kind.model_construct(**written)
+
+    def parts(self, name: str) -> dict[str, Body]:
+        """Its parts by name."""
+        written = {**dict(self.uncut()), **self.model_values(), "frame": "moving"}
+        pairs = zip(self.cuts, self.cuts[1:], strict=False)
+        return {
+            part_name(name, k): self.part_kind.model_construct(**written, whole=name, first=first, last=last)
+            for k, (first, last) in enumerate(pairs)
+        }
+
+    def coordinate_names(self, scene: Placed) -> list[str]:
+        """None."""
+        return []
+
+    def initial_state(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
+        """Empty."""
+        return np.zeros(0), np.zeros(0)
+
+    def coordinate_lengths(self, scene: Placed) -> np.ndarray:
+        """Empty."""
+        return np.zeros(0)
+
+    def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
+        """Nothing."""
+        return no_constants(0)
+
+    def floating(self, scene: Placed) -> Any:
+        """Nothing."""
+        return None
+
+    def position_at_rest(self, scene: Placed, point: str, name: str) -> np.ndarray:
+        """Undeformed global position of an interface point, or of a node that parts the body, (d,)."""
+        node = node_number(scene, point)
+        if node is None:
+            return super().position_at_rest(scene, point, name)  # type: ignore[safe-super]
+        elements = elements_at(whole_design(scene, name))
+        number = np.append(elements.connectivity[:, 0], elements.connectivity[-1, 1])[node]
+        found: np.ndarray = np.array(self.position) + self.placement @ elements.nodes[number]  # type: ignore[attr-defined]
+        return found
+
+    def part_at(self, scene: Placed, point: str, name: str) -> int:
+        """Number of the part that a point lies in."""
+        station = place_on(scene, name, point).station
+        return min(int(np.searchsorted(self.cuts, station, side="right")) - 1, len(self.cuts) - 2)
+
+    def marker(self, scene: Placed, point: str, name: str, *axes: Any) -> Any:
+        """An interface point, on the part that it lies in."""
+        if point in (FRAME, CENTRE) or getattr(scene.interface(point), "interface", "") == FRAME:
+            refuse_frame_points(point, f"body {name!r}")
+        number = self.part_at(scene, point, name)
+        found = self.parts(name)[part_name(name, number)].marker(scene, point, name, *axes)
+        return found._replace(columns=self.first_coordinate(number) + found.columns)
+
+    def stress_operator(self, scene: Placed) -> np.ndarray:
+        """That of all parts, on their elastic coordinates one after the other."""
+        name = next(name for name, body in scene.bodies.items() if body is self)
+        parts = [part.part(scene) for part in self.parts(name).values()]  # type: ignore[attr-defined]
+        operators = [part.invariants.stress_operator for part in parts]
+        rows, columns = (sum(each.shape[axis] for each in operators) for axis in (0, -1))
+        found: np.ndarray = np.zeros((rows, *operators[0].shape[1:-1], columns), np.result_type(*operators))
+        column = 0
+        for part, operator in zip(parts, operators, strict=True):
+            found[part.stress_rows, ..., column : column + operator.shape[-1]] = operator
+            column += operator.shape[-1]
+        return found
+
+    @property
+    def elastic_places(self) -> np.ndarray:
+        """Where the elastic coordinates of all parts are among those of the body."""
+        spans = [(self.first_coordinate(k), self.first_coordinate(k + 1)) for k in range(len(self.cuts) - 1)]
+        return np.concatenate([np.arange(first + self.part_kind.frame_coordinates, end) for first, end in spans])
+
+    def first_coordinate(self, number: int) -> int:
+        """Coordinates of the parts before one."""
+        return self.part_kind.per_node * (self.cuts[number] - self.cuts[0]) + self.part_kind.frame_coordinates * number
+
+
+def part_name(whole: str, number: int) -> str:
+    """Name of a part, which counts from 1."""
+    return f"{whole}[{number + 1}]"

@@ -1,0 +1,14 @@
+"""What a number of floating frames was chosen by, where runs of the scene have chosen it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class FrameChoice(NamedTuple):
+    """A choice."""
+
+    wanted: float  # geometric error, in parts of the largest displacement of the body
+    error: float  # what the last of these runs leaves, estimated
+    numbers: tuple[int, ...]  # of frames, one run after the other
+    analysis: str

@@ -1,0 +1,34 @@
+"""One part of a cut body in space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, ClassVar
+
+import numpy as np
+
+from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.reduced_model.cut.part import Part
+from toolkit.reduced_model.cut.spatial_part import spatial_part
+
+
+class SpatialFramedPart(FramedPart, SpatialFlexible):
+    """Its frame has three coordinates and a quaternion."""
+
+    kind = ""
+    per_node: ClassVar[int] = 6
+    frame_coordinates: ClassVar[int] = 7
+
+    @staticmethod
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray) -> Part:
+        """As `spatial_part`."""
+        return spatial_part(elements, first, last, stress_elements)
+
+    def elastic_names(self) -> Iterator[str]:
+        """The ends turn across the chord and twist against each other, and the last one moves along it."""
+        across = [f"rotation {which} across the chord" for which in ("one", "two")]
+        every = ["x", "y", "z", *(f"rotation about {axis}" for axis in "xyz")]
+        yield from (f"{name} of node {self.first}" for name in across)
+        yield from (f"{name} of node {k}" for k in range(self.first + 1, self.last) for name in every)
+        yield from (f"{name} of node {self.last}" for name in ("displacement along the chord", *across, "twist"))

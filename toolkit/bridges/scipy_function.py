@@ -1,0 +1,82 @@
+"""Responses for `scipy.optimize`: a function and its derivatives, each design solved once for both."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from toolkit.bridges.vector_function import VectorFunction
+from toolkit.door.model import Model
+from toolkit.door.run import Run
+
+
+class ScipyFunction:
+    """What `for_scipy` returns.
+
+    Attributes
+    ----------
+    fun, jac
+        Value and gradient of one response, a number and (n,); of several their values (m,) and derivatives (m, n).
+    x0
+        The variables where the model stands, (n,).
+    names
+        Variables in the order of x.
+    last
+        The run of the last design, with its verdict; none before the first.
+    """
+
+    def __init__(self, function: VectorFunction, single: bool) -> None:
+        self._function, self._single = function, single
+        self.names, self.x0 = function.names, function.start.copy()
+
+    def fun(self, x: np.ndarray) -> Any:
+        """Value or values at x (n,)."""
+        values = self._function.values(x)
+        return float(values[0]) if self._single else values
+
+    def jac(self, x: np.ndarray) -> np.ndarray:
+        """Derivatives at x (n,)."""
+        slopes = self._function.slopes(x)
+        return slopes[0] if self._single else slopes
+
+    @property
+    def last(self) -> Run | None:
+        """The run of the last design that was solved."""
+        return self._function.last
+
+
+def for_scipy(model: Model, response: str | Sequence[str], analysis: str = "statics") -> ScipyFunction:
+    """A function and its derivatives, ready for `scipy.optimize.minimize`, `least_squares` and `NonlinearConstraint`.
+
+    Parameters
+    ----------
+    model
+        What `compile` has made, with the variables that x holds.
+    response
+        Name of a response; or of several, for vectors.
+    analysis
+        "statics" or "simulate".
+
+    Returns
+    -------
+    function
+        With `fun`, `jac`, `x0`, `names` and `last`.
+
+    Raises
+    ------
+    InputError
+        The model has no variables, or a response is unknown.
+
+    Notes
+    -----
+    A design that cannot be solved raises the error of its analysis, which ends SciPy's search: no value stands for it. `ffrf.optimize` goes
+    on from there.
+
+    Examples
+    --------
+    >>> shape = ffrf.bridges.for_scipy(model, "shape_mse")
+    >>> scipy.optimize.minimize(shape.fun, shape.x0, jac=shape.jac, method="L-BFGS-B")
+    """
+    return ScipyFunction(VectorFunction(model, response, analysis), isinstance(response, str))

@@ -1,0 +1,88 @@
+"""A part of a chain of elements in the plane.
+
+Its elastic coordinates are the rotation of the first node, all coordinates of the nodes between, and of the last node its displacement
+along the chord and its rotation.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
+from toolkit.reduced_model.elements import Elements
+from toolkit.reduced_model.model import Invariants, Mesh
+
+
+class PlanarPart(Part):
+    """Nodes have two displacements and a rotation."""
+
+    per_node: ClassVar[int] = 3
+
+    @staticmethod
+    def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement (2, 6) and rotation (6,)."""
+        side = ends[1] - ends[0]
+        length = np.sqrt(side @ side)
+        e = side / length
+        n = np.array([-e[1], e[0]])
+        powers = ratio ** np.arange(4)
+        axial, across, turn = powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length
+        scale = np.array([1.0, length, 1.0, length])
+        shape, rotation = np.zeros((2, 6), side.dtype), np.zeros(6, side.dtype)
+        for end, node in enumerate((slice(0, 2), slice(3, 5))):
+            shape[:, node] = axial[end] * np.outer(e, e) + across[2 * end] * np.outer(n, n)
+            rotation[node] = turn[2 * end] * n
+        shape[:, [2, 5]] = np.outer(n, (across * scale)[[1, 3]])
+        rotation[[2, 5]] = (turn * scale)[[1, 3]]
+        return shape, rotation
+
+    def picture(self, whole: Any) -> dict[str, Any]:
+        """The mesh."""
+        outline = np.zeros((0, 2)) if whole.mesh is None else whole.mesh.target_outline
+        connectivity = np.arange(len(self.nodes) - 1)[:, None] + np.arange(2)
+        return {"mesh": Mesh(np.real(self.nodes), connectivity, np.real(self.recovery), np.real(self.nodes), outline)}
+
+
+def planar_part(elements: Elements, first: int, last: int, stress_elements: np.ndarray) -> PlanarPart:
+    """The part of a chain from one of its elements up to, but without, another.
+
+    Parameters
+    ----------
+    elements
+        At one design, real or complex.
+    stress_elements
+        Element of every stress point, (n_stress,).
+
+    Raises
+    ------
+    InputError
+        No chord leads from its first node to its last.
+    """
+    nodes = part_nodes(elements, first, last)
+    sums = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), PlanarPart.per_node)
+    gyroscopic = sums.moment(elements.gyroscopic)
+    rows = np.flatnonzero((stress_elements >= first) & (stress_elements < last))
+    invariants = Invariants(
+        mass=elements.mass[first:last].sum(),
+        first_moment=sums.first_moment(elements.first_moment),
+        inertia=symmetric(sums.moment(elements.inertia)),
+        gyroscopic=(gyroscopic - gyroscopic.T) / 2,
+        stiffness=sums.square(elements.stiffness),
+        damping=sums.square(elements.damping),
+        stress_operator=sums.stress(elements.stress_operator[rows], stress_elements[rows] - first),
+    )
+    return PlanarPart(first, last, nodes, sums.recovery, invariants, rows)
+
+
+def _coordinates(nodes: np.ndarray, chord: np.ndarray) -> np.ndarray:
+    """Nodal coordinates per elastic coordinate, (3 n_nodes, n_f)."""
+    n = 3 * len(nodes)
+    found = np.zeros((n, n - 3), chord.dtype)
+    found[2, 0] = 1
+    found[3 : n - 3, 1 : n - 5] = np.eye(n - 6)
+    found[n - 3 : n - 1, n - 5] = chord
+    found[n - 1, n - 4] = 1
+    return found

@@ -1,0 +1,90 @@
+"""A part of a chain of elements in space.
+
+Its elastic coordinates are the rotations of the first node across the chord, all coordinates of the nodes between, of the last node its
+displacement along the chord and its rotations across it, and the twist: the rotation of the last node about the chord, by which the first
+one turns back. So the frame rolls as the mean of its ends.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+
+from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
+from toolkit.kinematics.spatial import axes_along, skew
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
+from toolkit.reduced_model.elements import SpatialElements
+from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
+
+
+class SpatialPart(Part):
+    """Nodes have displacements along and rotations about x, y and z."""
+
+    per_node: ClassVar[int] = 6
+
+    @staticmethod
+    def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
+        """Displacement (3, 12) and rotation (3, 12)."""
+        side = ends[1] - ends[0]
+        length = np.sqrt(side @ side)
+        e = side / length
+        along, turned = np.outer(e, e), skew(e)
+        across = np.eye(3) - along
+        powers = ratio ** np.arange(4)
+        axial, bend, turn = powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length
+        shape, rotation = np.zeros((2, 3, 12), np.result_type(side, powers))
+        for end in range(2):
+            moves, turns = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)
+            shape[:, moves] = axial[end] * along + bend[2 * end] * across
+            shape[:, turns] = -length * bend[2 * end + 1] * turned
+            rotation[:, moves] = turn[2 * end] * turned
+            rotation[:, turns] = axial[end] * along + length * turn[2 * end + 1] * across
+        return shape, rotation
+
+    def picture(self, whole: Any) -> dict[str, Any]:
+        """The fibres whose stress is told, each as far from its node as in the whole."""
+        if whole.surface is None or whole.stress is None or whole.surface.lines.size != len(whole.stress.element):
+            return {}
+        element, end = (each[self.stress_rows].astype(int) for each in (whole.stress.element, whole.stress.end))
+        at = whole.elements.nodes[whole.elements.connectivity[element, end]]
+        offset = whole.surface.position[whole.surface.lines.ravel()[self.stress_rows], :, 0] - at
+        by_node = np.real(self.recovery).reshape(len(self.nodes), 6, -1)[element - self.first + end]
+        position = by_node[:, :3] + np.cross(by_node[:, 3:], offset[:, :, None], axis=1)
+        position[:, :, 0] += offset
+        return {"surface": Surface(position, np.zeros((0, 3), int), np.arange(len(position)).reshape(-1, 2))}
+
+
+def spatial_part(elements: SpatialElements, first: int, last: int, stress_elements: np.ndarray) -> SpatialPart:
+    """The part of a chain from one of its elements up to, but without, another; as `planar_part`.
+
+    Raises
+    ------
+    InputError
+        No chord leads from its first node to its last.
+    """
+    nodes = part_nodes(elements, first, last)
+    sums = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), SpatialPart.per_node)
+    moments = [sums.moment(elements.second_moment[:, k]) for k in range(len(PAIRS))]
+    rows = np.flatnonzero((stress_elements >= first) & (stress_elements < last))
+    invariants = SpatialInvariants(
+        mass=elements.mass[first:last].sum(),
+        first_moment=sums.first_moment(elements.first_moment),
+        second_moment=np.stack([symmetric(each) if a == b else each for each, (a, b) in zip(moments, PAIRS, strict=True)]),
+        stiffness=sums.square(elements.stiffness),
+        damping=sums.square(elements.damping),
+        stress_operator=sums.stress(elements.stress_operator[rows], stress_elements[rows] - first)[:, None],
+    )
+    return SpatialPart(first, last, nodes, sums.recovery, invariants, rows)
+
+
+def _coordinates(nodes: np.ndarray, chord: np.ndarray) -> np.ndarray:
+    """Nodal coordinates per elastic coordinate, (6 n_nodes, n_f)."""
+    n, across = 6 * len(nodes), axes_along(chord)[:, :2]
+    found = np.zeros((n, n - 6), chord.dtype)
+    found[3:6, :2] = across
+    found[6 : n - 6, 2 : n - 10] = np.eye(n - 12)
+    found[n - 6 : n - 3, n - 10] = chord
+    found[n - 3 :, n - 9 : n - 7] = across
+    found[3:6, n - 7], found[n - 3 :, n - 7] = -chord, chord
+    return found

@@ -1,0 +1,176 @@
+"""What the frames of a run do to its gradients: the same run with more of them, compared.
+
+Gradients converge more slowly than values: of a wing whose displacement is off by 1 % they are by 10 %, and may have the wrong sign before.
+With every part cut in half, the error is a quarter of what it was. So of numbers g, and g' with ratio r of the frames,
+
+    error of g  =  (g' - g) r^2 / (r^2 - 1)
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.planar.flexible import Flexible
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.cut_scene import can_be_cut
+from toolkit.sensitivity.frames.chosen_frames import Frames
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.deformation import LIMIT, deformations
+
+SMALL = 2e-3
+"""Geometric error of a body by the meter up to which gradients are not looked at: they can be off by ten times as much, 2 %."""
+UNIMPORTANT = 0.02
+"""A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
+NAMED = 6
+"""So many gradients are named one by one."""
+UNCERTAIN = 2.0
+"""The estimate of an error may be too small by this factor."""
+
+Slopes = Mapping[str, Mapping[str, float]]
+Reframed = Callable[[Mapping[str, Frames]], tuple[Mapping[str, float], Slopes]]
+"""Values and gradients of the same analysis with other frames in some of its bodies."""
+
+
+@dataclass(frozen=True)
+class FrameErrors:
+    """Estimated errors of a run by the number of its frames; `failure` says why there are none."""
+
+    frames: Mapping[str, tuple[int, int]]  # body -> those of the run, and those that it is compared with
+    values: Mapping[str, float]
+    gradients: Slopes
+    seconds: float
+    failure: str = ""
+
+    def record(self, gradients: Slopes, sizes: Mapping[str, float]) -> dict[str, object]:
+        """Part of a JSON object, which says of the gradients of the run whose signs are in doubt."""
+        doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes)]
+        return {
+            "how": f"the same run with {_others(self.frames)}",
+            "seconds": self.seconds,
+            "responses": dict(self.values),
+            "gradients": {f: dict(slopes) for f, slopes in self.gradients.items()},
+            "signs_in_doubt": doubtful,
+            **({"failure": self.failure} if self.failure else {}),
+        }
+
+
+def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slopes, reframed: Reframed) -> FrameErrors | None:
+    """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
+    more = {
+        body: _more(solution, body)
+        for body, each in deformations(solution).items()
+        if each is not None and each.relative > SMALL and _can_have_more(solution, body)
+    }
+    if not more:
+        return None
+    counts = {body: (_count(solution, body), len(cuts) + 1) for body, cuts in more.items()}
+    begun = time.perf_counter()
+    try:
+        other_values, other_slopes = reframed(more)
+    except ToolkitError as error:
+        return FrameErrors(counts, {}, {}, time.perf_counter() - begun, str(error))
+    square = min(now / before for before, now in counts.values()) ** 2
+    factor = square / (square - 1)
+    return FrameErrors(
+        counts,
+        {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
+        {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
+        time.perf_counter() - begun,
+    )
+
+
+def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapping[str, float]) -> Iterator[Caution]:
+    """Gradients whose sign or size is in doubt."""
+    if found is None:
+        return
+    if found.failure:
+        yield Caution(
+            "geometric-gradients",
+            f"what the floating frames do to the gradients is not known: the same run with {_others(found.frames)} fails. {found.failure}",
+            doubt=False,
+        )
+        return
+    parts = _parts(found, gradients, sizes)
+    signs = _signs(found, gradients, sizes)
+    off = {pair: part for pair, part in parts.items() if part > LIMIT and pair not in signs}
+    if not signs and not off:
+        return
+    said = [f"the sign of the gradient of {_listed(signs)} is in doubt"] if signs else []
+    if off:
+        worst = max(off, key=lambda pair: off[pair])
+        said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)})")
+    yield Caution(
+        "geometric-gradients",
+        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, which took {found.seconds:.2g} s. Gradients of bodies that "
+        f"deform far need more frames than their values: write {_advice(found, max(parts.values()))} in the scene.",
+    )
+
+
+def _parts(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> dict[tuple[str, str], float]:
+    """Response and variable -> error in parts of the gradient, of those that count."""
+    parts: dict[tuple[str, str], float] = {}
+    for f, errors in found.gradients.items():
+        most = max((abs(slope) * sizes[x] for x, slope in gradients[f].items()), default=0.0)
+        for x, error in errors.items():
+            if error and max(abs(error), abs(gradients[f][x])) * sizes[x] > UNIMPORTANT * most:
+                parts[f, x] = abs(error / gradients[f][x]) if gradients[f][x] else np.inf
+    return parts
+
+
+def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) -> list[tuple[str, str]]:
+    """Of these, those that the error leads to the other side of zero, or would if it were twice as large."""
+    return [
+        (f, x)
+        for f, x in _parts(found, gradients, sizes)
+        if gradients[f][x] * (gradients[f][x] + UNCERTAIN * found.gradients[f][x]) <= 0
+    ]
+
+
+def _advice(found: FrameErrors, worst: float) -> str:
+    """Numbers that would bring the errors below the limit; of signs that are in doubt twice the number, to look again."""
+    factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
+    return ", ".join(f"bodies.{body}.frames = {int(np.ceil(now * factor))}" for body, (now, _) in found.frames.items())
+
+
+def _others(frames: Mapping[str, tuple[int, int]]) -> str:
+    return ", ".join(f"{more} frames instead of {now} in {body}" for body, (now, more) in frames.items())
+
+
+def _listed(pairs: list[tuple[str, str]]) -> str:
+    names = [" by ".join(pair) for pair in pairs]
+    return ", ".join(names[:NAMED]) + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+
+
+def _can_have_more(solution: Solution, body: str) -> bool:
+    written = solution.system.scene.bodies[body]
+    if not isinstance(written, Flexible) or any(written.deflected.values()):
+        return False
+    return _count(solution, body) < _elements(solution, body)
+
+
+def _elements(solution: Solution, body: str) -> int:
+    """How many there are; none if they cannot have frames of their own."""
+    written = solution.system.scene.bodies[body]
+    assert isinstance(written, Flexible)
+    model = solution.system.scene.model(written.model, "elements")
+    return len(model.elements.connectivity) if model.elements is not None and can_be_cut(model) else 0
+
+
+def _count(solution: Solution, body: str) -> int:
+    written = solution.system.scene.bodies[body]
+    return len(written.cuts) - 1 if isinstance(written, CutBody) else 1
+
+
+def _more(solution: Solution, body: str) -> tuple[int, ...]:
+    """Nodes where the body is cut if each of its parts is halved, as far as it has more than one element."""
+    written = solution.system.scene.bodies[body]
+    cuts = written.cuts if isinstance(written, CutBody) else (0, _elements(solution, body))
+    inner = {*cuts[1:-1], *((one + other) // 2 for one, other in pairwise(cuts) if other - one > 1)}
+    return tuple(sorted(inner))

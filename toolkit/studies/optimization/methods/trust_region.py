@@ -1,0 +1,92 @@
+"""Sequential quadratic programming in a box about the last design: one design a step, and every design teaches curvature.
+
+A design that cannot be solved makes the box smaller, and nothing that was learnt is lost; one that is no better does so too, but its
+slopes count for the curvature all the same.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions, Visited
+from toolkit.studies.optimization.methods.quadratic_step import Linearised, Step, quadratic_step
+from toolkit.studies.optimization.program import Values
+
+FIRST, LARGEST, SMALLEST = 0.25, 1.0, 1e-9
+"""Half of the box's side, in parts of the variables' ranges: at first, at most, and where the search gives up."""
+SHRUNK, GROWN, AT_EDGE = 0.35, 2.0, 0.8
+"""The box after a bad step, in parts of that; its growth after a good one that went so far towards its edge."""
+BAD, POOR, GOOD = 1e-3, 0.25, 0.7
+"""Parts of the expected gain: below the first a step is not taken, below the second the box shrinks, above the third it may grow."""
+DAMPED = 0.2
+"""Least curvature along a step, in parts of what was known (Powell, 1978): the matrix stays positive definite."""
+FIRST_PRICE = 10.0
+"""Price of violated constraints at first, in parts of the first slope; always above twice the largest multiplier."""
+SPREAD = 1e3
+"""Largest first curvature, and the smallest one over 1, in units of the scaled objective."""
+
+
+def sqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
+    """Sequential quadratic programming with a trust region (Fletcher, 1987, chapter 14); arguments as of `slsqp`."""
+    z = np.clip(z, low, high)
+    values, known, size, price = functions(z), _Curvature(np.eye(len(z))), FIRST, FIRST_PRICE
+    while size > SMALLEST:
+        at = Linearised(values.df, values.c, values.dc)
+        step = quadratic_step(known.matrix, at, np.maximum(low - z, -size), np.minimum(high - z, size), price)
+        if step is None:
+            return
+        length, expected = (
+            float(np.max(np.abs(step.p))),
+            _merit(values, price) - _foreseen(known.matrix, at, values.f, step, price),
+        )
+        if length < SMALLEST or expected <= 0.0:
+            return
+        there = np.clip(z + step.p, low, high)
+        try:
+            found = functions(there)
+        except DesignFailedError:
+            size = SHRUNK * length
+            continue
+        known.learn(step.p, (found.df - step.multipliers @ found.dc) - (values.df - step.multipliers @ values.dc))
+        part = (_merit(values, price) - _merit(found, price)) / expected
+        price = max(price, 2 * float(np.max(step.multipliers, initial=0.0)))
+        if part > BAD:
+            z, values = there, found
+            visited(np.array(z))
+        if part < POOR:
+            size = SHRUNK * length
+        elif part > GOOD and length > AT_EDGE * size:
+            size = min(LARGEST, GROWN * size)
+
+
+def _merit(values: Values, price: float) -> float:
+    """The objective and the price of what is violated."""
+    return values.f + price * float(np.sum(np.maximum(0.0, -values.c)))
+
+
+def _foreseen(curvature: np.ndarray, at: Linearised, f: float, step: Step, price: float) -> float:
+    """The merit after a step, by the quadratic and linear models."""
+    p = step.p
+    return float(f + at.g @ p + p @ curvature @ p / 2 + price * np.sum(np.maximum(0.0, -(at.c + at.j @ p))))
+
+
+@dataclass
+class _Curvature:
+    """The matrix of Broyden, Fletcher, Goldfarb and Shanno for the Lagrangian, damped."""
+
+    matrix: np.ndarray
+    fresh: bool = field(default=True)
+
+    def learn(self, p: np.ndarray, change: np.ndarray) -> None:
+        """Take in by how much the slope changes along a step."""
+        along = float(p @ change)
+        if self.fresh and along > 0.0:
+            first = min(max(float(change @ change) / along, 1 / SPREAD), SPREAD)
+            self.matrix, self.fresh = first * np.eye(len(p)), False
+        ahead = self.matrix @ p
+        before = float(p @ ahead)
+        share = 1.0 if along >= DAMPED * before else (1 - DAMPED) * before / (before - along)
+        mixed = share * change + (1 - share) * ahead
+        self.matrix = self.matrix - np.outer(ahead, ahead) / before + np.outer(mixed, mixed) / float(p @ mixed)

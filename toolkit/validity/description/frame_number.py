@@ -1,0 +1,52 @@
+"""Numbers of floating frames that were chosen, and by what."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.planar.chosen_frames import ChosenFrames
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+
+ANALYSES = {"static": "equilibrium", "transient": "motion"}
+
+
+def frames_chosen(scene: Scene) -> dict[str, Any]:
+    """Body -> its number of frames and what that was chosen by; of those bodies alone whose number was chosen."""
+    return {
+        name: {
+            "frames": number,
+            "wanted_error": choice.wanted,
+            "estimated_error": choice.error,
+            "relative_to": "the largest displacement of the body",
+            "tried": list(choice.numbers),
+            "analysis": ANALYSES[choice.analysis],
+        }
+        for name, (number, choice) in _choices(scene).items()
+    }
+
+
+def choices_of_frames(scene: Scene) -> Iterator[Caution]:
+    """What was chosen, with the rule."""
+    for name, (number, choice) in _choices(scene).items():
+        runs = " and ".join(filter(None, [", ".join(map(str, choice.numbers[:-1])), str(choice.numbers[-1])]))
+        yield Caution(
+            "frames",
+            f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": the {ANALYSES[choice.analysis]} of '
+            f"the scene as it is written, with {runs} frames, leaves about {choice.error:.1%} of its largest displacement "
+            f"({choice.wanted:.3g} is wanted; the error falls with the square of the number). frames = {number} spares these runs.",
+            doubt=False,
+        )
+
+
+def _choices(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:
+    found = {}
+    for name, body in scene.bodies.items():
+        choice = body.choice if isinstance(body, CutBody | ChosenFrames) else None
+        if choice is not None:
+            assert isinstance(body.frames, int)  # type: ignore[attr-defined]
+            found[name] = (body.frames, choice)  # type: ignore[attr-defined]
+    return found
