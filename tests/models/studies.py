@@ -20,8 +20,8 @@ levels = 9
 UNCERTAIN = f"""
 scene = "scene.toml"
 [uncertain]
-"{LOAD}" = {{ type = "normal", mean = -28.0, sigma = 2.0 }}
-k = {{ type = "uniform", between = [-60.0, 60.0], of = ["{LEFT}", "{RIGHT}"] }}
+"{LOAD}" = {{ distribution = "normal", mean = -28.0, sigma = 2.0 }}
+k = {{ distribution = "uniform", between = [-60.0, 60.0], of = ["{LEFT}", "{RIGHT}"] }}
 [uncertainty]
 responses = ["rise"]
 runs = 12

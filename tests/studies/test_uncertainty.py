@@ -50,10 +50,11 @@ def test_mean_sigma_and_shares_are_those_of_quadrature_of_the_closed_form(tmp_pa
     found = ffrf.uncertainty(sweep_file(tmp_path, cut))
     spread = found.responses["rise"]
     assert spread.left_out < 1e-4
-    assert spread.mean == pytest.approx(mean, abs=1e-4 * spread.sigma)  # the order of what is left out of 12 designs
-    assert spread.sigma == pytest.approx(np.sqrt(variance), rel=1e-4)
-    assert spread.alone == pytest.approx({LOAD: by_load, "k": by_k}, abs=1e-4)
-    assert spread.together == pytest.approx({LOAD: 1 - by_k, "k": 1 - by_load}, abs=1e-4)
+    near = 3e-4  # some times what is left out of 12 designs, none of which is in a tail
+    assert spread.mean == pytest.approx(mean, abs=near * spread.sigma)
+    assert spread.sigma == pytest.approx(np.sqrt(variance), rel=near)
+    assert spread.alone == pytest.approx({LOAD: by_load, "k": by_k}, abs=near)
+    assert spread.together == pytest.approx({LOAD: 1 - by_k, "k": 1 - by_load}, abs=near)
     y = height(28.0)
     assert spread.first_order[0] == pytest.approx(y - 0.5, rel=1e-9)
     slopes = np.array([-1 / force_slope(y), -28.0 / STIFFNESS / force_slope(y)])
@@ -123,7 +124,7 @@ def test_a_polynomial_is_found_exactly_and_its_shares_are_those_of_openturns():
     at = rng.uniform(-1, 1, (8, 3))
     values = 1 + 2 * at[:, 0] + at[:, 0] * at[:, 1] - 0.5 * at[:, 2] ** 2
     slopes = np.column_stack([2 + at[:, 1], at[:, 0], -at[:, 2]])
-    (found,) = fitted(germs, at, values[:, None], slopes[:, None, :], None)
+    (found,) = fitted(germs, at, values[:, None], slopes[:, None, :], np.zeros(1), None)
     assert found.degree == 2
     assert found.left_out < 1e-10
     distributions = [ot.Normal(), ot.Uniform(-HALF, HALF), ot.TruncatedDistribution(ot.Normal(), ot.Interval(-1.0, 2.0))]
@@ -141,13 +142,20 @@ def test_a_polynomial_is_found_exactly_and_its_shares_are_those_of_openturns():
     assert together == pytest.approx([judge.getSobolTotalIndex(k) for k in range(3)], abs=1e-8)
 
 
+def test_what_does_not_spread_has_no_shares_and_a_germ_that_moves_nothing_none(tmp_path):
+    found = ffrf.uncertainty(sweep_file(tmp_path, UNCERTAIN.replace('["rise"]', '["rise", "sway"]')))
+    sway = found.responses["sway"]
+    assert (sway.sigma, sway.left_out, set(sway.alone.values())) == (0.0, 0.0, {0.0})
+    assert found.responses["rise"].sigma > 0
+
+
 def described(kind: str) -> Marginal:
     table = {
-        "normal": {"type": "normal", "mean": 3.0, "sigma": 0.5},
-        "cut normal": {"type": "normal", "mean": 3.0, "sigma": 0.5, "between": (2.8, 4.0)},
-        "lognormal": {"type": "lognormal", "mean": 3.0, "sigma": 0.9},
-        "cut lognormal": {"type": "lognormal", "mean": 3.0, "sigma": 0.9, "between": (2.0, 5.0)},
-        "uniform": {"type": "uniform", "between": (2.0, 5.0)},
+        "normal": {"distribution": "normal", "mean": 3.0, "sigma": 0.5},
+        "cut normal": {"distribution": "normal", "mean": 3.0, "sigma": 0.5, "between": (2.8, 4.0)},
+        "lognormal": {"distribution": "lognormal", "mean": 3.0, "sigma": 0.9},
+        "cut lognormal": {"distribution": "lognormal", "mean": 3.0, "sigma": 0.9, "between": (2.0, 5.0)},
+        "uniform": {"distribution": "uniform", "between": (2.0, 5.0)},
     }
     return marginal_of(kind, Uncertain.model_validate(table[kind]), 0.0)
 
@@ -213,12 +221,13 @@ def test_numbers_that_go_together_have_their_distributions_their_correlation_and
 
 def test_the_spread_of_numbers_that_go_together_is_that_of_one_that_moves_both(tmp_path):
     """Nearly fully correlated springs are one variable of both."""
-    spring = '{ type = "normal", sigma = 30.0 }'
+    spring = '{ distribution = "normal", sigma = 30.0 }'
     both = f'"{LEFT}" = {spring}\n"loads.right.stiffness" = {spring}\n'
     pair = f'scene = "scene.toml"\n[uncertain]\n{both}[uncertainty]\nruns = 12\nresponses = ["rise"]\n'
     together = pair + f'correlations = [{{ of = ["{LEFT}", "loads.right.stiffness"], coefficient = 0.999999 }}]\n'
     one = pair.replace(f'"loads.right.stiffness" = {spring}\n', "").replace(
-        f'"{LEFT}" = {spring}', f'k = {{ type = "normal", mean = 0.0, sigma = 30.0, of = ["{LEFT}", "loads.right.stiffness"] }}'
+        f'"{LEFT}" = {spring}',
+        f'k = {{ distribution = "normal", mean = 0.0, sigma = 30.0, of = ["{LEFT}", "loads.right.stiffness"] }}',
     )
     found = ffrf.uncertainty(sweep_file(tmp_path / "pair", together)).responses["rise"]
     single = ffrf.uncertainty(sweep_file(tmp_path / "one", one)).responses["rise"]
@@ -257,11 +266,11 @@ def test_command_and_python_say_the_same_and_go_on_from_what_is_kept(tmp_path):
     assert str(found.verdict).splitlines()[0] in told.stdout
 
 
-FIRST = f'"{LOAD}" = {{ type = "normal", mean = -28.0, sigma = 2.0 }}'
+FIRST = f'"{LOAD}" = {{ distribution = "normal", mean = -28.0, sigma = 2.0 }}'
 WRONG = {
     "nothing uncertain": (UNCERTAIN.split("[uncertain]")[0], "uncertain is empty"),
     "unknown number": (UNCERTAIN.replace("push.force", "pull.force"), "loads.pull.force.y"),
-    "unknown distribution": (UNCERTAIN.replace('"normal"', '"gauss"'), "type"),
+    "unknown distribution": (UNCERTAIN.replace('"normal"', '"gauss"'), "distribution"),
     "no sigma": (UNCERTAIN.replace(", sigma = 2.0", ""), "a normal number needs `sigma`"),
     "sigma of uniform": (UNCERTAIN.replace('"uniform"', '"uniform", sigma = 2.0'), "given by `between` alone"),
     "empty bounds": (UNCERTAIN.replace("[-60.0, 60.0]", "[60.0, -60.0]"), "holds nothing"),
@@ -284,7 +293,7 @@ WRONG = {
         "cannot have a correlation of 0.99",
     ),
     "contradiction": (
-        UNCERTAIN.replace(FIRST, f'{FIRST}\n"bodies.tip.mass" = {{ type = "normal", sigma = 0.1 }}')
+        UNCERTAIN.replace(FIRST, f'{FIRST}\n"bodies.tip.mass" = {{ distribution = "normal", sigma = 0.1 }}')
         + f'correlations = [{{ of = ["k", "{LOAD}"], coefficient = 0.9 }}, {{ of = ["k", "bodies.tip.mass"], coefficient = 0.9 }},\n'
         f'{{ of = ["bodies.tip.mass", "{LOAD}"], coefficient = -0.9 }}]',
         "these coefficients contradict each other",

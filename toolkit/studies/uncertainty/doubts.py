@@ -66,7 +66,7 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
         )
     for name, each in spreads.items():
         rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE or p in (0.0, 1.0)]
-        if rare and each.sampled is None:
+        if rare and each.sampled is None and each.sigma:
             yield Caution(
                 "tails",
                 f"that {name} is {rare[0]} is so rare, or so common, that it rests on tails of polynomials and distributions.",

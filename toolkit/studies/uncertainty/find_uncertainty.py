@@ -85,7 +85,10 @@ def _expansions(study: UncertainStudy, exact: Sequence[Evaluation]) -> dict[str,
     values = np.array([[exact[k].values[place] for place in places.values()] for k in good])
     by_numbers = np.array([[exact[k].gradients[place] for place in places.values()] for k in good])
     slopes = np.einsum("krx,kxg->krg", by_numbers, study.joint.slopes(germs))
-    return dict(zip(places, fitted(study.joint.germs, germs, values, slopes, study.options.degree), strict=True))
+    names = [study.problem.responses[j] for _, j in places.values()]
+    undecided = np.array([study.problem.undecided(name, column) for name, column in zip(names, values.T, strict=True)])
+    found = fitted(study.joint.germs, germs, values, slopes, undecided, study.options.degree)
+    return dict(zip(places, found, strict=True))
 
 
 def _spreads(

@@ -73,7 +73,7 @@ def uncertain_study(study: Study, scene: Scene | None = None) -> UncertainStudy:
     if not study.uncertain:
         raise InputError(
             "uncertain is empty: write [uncertain] with numbers of the scene and their distributions, for example "
-            't_w = { type = "normal", sigma = 0.05 }.'
+            't_w = { distribution = "normal", sigma = 0.05 }.'
         )
     anywhere = {
         name: StudyVariable(between=(0.0, 1.0), of=each.of, factors=each.factors) for name, each in study.uncertain.items()
