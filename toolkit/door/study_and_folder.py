@@ -7,19 +7,15 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.toml_lines import naming_lines
 from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import TABLES, read_study
+from toolkit.studies.study.study_reader import naming_study_lines, read_study
 
 
 @contextmanager
 def study_of(study: Study | str | Path) -> Iterator[Study]:
     """A study, which is read unless it is one; errors about keys of a file say in which line they stand."""
-    if isinstance(study, Study):
-        yield study
-        return
-    described = read_study(study)
-    with naming_lines(Path(study), TABLES):
+    described = study if isinstance(study, Study) else read_study(study)
+    with naming_study_lines(study):
         yield described
 
 

@@ -32,11 +32,10 @@ def optimize(
     quiet: Quiet = False,
 ) -> None:
     """Find the best design of a study; exit with an error if none can be called an optimum. What was interrupted goes on."""
-    from toolkit.foundation.files.toml_lines import naming_lines
     from toolkit.studies.optimization.optimize import optimized
     from toolkit.studies.study.problem import problem_of
     from toolkit.studies.study.search_options import Search
-    from toolkit.studies.study.study_reader import TABLES, read_study
+    from toolkit.studies.study.study_reader import naming_study_lines, read_study
 
     described = read_study(study)
     given = {"method": method, "starts": starts, "evaluations": evaluations}
@@ -44,11 +43,11 @@ def optimize(
     if changed:
         search = Search.model_validate({**described.search.model_dump(), **_checked(changed)})
         described = described.model_copy(update={"search": search})
-    with naming_lines(study, TABLES):
+    with naming_study_lines(study):
         problem = problem_of(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with naming_lines(study, TABLES), bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)

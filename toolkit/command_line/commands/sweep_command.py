@@ -41,19 +41,18 @@ def sweep(
     quiet: Quiet = False,
 ) -> None:
     """Solve many designs of a study, and write values and gradients into tables. What was interrupted goes on."""
-    from toolkit.foundation.files.toml_lines import naming_lines
     from toolkit.studies.places.place import Place
-    from toolkit.studies.study.study_reader import TABLES, read_study
+    from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.sweep.sweep import sweep_problem, swept
 
     place = Place(processes=jobs, dask=dask)
     file = None if designs is None else str(designs.resolve())
     described = _changed(read_study(study), {"points": points, "levels": levels, "count": count, "file": file})
-    with naming_lines(study, TABLES):
+    with naming_study_lines(study):
         problem = sweep_problem(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with naming_lines(study, TABLES), bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = swept(problem, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
