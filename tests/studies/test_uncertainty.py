@@ -310,6 +310,16 @@ def test_wrong_distributions_are_refused_in_clear_words(tmp_path, name):
     assert words in str(error.value)
 
 
+def test_errors_of_a_study_name_the_line_of_its_file(tmp_path):
+    study = sweep_file(tmp_path, UNCERTAIN.replace("[-60.0, 60.0]", "[60.0, -60.0]"))
+    line = next(k for k, text in enumerate(study.read_text().splitlines(), 1) if text.startswith("k ="))
+    with pytest.raises(InputError, match=rf"study.toml: uncertain.k: .*\(line {line}\)"):
+        ffrf.uncertainty(study)
+    study = sweep_file(tmp_path, UNCERTAIN.replace('["rise"]', '["fall"]'))
+    with pytest.raises(InputError, match=r"study.toml: uncertainty.responses: no response 'fall'.*\(line 7\)"):
+        ffrf.uncertainty(study)
+
+
 def test_too_few_designs_and_designs_that_all_fail_are_errors_in_words(tmp_path):
     with pytest.raises(InputError, match="2 designs that could be solved are too few for polynomials of degree 3"):
         ffrf.uncertainty(sweep_file(tmp_path, UNCERTAIN.replace("runs = 12", "runs = 2\ndegree = 3")))
