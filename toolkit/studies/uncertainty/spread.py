@@ -121,11 +121,15 @@ def quantiles_of(values: np.ndarray, shares: tuple[float, ...]) -> dict[float, f
     return dict(zip(shares, map(float, np.quantile(values, shares)), strict=True))
 
 
+NORMAL = 3.0
+"""Kurtosis of a normal distribution: few designs show less than there is."""
+
+
 def sampled(values: np.ndarray, polynomials: np.ndarray, shares: tuple[float, ...], limit: Limit | None) -> Sampled:
     """What random designs say about a response, and about the values of its polynomials there."""
     count, mean, sigma = len(values), float(np.mean(values)), float(np.std(values, ddof=1))
     fourth = float(np.mean((values - mean) ** 4)) / sigma**4 if sigma else 1.0
-    sigma_error = sigma / 2 * float(np.sqrt(max(fourth - 1, 0.0) / count))
+    sigma_error = sigma / 2 * float(np.sqrt((max(fourth, NORMAL) - 1) / count))
     share = beyond(values, limit)
     errors = {words: (p, float(np.sqrt(max(p * (1 - p), 1 / count) / count))) for words, p in share.items()}
     missed = float(np.sqrt(np.mean((values - polynomials) ** 2))) / sigma if sigma else 0.0
