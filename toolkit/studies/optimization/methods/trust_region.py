@@ -25,8 +25,8 @@ DAMPED = 0.2
 FIRST_PRICE, ABOVE = 1.0, 2.0
 """Price of violated constraints at first, in units of the scaled objective; and by how much it is above the largest multiplier, to which it
 comes down by half of the way a step (Powell, 1978)."""
-CUT, REMEMBERED = 0.5, 4.0
-"""Where the plane stands before a failed design, in parts of the way; and up to how many sizes of the box from it the plane counts."""
+CUT = 0.5
+"""How far a step may go on the way to any failed design."""
 SPREAD = 1e3
 """Largest first curvature, and the smallest one over 1, in units of the scaled objective."""
 
@@ -34,11 +34,11 @@ SPREAD = 1e3
 def sqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
     """Sequential quadratic programming with a trust region (Fletcher, 1987, chapter 14); arguments as of `slsqp`."""
     z = np.clip(z, low, high)
-    values, known, size, price, cuts = functions(z), _Curvature(np.eye(len(z))), FIRST, FIRST_PRICE, list[_Cut]()
+    values, known, size, price, failed = functions(z), _Curvature(np.eye(len(z))), FIRST, FIRST_PRICE, list[np.ndarray]()
     while size > SMALLEST:
-        near = [each for each in cuts if np.max(np.abs(each.failed - z)) < REMEMBERED * size]
-        c, dc = [each.left(z) for each in near], [-each.normal for each in near]
-        at = Linearised(values.df, np.append(values.c, c), np.vstack([values.dc, *dc]))
+        ways = np.array([each - z for each in failed]).reshape(-1, len(z))
+        lengths = np.sqrt(np.sum(ways**2, axis=1))
+        at = Linearised(values.df, np.append(values.c, CUT * lengths), np.vstack([values.dc, -ways / lengths[:, None]]))
         step = quadratic_step(known.matrix, at, np.maximum(low - z, -size), np.minimum(high - z, size), price)
         if step is None:
             return
@@ -46,13 +46,16 @@ def sqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, 
         enough = ABOVE * float(np.max(multipliers, initial=0.0))
         price = max(enough, (price + enough) / 2)
         length, expected = float(np.max(np.abs(step.p))), _merit(values, price) - _foreseen(known.matrix, values, step.p, price)
-        if length < SMALLEST or expected <= 0.0:
+        if length < SMALLEST:
             return
+        if expected <= 0.0:  # round-off of curvatures that beside a cliff are without measure: they are learnt anew
+            known, size = _Curvature(np.eye(len(z))), CUT * length
+            continue
         there = np.clip(z + step.p, low, high)
         try:
             found = functions(there)
         except DesignFailedError:
-            cuts.append(_Cut.before(there, z))
+            failed.append(there)
             size = CUT * length
             continue
         known.learn(step.p, (found.df - multipliers @ found.dc) - (values.df - multipliers @ values.dc))
@@ -75,26 +78,6 @@ def _foreseen(curvature: np.ndarray, values: Values, p: np.ndarray, price: float
     """The merit after a step, by the quadratic and linear models."""
     violated = np.sum(np.maximum(0.0, -(values.c + values.dc @ p)))
     return float(values.f + values.df @ p + p @ curvature @ p / 2 + price * violated)
-
-
-@dataclass(frozen=True)
-class _Cut:
-    """A plane before a design that failed: normal (n,), and where the plane stands along it."""
-
-    failed: np.ndarray
-    normal: np.ndarray
-    place: float
-
-    @classmethod
-    def before(cls, failed: np.ndarray, z: np.ndarray) -> _Cut:
-        """Between a design that could be solved and one that could not."""
-        way = failed - z
-        normal = way / np.sqrt(way @ way)
-        return cls(failed, normal, float(normal @ (z + CUT * way)))
-
-    def left(self, z: np.ndarray) -> float:
-        """How far the plane is from z, negative beyond it."""
-        return self.place - float(self.normal @ z)
 
 
 @dataclass
