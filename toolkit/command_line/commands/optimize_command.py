@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import prepare_folder
+from toolkit.command_line.arguments import StudyFile, prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
 from toolkit.command_line.printed.printing import print_verdict, warn
 from toolkit.foundation.errors import ToolkitError
@@ -17,8 +17,6 @@ from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
-
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")]
 
 
 def optimize(
@@ -88,7 +86,7 @@ def _draw(found: Optimum, folder: Path, quiet: bool) -> list[Path]:
     try:
         require("matplotlib")
         from toolkit.render.pictures import render_solution
-        from toolkit.report.optimization_drawing import history
+        from toolkit.report.studies.optimization_drawing import history
 
         files = history(found).save(folder)
         for name, solution in found.before_and_after().items():

@@ -52,7 +52,7 @@ def sweep(
         problem = sweep_problem(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = swept(problem, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)

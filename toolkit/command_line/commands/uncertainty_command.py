@@ -49,7 +49,7 @@ def uncertainty(
         checked = uncertain_study(described)
     folder = prepare_folder(output)
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
-    with bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = found_uncertainty(checked, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
