@@ -91,8 +91,9 @@ class Inputs(NamedTuple):
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
     """Memory for the result."""
-    entries = len(plan.indices)
-    return Terms(*(np.zeros(s, dtype) for s in [plan.n] * 2 + [entries] * 4 + [(plan.n, plan.n_x)] * 2))
+    vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
+    entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
+    return Terms(*vectors, *entries, *(np.zeros((plan.n, plan.n_x), dtype) for _ in range(2)))
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:

@@ -32,7 +32,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
     frames
         Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
+        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
+        branch, they are always cut.
     deflection
         Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,

@@ -99,13 +99,18 @@ def bordered_solve(
     full[:, n] /= column
     row = np.abs(full[n]).max()
     full[n] /= row
-    wanted, info = np.append(scale * rhs[:n], rhs[n] / row), 0
+    wanted = np.append(scale * rhs[:n], rhs[n] / row)
     found = sparse_bordered_solve(full, wanted) if n >= MANY else None
-    if found is None:
-        *_, found, info = lapack.dgesv(full, wanted)
-    if info or not np.all(np.isfinite(found)):
+    found = _dense_solve(full, wanted) if found is None else found
+    if found is None or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
     return np.append(scale * found[:n], found[n] / column)
+
+
+def _dense_solve(matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray | None:
+    """Solution with a matrix, which is overwritten; None if that is singular."""
+    factors, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)  # transposed it is as LAPACK wants it
+    return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:
