@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from preprocessing.assembly.assembly import Part, assemble
-from preprocessing.assembly.energies import antisymmetric, symmetric
 from preprocessing.assembly.invariants import Term, polynomial_of
 from preprocessing.basis.reduction import undeformed
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
@@ -107,7 +106,7 @@ def _summands(part: Part, apart: LineElement, z: np.ndarray) -> Iterator[tuple[s
         return
     blocks = _blocks(part.matrix, apart, z.shape[1])
     if isinstance(part.name, str):
-        yield part.name, _each(symmetric, blocks[:, :local, :local])
+        yield part.name, _symmetric(blocks[:, :local, :local])
     else:
         yield from _of_mass(part.name, blocks, apart, z)
 
@@ -130,9 +129,10 @@ def _of_mass(pair: tuple[int, int], blocks: np.ndarray, apart: LineElement, z: n
 
 def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
     if form.part == "antisymmetric":
-        return _each(antisymmetric, _moment(z, blocks - np.swapaxes(blocks, 1, 2)))
+        moment = _moment(z, blocks - np.swapaxes(blocks, 1, 2))
+        return (moment - np.swapaxes(moment, 1, 2)) / 2
     moment = _moment(z, blocks)
-    return _each(symmetric, moment) if form.part == "symmetric" else moment
+    return _symmetric(moment) if form.part == "symmetric" else moment
 
 
 def _placed(form: Form, moment: np.ndarray, places: int) -> np.ndarray:
@@ -148,8 +148,8 @@ def _moment(z: np.ndarray, blocks: np.ndarray) -> np.ndarray:
     return np.swapaxes(z, 1, 2) @ (blocks @ z)
 
 
-def _each(part: Any, blocks: np.ndarray) -> np.ndarray:
-    return np.stack([part(block) for block in blocks])
+def _symmetric(blocks: np.ndarray) -> np.ndarray:
+    return (blocks + np.swapaxes(blocks, 1, 2)) / 2
 
 
 def _blocks(matrix: Any, apart: LineElement, size: int) -> np.ndarray:
