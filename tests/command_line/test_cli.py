@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from preprocessing.commands.cli import app as preprocess
 from preprocessing.recipes.build_model import read_recipe
+from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
 from toolkit.command_line.printed.report import record_of
@@ -451,3 +452,12 @@ def test_certify_without_responses_says_what_is_missing(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(re.sub(r"(?ms)^\[responses\].*?(?=^\[)", "", text))
     assert "the scene needs a table [responses]" in refused("certify", str(path))
+
+
+@pytest.mark.parametrize(("given", "taken"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_a_command_takes_one_thread_for_its_small_matrices_unless_told(monkeypatch, given, taken):
+    environment, seen = dict(given), []
+    monkeypatch.setattr(cli.os, "environ", environment)
+    monkeypatch.setattr(cli, "app", lambda: seen.append(environment["OPENBLAS_NUM_THREADS"]))
+    cli.main()
+    assert seen == [taken]

@@ -10,7 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.benchmarks.space import hanging
 from tests.models.scenes import WING
+from toolkit.analyses.run_start import run_start
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.curves.kinds.table import Table
@@ -22,9 +24,10 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.solvers.transient.extrapolation import EXPECTED, ORDER, guess, learn_trend
-from toolkit.solvers.transient.run import Run, prepare_run
+from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
+from toolkit.solvers.transient.run import Run, allocate_history, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
+from toolkit.solvers.transient.step_memory import LAST
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 
@@ -95,7 +98,9 @@ def test_a_thin_skin_feels_nothing_of_it_either(with_and_without):
     run, thorough = with_and_without(
         read_scene(WING, {"solver.scheme": "arnold-bruels", "solver.step": "0.002", "solver.end_time": "0.4"})
     )
-    assert run.newton_iterations <= 1.8 * run.steps
+    assert (
+        run.newton_iterations <= 1.9 * run.steps
+    )  # what is not the first of its step is by the same factors, if those are as good
     assert apart(run, thorough) <= felt(run)
 
 
@@ -158,3 +163,18 @@ def test_coarse_steps_begin_at_the_last_state():
     values = [float(n**3) for n in range(6)]
     assert learnt_from(values, h=1e-3).learnt[ORDER] == 2
     assert learnt_from(values, h=1e-1).learnt[ORDER] == 0
+
+
+def test_a_flexible_body_in_space_makes_one_jacobian_a_step_and_loses_nothing(with_and_without, tmp_path):
+    """Its stiff modes keep the first guess from being so good that one correction is enough; the second one takes the same factors."""
+    scene = hanging(tmp_path, 1, 4)
+    scene = scene.model_copy(update={"solver": scene.solver.model_copy(update={"end_time": 0.1})})
+    run, thorough = with_and_without(scene)
+    assert apart(run, thorough) <= felt(run)
+    steps = prepare_run(run.system)
+    history = allocate_history(run.system, steps.options, len(steps.times), run_start(run.system, steps.options))
+    ways = []
+    for step in range(run.steps):
+        take_steps(steps, history, run.system.curves(steps.times), step == 0, step, step + 1)
+        ways.append(steps.memory.learnt[AWAY] > 10 * steps.outcome.correction[LAST])
+    assert np.mean(ways) > 0.9  # of the last correction alone it would be if that had factors of its own

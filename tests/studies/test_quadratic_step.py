@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from toolkit.studies.optimization.quadratic_step import SOFT, Linearised, quadratic_step
+from toolkit.studies.optimization.methods.quadratic_step import SOFT, Linearised, quadratic_step
 
 PRICE = 10.0
 SHARP = 1e-6

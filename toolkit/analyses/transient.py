@@ -12,6 +12,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
@@ -26,10 +27,12 @@ from toolkit.validity.judge import judge
 from toolkit.validity.motion.drift import largest_drift
 
 UNSTABILISED = "nothing pulls them back. Leave out solver.baumgarte, or give it a positive stiffness"
-PIECE, MANY = 200, 100_000
-"""Least number of steps between two reports of progress, and of unknowns at all of them: long enough that a report costs nothing."""
+PIECE, MANY = 200, 1_000_000
+"""Least number of steps between two reports of progress, and of unknowns at all of them: some tenths of a second, beside which a report
+costs nothing, and that all memory is handed over anew for the next steps."""
 
 
+@one_thread()
 def simulate(
     system: System,
     options: RunOptions | None = None,

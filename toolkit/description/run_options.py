@@ -54,10 +54,11 @@ class RunOptions(Description):
         Newton stops when a correction moves nothing by more than this part of the scene's size (or this angle in rad), or before if by what
         its last corrections have left no more than 1e-15 of the size is left.
     newton
-        "full" makes a new Jacobian in every iteration and converges quadratically; "modified" keeps its factors, from step to step, as long
-        as an iteration shrinks the correction to a fifth. It takes two or three times the iterations, each without factoring: cheaper
-        where factoring is dear, from some tens of coordinates on. What they leave is bounded over the whole run: motion and gradients
-        differ from those of "full" by some hundred times `tolerance` at every step, unless a singular position makes more of it.
+        "full" makes a new Jacobian in every step, and for every further correction unless the last one has hardly changed it; "modified"
+        keeps its factors, from step to step, as long as an iteration shrinks the correction to a fifth. It takes two or three times the
+        iterations, each without factoring: cheaper where factoring is dear, from some tens of coordinates on. What they leave is bounded
+        over the whole run: motion and gradients differ from those of "full" by some hundred times `tolerance` at every step, unless a
+        singular position makes more of it.
     max_iterations
         Newton iterations after which a step has failed.
     quasi_static

@@ -91,8 +91,9 @@ class Inputs(NamedTuple):
 
 def allocate_terms(plan: Plan, dtype: type) -> Terms:
     """Memory for the result."""
-    entries = len(plan.indices)
-    return Terms(*(np.zeros(s, dtype) for s in [plan.n] * 2 + [entries] * 4 + [(plan.n, plan.n_x)] * 2))
+    vectors: list[Any] = [np.zeros(plan.n, dtype) for _ in range(2)]
+    entries: Any = np.zeros((4, len(plan.indices)), dtype)  # in one piece, of which a processor keeps track in larger pages
+    return Terms(*vectors, *entries, *(np.zeros((plan.n, plan.n_x), dtype) for _ in range(2)))
 
 
 def allocate_work(plan: Plan, dtype: type) -> Work:
@@ -104,7 +105,7 @@ def allocate_work(plan: Plan, dtype: type) -> Work:
         rough=np.zeros(1, np.int64),
         halves=np.zeros((2, plan.n), dtype),
         joint=plan.joints.work(dtype),
-        load=load_work(len(plan.markers.pose), dtype),
+        load=load_work(plan.loads, plan.markers.start, len(plan.markers.pose), dtype),
         floating=plan.floating.work(dtype),
     )
 

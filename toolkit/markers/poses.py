@@ -5,11 +5,11 @@ Of `plane` and `frames` (`markers.plane`, `markers.frames`) one is None, and num
 
 import numpy as np
 
-from toolkit.foundation.kernel import inlined, kernel
+from toolkit.foundation.kernel import inlined, inner, kernel
 from toolkit.kinematics.spatial import update_frames
 from toolkit.markers.planar.marker_design import update_marker_designs
 from toolkit.markers.planar.marker_forces import add_force, add_force_design, add_geometric_stiffness
-from toolkit.markers.planar.marker_kernel import update_markers
+from toolkit.markers.planar.marker_kernel import update_markers, update_places
 from toolkit.markers.spatial.marker_design import update_spatial_marker_designs
 from toolkit.markers.spatial.marker_forces import add_spatial_force, add_spatial_force_design, add_spatial_stiffness
 from toolkit.markers.spatial.marker_kernel import update_spatial_markers
@@ -23,6 +23,16 @@ def update_poses(plane, frames, markers, state, q, v, acc, scratch):
     if frames is not None:
         update_frames(frames, state.frames, q, v, acc)
         update_spatial_markers(markers, state, q, v, acc)
+
+
+@inner
+def update_positions(plane, frames, markers, state, q, rest):
+    """Evaluate the poses of all markers at rest; `rest` is zero."""
+    if plane is not None:
+        update_places(markers, state, q)
+    if frames is not None:
+        update_frames(frames, state.frames, q, rest, rest)
+        update_spatial_markers(markers, state, q, rest, rest)
 
 
 @inlined

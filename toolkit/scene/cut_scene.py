@@ -173,6 +173,15 @@ def most_frames(scene: Scene, name: str) -> int:
     return len(elements.connectivity)
 
 
+def cuttable(scene: Scene) -> list[str]:
+    """Names of the bodies that can have several frames."""
+    return [
+        name
+        for name, body in scene.bodies.items()
+        if isinstance(body, Flexible) and not any(body.deflected.values()) and can_be_cut(scene.model(body.model, "elements"))
+    ]
+
+
 def can_be_cut(model: ReducedModel) -> bool:
     """Whether a reduced model, loaded with its elements, is a chain of beams with all nodal coordinates."""
     return model.elements is not None and chain_nodes(model.elements.connectivity) is not None

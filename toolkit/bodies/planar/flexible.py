@@ -74,8 +74,12 @@ class Flexible(ModelBody, StartVelocity):
     @field_validator("frames", mode="before")
     @classmethod
     def _number_or_nodes(cls, frames: object) -> object:
-        if isinstance(frames, bool | float) or (isinstance(frames, str) and frames != "auto"):
-            raise ValueError('is a whole number, "auto", or a list of nodes and interface points where the body is cut')
+        if (
+            isinstance(frames, bool | float)
+            or (isinstance(frames, str) and frames != "auto")
+            or (isinstance(frames, int) and frames < 1)
+        ):
+            raise ValueError('is a whole number from 1 up, "auto", or a list of nodes and interface points where the body is cut')
         return frames
 
     @model_validator(mode="after")

@@ -56,10 +56,9 @@ class SpatialFlexible(ModelBody, SpatialBody):
     @field_validator("frames", mode="before")
     @classmethod
     def _number_or_nodes(cls, frames: object) -> object:
-        if isinstance(frames, bool | float | str):
-            raise ValueError(
-                'is a whole number, or a list of nodes and interface points where the body is cut; "auto" is of the plane'
-            )
+        if isinstance(frames, bool | float | str) or (isinstance(frames, int) and frames < 1):
+            auto = ' ("auto" chooses for bodies in the plane alone)' if frames == "auto" else ""
+            raise ValueError(f"is a whole number from 1 up, or a list of nodes and interface points where the body is cut{auto}")
         return frames
 
     @property

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numba
 import numpy as np
 
-from toolkit.foundation.kernel import inlined
+from toolkit.foundation.kernel import inlined, inner
 from toolkit.markers.poses import add_pose_force, add_pose_force_design, add_pose_stiffness
 
 ARGUMENTS, CURVE = 13, 12
@@ -54,12 +54,27 @@ class LoadWork(NamedTuple):
     force_w: np.ndarray
     dforce: np.ndarray
     rateforce: np.ndarray
+    changes: np.ndarray  # (n,) ints, 1 where an entry of f depends on the poses or their rates
+    by_q: np.ndarray  # (n, most columns of a load) derivatives of f by the coordinates
+    by_v: np.ndarray  # and by their rates
 
 
-def load_work(pose: int, dtype: type) -> LoadWork:
-    """Memory for any load, for a number of entries of a pose."""
+def load_work(loads: Loads, start: np.ndarray, pose: int, dtype: type) -> LoadWork:
+    """Memory for any load; `start` is that of the markers' columns, and a pose has so many entries."""
     z, w = (ARGUMENTS, 7) if pose == 3 else (SPATIAL_ARGUMENTS, 25)
-    return LoadWork(*(np.zeros(s, dtype) for s in (z, w, w, (w, z), (w, w), w, w)))
+    columns = int(max(np.diff(start)[loads.marker].sum(axis=1), default=0))
+    return LoadWork(
+        z=np.zeros(z, dtype),
+        w=np.zeros(w, dtype),
+        force=np.zeros(w, dtype),
+        force_z=np.zeros((w, z), dtype),
+        force_w=np.zeros((w, w), dtype),
+        dforce=np.zeros(w, dtype),
+        rateforce=np.zeros(w, dtype),
+        changes=np.zeros(w, np.int64),
+        by_q=np.zeros((w, columns), dtype),
+        by_v=np.zeros((w, columns), dtype),
+    )
 
 
 @inlined
@@ -124,40 +139,96 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
     n_both = n_a + markers.start[b + 1] - markers.start[b]
     n = n_both + 1 if loads.state[k] >= 0 else n_both
     position, size = loads.position[loads.position_start[k] :], len(markers.pose)
+    if find_changes(2 * size, work):
+        for side in range(2):
+            force_columns(loads, k, markers, state, side, side * n_a, work)
+        for side in range(2):
+            for other in range(2):
+                subtract_block(loads, k, markers, state, side, other, n_a, n, position, work, A_q, A_v)
+    for side in range(2):
+        force = work.force[size * side : size * side + size]
+        add_pose_stiffness(
+            markers.plane, markers.frames, markers, state, loads.marker[k, side], force, -1.0, position, n, side * n_a, A_q
+        )
+    if loads.state[k] >= 0:
+        state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v)
+
+
+@inner
+def find_changes(count, work):
+    """Which entries of f depend on the poses; whether any does. Those of a constant force do not, nor does what acts on no axis."""
+    found = False
+    for i in range(count):
+        work.changes[i] = 0
+        for c in range(count):
+            if work.force_z[i, c] != 0 or work.force_w[i, c] != 0:
+                work.changes[i], found = 1, True
+    return found
+
+
+@inner
+def force_columns(loads, k, markers, state, side, first, work):
+    """Derivatives of f by the coordinates of one marker, f_z B + f_w B_v, and by their rates, f_w B, from number `first` on."""
+    m, size = loads.marker[k, side], len(markers.pose)
+    for i in range(2 * size):
+        if work.changes[i]:
+            by_z, by_w = work.force_z[i, size * side :], work.force_w[i, size * side :]
+            for column in range(markers.start[m], markers.start[m + 1]):
+                moved, turned = 0 * by_z[0], 0 * by_z[0]
+                for c in range(size):
+                    moved += by_z[c] * state.B[column, c] + by_w[c] * state.B_v[column, c]
+                    turned += by_w[c] * state.B[column, c]
+                work.by_q[i, first + column - markers.start[m]] = moved
+                work.by_v[i, first + column - markers.start[m]] = turned
+
+
+@inner
+def subtract_block(loads, k, markers, state, side, other, n_a, n, position, work, A_q, A_v):
+    """B^T times derivatives of f, rows of one marker and columns of another, subtracted from A_q and A_v."""
+    m, o, size = loads.marker[k, side], loads.marker[k, other], len(markers.pose)
+    count, first = markers.start[o + 1] - markers.start[o], other * n_a
+    together = count > 0 and follow_each_other(markers.coordinate[markers.start[o] : markers.start[o + 1]])
+    for row in range(markers.start[m], markers.start[m + 1]):
+        at = (row - markers.start[m] + side * n_a) * n + first
+        for c in range(size):
+            factor, i = state.B[row, c], size * side + c
+            if work.changes[i] and factor != 0:
+                place, by_q, by_v = position[at : at + count], work.by_q[i, first:], work.by_v[i, first:]
+                if together:
+                    to_q, to_v = A_q[place[0] : place[0] + count], A_v[place[0] : place[0] + count]
+                    for j in range(count):
+                        to_q[j] -= factor * by_q[j]
+                        to_v[j] -= factor * by_v[j]
+                else:
+                    for j in range(count):
+                        A_q[place[j]] -= factor * by_q[j]
+                        A_v[place[j]] -= factor * by_v[j]
+
+
+@inner
+def follow_each_other(numbers):
+    """Whether each number is the next after the one before it: then entries of a row in such columns stand next to each other."""
+    gaps = 0
+    for i in range(1, len(numbers)):
+        gaps += numbers[i] != numbers[i - 1] + 1
+    return gaps == 0
+
+
+@inner
+def state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v):
+    """Row and column of the state of a load."""
+    size, last = len(markers.pose), n - 1
     for side in range(2):
         m = loads.marker[k, side]
         for column in range(markers.start[m], markers.start[m + 1]):
             local = column - markers.start[m] + side * n_a
-            direction_force(markers, work, size * side, state.B[column], state.B_v[column])
-            if loads.state[k] >= 0:
-                direction_of_state(markers, work, size * side, state.B[column], state.B_v[column])
-            for i in range(2 * size):
-                work.rateforce[i] = 0
-                for c in range(len(markers.pose)):
-                    work.rateforce[i] += work.force_w[i, size * side + c] * state.B[column, c]
-            load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_v)
-        force = work.force[size * side : size * side + size]
-        add_pose_stiffness(markers.plane, markers.frames, markers, state, m, force, -1.0, position, n, side * n_a, A_q)
-    if loads.state[k] >= 0:
-        for i in range(2 * size + 1):
-            work.dforce[i], work.rateforce[i] = work.force_w[i, 2 * size], 0
-        load_column(loads, k, markers, state, n_both, n, n_a, position, work, A_q, A_v)
-        A_v[position[n * n - 1]] += 1
-
-
-@inlined
-def load_column(loads, k, markers, state, local, n, n_a, position, work, A_q, A_v):
-    """One column of - B^T (f_z B + f_w B_v) and of - B^T f_w B, and of the row of its own state."""
-    if loads.state[k] >= 0:
-        A_q[position[(n - 1) * n + local]] -= work.dforce[2 * len(markers.pose)]
-        A_v[position[(n - 1) * n + local]] -= work.rateforce[2 * len(markers.pose)]
-    for side in range(2):
-        m = loads.marker[k, side]
-        for row in range(markers.start[m], markers.start[m + 1]):
-            at = position[(row - markers.start[m] + side * n_a) * n + local]
-            for c in range(len(markers.pose)):
-                A_q[at] -= state.B[row, c] * work.dforce[len(markers.pose) * side + c]
-                A_v[at] -= state.B[row, c] * work.rateforce[len(markers.pose) * side + c]
+            direction_of_state(markers, work, size * side, state.B[column], state.B_v[column])
+            A_q[position[last * n + local]] -= work.dforce[2 * size]
+            A_v[position[last * n + local]] -= work.rateforce[2 * size]
+            for c in range(size):
+                A_q[position[local * n + last]] -= state.B[column, c] * work.force_w[size * side + c, 2 * size]
+    A_q[position[n * n - 1]] -= work.force_w[2 * size, 2 * size]
+    A_v[position[n * n - 1]] += 1
 
 
 @inlined

@@ -103,6 +103,23 @@ def update_markers(markers, state, q, v, acc, scratch):
             update_moving(markers, state, m, q, v, acc, u, du, ddu)
 
 
+@inner
+def update_places(markers, state, q):
+    """The poses alone."""
+    for m in range(len(markers.frame)):
+        first, last, frame, y = markers.start[m], markers.start[m + 1], markers.frame[m], state.y[m]
+        shape_sum(markers, first, last, q, y)
+        for i in range(3):
+            y[i] += markers.point[m, i]
+        if frame >= 0:
+            if markers.twin[m] == m:
+                state.turn[m, 0], state.turn[m, 1] = np.cos(q[frame + 2]), np.sin(q[frame + 2])
+            c, s = state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+            rotated(y, c, s, 1.0, y[0], y[1])
+            for i in range(3):
+                y[i] += q[frame + i]
+
+
 @inlined
 def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     """A marker whose body has a frame."""

@@ -31,6 +31,14 @@ def outer(size, force, vectors, out):
 
 
 @inner
+def turn_back(size, matrix, force, out):
+    """out_m = M^T F_m, so that sum_m F_m . M X_m = sum_m out_m . X_m for any vectors X_m."""
+    for m in range(0, size, 3):
+        for i in range(3):
+            out[m + i] = matrix[0, i] * force[m] + matrix[1, i] * force[m + 1] + matrix[2, i] * force[m + 2]
+
+
+@inner
 def contract(size, matrix, force, vectors):
     """sum_m F_m . M X_m."""
     total = 0 * force[0]
@@ -56,10 +64,13 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
     for i in range(n_b):
         for k in range(n_b):
             values[positions[(turn + i) * stride + turn + k]] += factor * curved[i, k]
-    for column in range(first + n_b, markers.start[m + 1]):
-        k = offset + column - markers.start[m]
-        for i in range(n_b):
-            entry = contract(markers.size[m], frames.A_k[f, i], force, state.slope[column])
+    for i in range(n_b):
+        back = state.motion[3]
+        turn_back(markers.size[m], frames.A_k[f, i], force, back)
+        for column in range(first + n_b, markers.start[m + 1]):
+            k, entry = offset + column - markers.start[m], 0 * force[0]
+            for c in range(markers.size[m]):
+                entry += back[c] * state.slope[column, c]
             values[positions[(turn + i) * stride + k]] += factor * entry
             values[positions[k * stride + turn + i]] += factor * entry
     if markers.bends[m] == 1:
@@ -69,22 +80,26 @@ def add_spatial_stiffness(markers, state, m, force, factor, positions, stride, o
 @inner
 def add_bent_stiffness(markers, state, m, force, factor, positions, stride, offset, values):
     """Entries between elastic coordinates, T_i . S T_j with S_il = F_m . A D_il."""
-    stiffness = state.frames.scratch
+    stiffness, back, acts = state.frames.scratch, state.motion[3], False
+    turn_back(markers.size[m], state.frames.A[markers.frame[m]], force, back)
     for i in range(3):
         for j in range(i, 3):
-            stiffness[i, j] = contract(
-                markers.size[m], state.frames.A[markers.frame[m]], force, state.bend[m, second_index(i, j)]
-            )
-            stiffness[j, i] = stiffness[i, j]
-    first = markers.start[m] + markers.moves[m] + markers.turns[m]
-    for row in range(first, markers.start[m + 1]):
-        for column in range(first, markers.start[m + 1]):
             entry = 0 * force[0]
-            for i in range(3):
-                for j in range(3):
-                    entry += markers.shape[row, 3 + i] * stiffness[i, j] * markers.shape[column, 3 + j]
-            at = positions[(offset + row - markers.start[m]) * stride + offset + column - markers.start[m]]
-            values[at] += factor * entry
+            for c in range(3, markers.size[m]):
+                entry += back[c] * state.bend[m, second_index(i, j), c]
+            stiffness[i, j], stiffness[j, i] = entry, entry
+            acts = acts or entry != 0
+    if not acts:  # nothing turns the axes
+        return
+    first, last = markers.start[m] + markers.moves[m] + markers.turns[m], markers.start[m + 1]
+    for row in range(first, last):
+        T, at = markers.shape[row, 3:6], (offset + row - markers.start[m]) * stride + offset + first - markers.start[m]
+        x = factor * (T[0] * stiffness[0, 0] + T[1] * stiffness[1, 0] + T[2] * stiffness[2, 0])
+        y = factor * (T[0] * stiffness[0, 1] + T[1] * stiffness[1, 1] + T[2] * stiffness[2, 1])
+        z = factor * (T[0] * stiffness[0, 2] + T[1] * stiffness[1, 2] + T[2] * stiffness[2, 2])
+        for column in range(first, last):
+            T = markers.shape[column]
+            values[positions[at + column - first]] += x * T[3] + y * T[4] + z * T[5]
 
 
 @inner

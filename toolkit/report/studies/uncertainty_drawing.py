@@ -40,7 +40,8 @@ def _density(panel: Any, found: UncertainResult, label: str, values: np.ndarray)
         place = list(found.responses).index(label)
         cases = len(found.study.problem.cases)
         random = [e.values[place % cases, place // cases] for e in found.sampled if not e.failed]
-        panel.hist(random, BINS, density=True, histtype="step", color=COLORS[6], label="random designs")
+        bins = max(5, min(BINS, int(len(random) ** 0.5)))
+        panel.hist(random, bins, density=True, histtype="step", color=COLORS[6], label="random designs")
     for number, style in ((each.mean, "-"), (each.mean - each.sigma, ":"), (each.mean + each.sigma, ":")):
         panel.axvline(number, color=COLORS[0], linestyle=style, label="mean" if style == "-" else None)
     name = found.study.problem.responses[list(found.responses).index(label) // len(found.study.problem.cases)]

@@ -7,7 +7,7 @@ derivatives in one block (staggered direct differentiation, paper eqs. 40-46). N
 from toolkit.equations.equations import Inputs
 from toolkit.foundation.kernel import inlined, loop
 from toolkit.linear.linear_solver import cheaper_anew
-from toolkit.solvers.transient.extrapolation import BEND, ORDER, forget_trend, guess, learn_trend
+from toolkit.solvers.transient.extrapolation import AWAY, BEND, ORDER, forget_trend, guess, learn_trend
 from toolkit.solvers.transient.ggl.ggl_step import begin_ggl, ggl_matrix, ggl_sensitivity_step
 from toolkit.solvers.transient.newton import CONVERGED, EASY, JUMPED, REJECTED, factorize_step, newton, newton_matrix
 from toolkit.solvers.transient.prediction import advance_auxiliary, predict, rescale_auxiliary, step_ratio
@@ -18,7 +18,6 @@ from toolkit.solvers.transient.step_memory import (
     ITERATIONS,
     LARGEST,
     LARGEST_ERROR,
-    LAST,
     LAST_ERROR,
     LATE_ERROR,
     REST,
@@ -27,12 +26,13 @@ from toolkit.solvers.transient.step_memory import (
 )
 
 CLOSE, SHARP = 1e-10, 1e-6
-"""Last Newton correction up to which its factors still serve, also where the relative change of the Jacobian is no more than SHARP by what
-the correction left: one refinement with the Jacobian of the converged state squares that. Where new factors cost less, they are made.
-The Jacobian itself is that of the converged state after any correction, which is one of its c_q-th part in accelerations, and the
-inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong by 6e-6."""
+"""Way from where the factors were made up to which they still serve, also where the relative change of the Jacobian is no more than SHARP
+by what a correction of that size leaves: one refinement with the Jacobian of the converged state squares that. Where new factors cost
+less, they are made. The Jacobian itself is that of the converged state after any correction, which is one of its c_q-th part in
+accelerations, and the inertial terms depend on these: after one of 1e-13 the spin of a slender beam about itself had derivatives wrong
+by 6e-6."""
 ALIKE = 1e-4
-"""Last Newton correction up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
+"""Way up to which new factors are as good as the old ones, whose quality is known: it tells how far pivots are from
 zero, not the digits of the matrix."""
 FREE, TRUSTED = 0.05, 1.0
 """A quasi-static step may end this far (a part of the scene's size, or rad) from where the step before points to, and this part of the
@@ -107,24 +107,25 @@ def judge(plan, scheme, weights, control, history, step, memory, outcome):
 
 
 @inlined
-def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, correction, memory, ggl):
+def refresh(evaluator, plan, functions, inputs, scheme, control, q, v, acc, away, memory, ggl):
     """Bring to the converged state what the rest of the step needs, and no more: residual, Jacobian, design partials.
 
-    Returns whether the factors belong to the Jacobian, and are as good as Newton's last refinement has shown.
+    The state is `away` from where the factors were made. Returns whether they belong to the Jacobian, and are as good as Newton's last
+    refinement has shown.
     """
-    still = not control.modified and correction == 0
+    still = not control.modified and away == 0
     if plan.n_x > 0 or carries(scheme):
         linearize = plan.n_x > 0 and (ggl is not None or not still)
         evaluator(plan, functions, inputs, q, v, acc, linearize, plan.n_x > 0, memory.terms, memory.work)
     if plan.n_x > 0 and not still:
         newton_matrix(plan, scheme, memory.terms, memory.jacobian)
-        changed = 2 * memory.learnt[BEND] * correction  # of the Jacobian
-        near = not control.modified and (correction <= CLOSE or 0 < changed <= SHARP)
+        changed = 2 * memory.learnt[BEND] * away  # of the Jacobian
+        near = not control.modified and (away <= CLOSE or 0 < changed <= SHARP)
         known = ggl is None and not control.modified and memory.solver.mode[0] == 0
         if not near or (known and cheaper_anew(memory.solver, len(memory.jacobian), plan.n_x)):
             factorize_step(plan, scheme, memory, ggl)
             memory.kept[0] = scheme.h
-            return known and correction <= ALIKE
+            return known and away <= ALIKE
         if ggl is not None:
             ggl_matrix(scheme, memory, ggl)
     return still
@@ -167,7 +168,7 @@ def integrate(
             return
         outcome.correction[LARGEST] = max(outcome.correction[REST], outcome.correction[LARGEST])
         outcome.correction[LARGEST_ERROR] = max(outcome.correction[LAST_ERROR], outcome.correction[LARGEST_ERROR])
-        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, outcome.correction[LAST], memory, ggl)
+        fresh = refresh(evaluator, plan, functions, inputs, now, control, q, v, acc, memory.learnt[AWAY], memory, ggl)
         if plan.n_x > 0:
             if ggl is None:
                 sensitivity_step(plan, now, history, step, fresh, memory)

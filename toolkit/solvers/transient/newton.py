@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import BEND, EXPECTED, UNCHECKED
+from toolkit.solvers.transient.extrapolation import AWAY, BEND, EXPECTED, UNCHECKED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -20,12 +20,18 @@ STAGNATED = 1e-7
 SLOW = 0.2
 """Contraction of the corrections above which kept factors are made anew: three iterations with them cost about as much."""
 ROUND_OFF, STILL = 1e-13, 0.5
-"""Correction below which kept factors are not blamed for a contraction no better than this: it is round-off that does not shrink."""
+"""Correction below which factors of an earlier step are not blamed for a contraction no better than this: it is round-off that does not
+shrink. Those of the same step are not blamed below the tolerance."""
 
 
 NEGLIGIBLE, FAR = 1e-15, 1e-6
 """Part of the scene's size (or rad) that no step feels: some roundings of it, which is what last corrections of flexible bodies consist of;
 and a first correction beside which the round-off of stiff elastic forces does not matter, if they are summed as usual."""
+STEADY = 1e-3
+"""Relative change of the Jacobian by a correction up to which its factors serve for the rest of a step: a further correction by them leaves
+that part of itself, and costs what the residual costs."""
+CAREFUL = 100.0
+"""How much more they may leave in another direction than that in which the change was found: it was 20 for a boom beside a light block."""
 FADES = 0.5
 """Part of what a correction is known to leave that is believed at least when it has left less."""
 OFTEN, SURPRISE = 20, 10.0
@@ -94,11 +100,16 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
 
 
 @inlined
-def left_over(kept, iteration, before, size):
-    """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors."""
+def left_over(control, learnt, fresh, kept, iteration, before, size):
+    """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors.
+
+    The first correction by `fresh` factors, those of the last iteration, tells nothing of how they contract.
+    """
     if not kept or size == 0:
         return size
     rate = size / before if iteration > 0 else 1.0
+    if fresh and not control.modified:
+        rate = 2 * CAREFUL * learnt[BEND] * learnt[AWAY]
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 
@@ -108,10 +119,12 @@ def allowed(control, scheme, kept):
 
     What kept factors leave has one sign for many steps. An error e in q is one of about e / h^2 in the acceleration, which moves bodies by
     (T / h)^2 e until the end T of the run: left = allowed / T^2 bounds that. Without inertia no step inherits it, but forces are stiffness
-    times e: left is that e.
+    times e: left is that e. Factors that were made in the same step leave what new ones leave, no more than round-off.
     """
     if not kept:
         return control.tolerance
+    if not control.modified:
+        return NEGLIGIBLE
     return min(control.tolerance, control.left * scheme.h * scheme.h if scheme.inertia else control.left)
 
 
@@ -134,6 +147,12 @@ def leaves_nothing(learnt, iteration, size):
 
 
 @inlined
+def serves_on(control, learnt, size):
+    """Whether the factors of the exact Jacobian serve for the next correction too, by what corrections of that size have left."""
+    return not control.thorough and learnt[BEND] > 0 and 2 * learnt[BEND] * size <= STEADY
+
+
+@inlined
 def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, acc, memory, ggl, outcome):
     """Iterate on [a; lam] until what is left is allowed (see `allowed`), or round-off; returns the status.
 
@@ -143,6 +162,7 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     place(scheme, memory, plan.n_q, acc, q, v)
     trusted, kept = control.modified and step_ratio(scheme.h, memory.kept[0]) == 1, True
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
+    steady = ggl is None and not control.modified
     for iteration in range(control.most):
         kept, exact_before = trusted and memory.kept[0] > 0, not kept
         rough_before = rough
@@ -171,11 +191,12 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             correct_ggl(plan, scheme, weights, ggl, q, outcome)
         size = outcome.correction[LAST]
         outcome.correction[REST] = size
+        learnt[AWAY] = learnt[AWAY] + size if kept else size
         if kept and iteration > 0 and not size <= SLOW * before:
-            if STILL * before < size <= ROUND_OFF:
+            if STILL * before < size <= (control.tolerance if steady else ROUND_OFF):
                 return CONVERGED
-            trusted = False  # for the rest of this step
-            if not size <= before:
+            trusted, steady = False, False  # for the rest of this step
+            if not (size <= before or size <= control.tolerance):
                 copy(memory.guess, acc)
                 if ggl is not None:
                     ggl.eta[:] = 0
@@ -185,15 +206,19 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             return NOT_FINITE
         if iteration == 0 and control.thorough:
             continue
-        if not kept and exact_before and before > (FAR if rough_before else 0.0):
+        if exact_before and not (kept and control.modified) and before > (FAR if rough_before else 0.0):
             learn_bend(learnt, before, size)
-        stagnated = exact_before and size <= STAGNATED and size > 0.1 * before
-        if stagnated or (not rough and left_over(kept, iteration, before, size) <= allowed(control, scheme, kept)):
+        stagnated = not kept and exact_before and size <= STAGNATED and size > 0.1 * before
+        if stagnated or (
+            not rough
+            and left_over(control, learnt, exact_before, kept, iteration, before, size) <= allowed(control, scheme, kept)
+        ):
             return CONVERGED
         if ggl is None and not (kept or rough or control.thorough) and leaves_nothing(learnt, iteration, size):
             learnt[UNCHECKED] += 1
             outcome.correction[REST] = learnt[BEND] * size * size
             return CONVERGED
+        trusted = trusted or (steady and not kept and serves_on(control, learnt, size))
     return NOT_CONVERGED
 
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from toolkit.studies.optimization.functions import DesignFailedError
-from toolkit.studies.optimization.methods import METHODS
+from toolkit.studies.optimization.methods.catalogue import METHODS
+from toolkit.studies.optimization.methods.functions import DesignFailedError
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.study.evaluation import Evaluation

@@ -7,7 +7,7 @@ from toolkit.foundation.near_ties import BAND
 from toolkit.joints.kernels.all_joints import evaluate_any_joint
 from toolkit.joints.kernels.composition import gap
 from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI
-from toolkit.markers.poses import update_poses
+from toolkit.markers.poses import update_positions
 
 
 @kernel
@@ -19,7 +19,7 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
     """
     plane, frames = plan.markers.plane, plan.markers.frames
     for n in range(len(q)):
-        update_poses(plane, frames, plan.markers, work.markers, q[n], rest, rest, work.scratch)
+        update_positions(plane, frames, plan.markers, work.markers, q[n], rest)
         for j in range(len(plan.joints.of)):
             evaluate_any_joint(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
             rows = plan.joints.of[j, N_ROWS]

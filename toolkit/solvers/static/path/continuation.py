@@ -102,10 +102,14 @@ def _stable_end(equations: PathEquations, trail: Trail, place: Place) -> Equilib
     q, acc = equations.padded(place.z)
     try:
         state, count = find_equilibrium(system, options, 1.0, q, acc, NEAR)
-    except (ConvergenceError, SingularSystemError) as error:
+    except ConvergenceError as error:
+        if place.slope[-1] > 0 and not _turns_here(equations, trail, q, place.slope / place.slope[-1]):
+            raise _rounded_off(options, error) from error
+        raise _critical_full_load(system, place, error) from error
+    except SingularSystemError as error:
         raise _critical_full_load(system, place, error) from error
     trail.iterations += count
-    if _turns_here(equations, trail, state):
+    if _turns_here(equations, trail, state.q, state.tangent):
         raise _critical_full_load(system, place, "the smallest load more would move it far")
     if is_stable(system, options, state, 1.0):
         return state
@@ -136,12 +140,20 @@ def _end_of_path(limit: LimitPoint) -> LimitPointError:
     )
 
 
-def _turns_here(equations: PathEquations, trail: Trail, state: Equilibrium) -> bool:
-    """Whether the load grows by nothing but round-off along the path, compared with the way so far."""
+def _turns_here(equations: PathEquations, trail: Trail, q: np.ndarray, tangent: np.ndarray) -> bool:
+    """Whether the load grows by nothing but round-off along the path, whose direction is dq by its factor, compared with the way so far."""
     n_b = equations.system.n_b
-    way = np.real(np.ptp([*np.array(trail.points)[:, :n_b], np.real(state.q[:n_b])], axis=0))
+    way = np.real(np.ptp([*np.array(trail.points)[:, :n_b], np.real(q[:n_b])], axis=0))
     weights = equations.system.weights[:n_b]
-    return bool(LEVEL * parts(weights * np.real(state.tangent[:n_b]), weights * way) >= 1)
+    return bool(LEVEL * parts(weights * np.real(tangent[:n_b]), weights * way) >= 1)
+
+
+def _rounded_off(options: RunOptions, error: Exception) -> ConvergenceError:
+    return ConvergenceError(
+        f"round-off keeps statics from an equilibrium under the full load to solver.tolerance = {options.tolerance:g} ({error}). Nothing "
+        "is critical there, the path goes on: the scene is too stiff for so small a tolerance, as a skin of very short elements is. Use "
+        "fewer elements or a reduced basis, or a tolerance above that correction."
+    )
 
 
 def _critical_full_load(system: System, place: Place, error: Exception | str) -> CriticalPointError:

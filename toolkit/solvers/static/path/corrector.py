@@ -10,8 +10,10 @@ from scipy.linalg import lapack
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_point import PathPoint
+from toolkit.solvers.static.path.sparse_border import sparse_bordered_solve
 from toolkit.solvers.static.stability.saddle import balanced, factorised, free_count
 from toolkit.solvers.static.stability.softness import softest
+from toolkit.solvers.static.stability.sparse_saddle import MANY
 
 ROUND_OFF = 1e-13
 """Correction below which nothing is left to gain; one that no longer halves has met round-off above it."""
@@ -97,10 +99,18 @@ def bordered_solve(
     full[:, n] /= column
     row = np.abs(full[n]).max()
     full[n] /= row
-    *_, found, info = lapack.dgesv(full, np.append(scale * rhs[:n], rhs[n] / row))
-    if info or not np.all(np.isfinite(found)):
+    wanted = np.append(scale * rhs[:n], rhs[n] / row)
+    found = sparse_bordered_solve(full, wanted) if n >= MANY else None
+    found = _dense_solve(full, wanted) if found is None else found
+    if found is None or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
     return np.append(scale * found[:n], found[n] / column)
+
+
+def _dense_solve(matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray | None:
+    """Solution with a matrix, which is overwritten; None if that is singular."""
+    factors, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)  # transposed it is as LAPACK wants it
+    return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:

@@ -261,5 +261,6 @@ def _nothing_near(error: Exception) -> ConvergenceError:
 def _lost(factor: float, error: Exception) -> ConvergenceError:
     return ConvergenceError(
         f"the static path ends at {100 * factor:.6g} % of the load ({error}), and no limit point was found there: a singular "
-        "position, or branches that meet. A transient run can go on from there; a smaller load stays below it."
+        "position, branches that meet, or round-off of parts too stiff for solver.tolerance. A transient run can go on from there; a "
+        "smaller load stays below it."
     )

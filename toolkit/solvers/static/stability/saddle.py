@@ -8,6 +8,7 @@ import numpy as np
 from scipy.linalg import eigvals, lapack, qr
 
 from toolkit.foundation.errors import SingularSystemError
+from toolkit.solvers.static.stability.sparse_saddle import SparseFactors, sparse_factors
 from toolkit.system.system import System
 
 SYMMETRIC = 1e-12
@@ -17,13 +18,14 @@ REAL = 1e-9
 
 
 class Saddle(NamedTuple):
-    """S = D A D = L T L^T (symmetric) or P L U, D = diag(1/w) for coordinates; for multipliers such that all entries are comparable.
+    """S = D A D = L T L^T (symmetric; large and stable ones sparse) or P L U, D = diag(1/w) for coordinates; for multipliers such that all
+    entries are comparable.
 
     `negative` is the number of motions that the joints allow against which the stiffness is negative.
     """
 
     scale: np.ndarray  # (n,) the diagonal of D
-    factors: np.ndarray
+    factors: np.ndarray | SparseFactors
     pivots: np.ndarray
     symmetric: bool
     negative: int
@@ -31,7 +33,9 @@ class Saddle(NamedTuple):
     def solve(self, rhs: np.ndarray) -> np.ndarray:
         """A^-1 rhs; rhs (n,) or (n, columns)."""
         scaled = (self.scale * rhs.T).T
-        if self.symmetric:
+        if isinstance(self.factors, SparseFactors):
+            found = self.factors.solve(scaled)
+        elif self.symmetric:
             found = lapack.dsytrs(self.factors, self.pivots, scaled, lower=1)[0]
         else:
             found = lapack.dgetrs(self.factors, self.pivots, scaled)[0]
@@ -73,6 +77,8 @@ def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = No
         raise SingularSystemError("the static equations hold values that are not finite")
     skew = scaled - scaled.T
     symmetric = bool(max(skew.max(initial=0), -skew.min(initial=0)) <= SYMMETRIC * largest)
+    if symmetric and (sparse := sparse_factors(system, scaled)) is not None:
+        return Saddle(scale, sparse, np.zeros(0, int), symmetric, 0)
     if symmetric:
         factors, pivots, info = lapack.dsytrf(scaled, lower=1)
         negative = _negative_pivots(factors, pivots) - (system.n - system.n_b)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import eigh, qr
 
 from toolkit.solvers.static.stability.saddle import Saddle
 
@@ -28,7 +27,7 @@ class Softness(NamedTuple):
 
     def change(self, difference: np.ndarray) -> np.ndarray:
         """Of the values (m,) with the static matrix (n, n)."""
-        found: np.ndarray = np.einsum("im,ij,jm->m", self.motions, difference, self.motions)
+        found: np.ndarray = (self.motions * (difference @ self.motions)).sum(axis=0)
         return found
 
 
@@ -43,9 +42,9 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
     near = None if known is None or len(known.values) != count else known.motions[:n_b] / scale
     block = np.random.default_rng(0).normal(size=(n_b, count)) if near is None else near
     for _ in range(ITERATIONS if near is None else AGAIN):
-        block = qr(block, mode="economic")[0]
+        block = np.linalg.qr(block)[0]
         solved = saddle.solve(np.vstack([block / scale, forces]))
-        flexibility, turn = eigh(block.T @ (solved[:n_b] / scale))
+        flexibility, turn = np.linalg.eigh(block.T @ (solved[:n_b] / scale))
         if not np.all(flexibility):
             return nothing  # round-off has swallowed a motion of a scene whose sizes differ by too much
         solved = solved @ turn / flexibility

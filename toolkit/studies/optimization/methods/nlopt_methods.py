@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.studies.optimization.functions import Functions, Visited
+from toolkit.studies.optimization.methods.functions import Functions, Visited
 
 SLACK = 1e-9
 """By how much a constraint, in parts of its size, may be off at a design that counts as accepted."""

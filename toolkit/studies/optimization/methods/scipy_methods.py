@@ -1,4 +1,4 @@
-"""The methods, on functions that raise where a design fails: none ever sees a value that is none. SciPy's are written here."""
+"""SciPy's methods, on functions that raise where a design fails: none ever sees a value that is none."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
-from toolkit.studies.optimization.functions import Functions, Method, Visited
-from toolkit.studies.optimization.nlopt_methods import ccsa, mma
-from toolkit.studies.optimization.trust_region import sqp
+from toolkit.studies.optimization.methods.functions import Functions, Visited
 
 INSIDE = 1e-9
 """How far within its bounds the interior-point method begins."""
@@ -63,5 +61,3 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
 
 FIRST_STEP, BARRIER = 0.1, 1e-2
 """Radius of the first step in parts of the variables' ranges, and the first barrier in parts of the first slope of the objective."""
-
-METHODS: dict[str, Method] = {"sqp": sqp, "slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}
