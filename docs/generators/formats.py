@@ -49,6 +49,8 @@ from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
 from toolkit.studies.study.search_options import Search
 from toolkit.studies.study.study_file import Limit, Objective, Study, StudyVariable
+from toolkit.studies.study.sweep_options import Sweep
+from toolkit.studies.study.uncertain_numbers import Correlation, Uncertain, Uncertainty
 
 PAGE = Path(__file__).parents[1] / "formats.md"
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)
@@ -144,6 +146,10 @@ TABLES: dict[str, Callable[[], str]] = {
     "study-objective": table(Objective),
     "study-constraints": table(Limit),
     "study-search": table(Search),
+    "study-sweep": table(Sweep),
+    "study-uncertain": table(Uncertain),
+    "study-uncertainty": table(Uncertainty),
+    "study-correlations": table(Correlation),
     "reduced-model": layout,
 }
 """What a page can ask for."""

@@ -33,8 +33,9 @@ LINKAGE = {"A": (72.5 / 550, 0.42214), "B": (75.3 / 550, 0.15679), "D": (61.8 / 
 
 TORQUES, THICKNESSES = (0.6, 1.5), (0.8, 5 / 3)
 """Bounds of the study, in parts of what the scene has."""
-ALONG, ACROSS = 0.01, 0.15
-"""How far the study may move joints: along the chord in parts of it, and in height in parts of the section's thickness there."""
+ALONG, ACROSS, BESIDE = 0.01, 0.15, 0.02
+"""How far the study may move joints: along the chord in parts of it, and in height in parts of the section's thickness there; of which so
+much is left beside the skin, wherever along the chord the joint is moved to."""
 
 
 @dataclass(frozen=True)
@@ -138,11 +139,13 @@ def _bounds(section: Section, torque: float, thickness: float) -> dict[str, str]
     """What the study may change, and how far."""
     lines = []
     for name, (along, height) in LINKAGE.items():
-        x, chord = section.joint(along, height)[0], section.chord
-        lowest, highest = (section.joint(along, height + sign * ACROSS)[1] for sign in (-1, 1))
+        (x, y), chord = section.joint(along, height), section.chord
+        ends = (along - ALONG, along + ALONG)
+        lowest = max(section.joint(along, height - ACROSS)[1], *(section.joint(end, BESIDE)[1] for end in ends))
+        highest = min(section.joint(along, height + ACROSS)[1], *(section.joint(end, 1 - BESIDE)[1] for end in ends))
         lines += [
             f'"points.{name}.x" = {{ between = {_between(x - ALONG * chord, x + ALONG * chord)} }}',
-            f'"points.{name}.y" = {{ between = {_between(lowest, highest)} }}',
+            f'"points.{name}.y" = {{ between = {_between(min(lowest, y), max(highest, y))} }}',
         ]
     return {
         "M_t": _between(*(part * torque for part in TORQUES)),
@@ -152,4 +155,4 @@ def _bounds(section: Section, torque: float, thickness: float) -> dict[str, str]
 
 
 def _between(low: float, high: float) -> str:
-    return f"[{low:#.5g}, {high:#.5g}]"
+    return str([float(f"{number:.5g}") for number in (low, high)])

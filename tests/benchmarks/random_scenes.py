@@ -50,7 +50,9 @@ from toolkit.validity.motion.energy_balance import energy_balance
 
 WRONG, OFF = 0.05, 0.2
 """Error of a value above which it is wrong, and of a gradient above which it is off."""
-OTHERS = frozenset({"large-deformation", "critical-speed", "critical-load", "snap-through", "stale-model"})
+OTHERS = frozenset(
+    {"large-deformation", "geometric-gradients", "frames", "critical-speed", "critical-load", "snap-through", "stale-model"}
+)
 """Codes of doubts that concern something else than accuracy."""
 
 GRADIENT = "gradient-steps"

@@ -34,11 +34,16 @@ ENDS = {
         0.0,
         1e-7,
     ),  # relative: round-off, 1e-10, of thirty slopes that sum up to a tenth of the largest
+    "large_deformation": (
+        0.0,
+        1e-5,
+    ),  # relative difference to central differences: their truncation, (1e-6)^(2/3), and their noise
     "cheapest_setting": (0.0, 1e-3),  # relative: the budget, against an independent run
     "spatial_bracket": (
         0.0,
         1e-9,
     ),  # difference of the three exact methods, relative to the largest slope: Newton's tolerance of 1e-10
+    "how_sure_is_my_stress": (0.0, 1e-2),  # error of the polynomials at random wings in parts of sigma; 1.6e-3 here
     "my_linkage_optimised": (
         0.0,
         1e-5,

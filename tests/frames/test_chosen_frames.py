@@ -79,10 +79,10 @@ def test_a_body_that_cannot_be_cut_has_no_number_to_choose(tmp_path):
 @pytest.mark.parametrize(
     ("keys", "words"),
     [
-        ({"frames": "otto"}, 'is a whole number, "auto", or a list of nodes'),
-        ({"frames": "true"}, 'is a whole number, "auto", or a list of nodes'),
-        ({"frames": "2.5"}, 'is a whole number, "auto", or a list of nodes'),
-        ({"frames": "0"}, "greater than or equal to 1"),
+        ({"frames": "otto"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
+        ({"frames": "true"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
+        ({"frames": "2.5"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
+        ({"frames": "0"}, 'is a whole number from 1 up, "auto", or a list of nodes'),
         ({"frames": "auto", "geometric_error": "0"}, "greater than 0"),
         ({"frames": "4", "geometric_error": "0.01"}, 'is what frames = "auto" chooses a number for'),
     ],

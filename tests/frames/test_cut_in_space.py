@@ -261,3 +261,41 @@ def test_parts_are_the_same_in_other_units(folder):
 def test_what_a_cut_body_cannot_be_is_refused(folder, words, message):
     with pytest.raises(InputError, match=message.replace("[", r"\[")):
         compile_scene(chain_scene(folder, words, ""))
+
+
+SPUN = """[joints]
+axis = { type = "revolute", bodies = ["beam", "ground"], point = "root"AXIS }
+motor = { type = "angle-driver", bodies = ["beam", "ground"], point = "root"AXIS, curve = TURNS }
+[responses]
+first = { type = "frequency" }
+[solver]
+equilibrium = "spinning"
+"""
+FLAP = 6.4495
+"""First flap frequency of a beam that spins with 5 times sqrt(EI / m L^4), in these units, for a hub without radius."""
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_beam_that_spins_stiffens(tmp_path, dimension):
+    """Its parts pull at each other: 4 frames give the flap frequency to 1 %, one frame nothing of it; in the plane there is lag alone."""
+    nodes = np.column_stack([np.linspace(0, 1, 9), np.zeros((9, dimension - 1))])
+    save_chain(tmp_path, nodes, 'kind = "rectangle", thickness = 0.005, width = 0.02', orientation=(0.0, 1.0, 0.0))
+    unit = np.sqrt(1e9 * 0.005**2 / 12 / 1000)
+    wanted = FLAP if dimension == 3 else np.sqrt(FLAP**2 - 25)  # in the plane the force of inertia turns with the beam
+    turns = f'{{ type = "polynomial", coefficients = [0.0, {5 * unit}] }}'
+    text = SPUN.replace("TURNS", turns).replace("AXIS", ", axis = [0.0, 0.0, 1.0]" if dimension == 3 else "")
+    found = ffrf.compile(chain_scene(tmp_path, "frames = 4", text, dimension)).statics().values["first"] * 2 * np.pi / unit
+    assert found == pytest.approx(wanted, rel=0.01 * (FLAP / wanted) ** 2)  # the same part of the square
+    assert abs(found - wanted) > 0.001 * wanted  # no accident: the error of 4 frames is there
+
+
+def test_a_motion_goes_on_from_a_kept_one(folder):
+    """A results file keeps a cut body as it was written, and the places and velocities of all its parts."""
+    rest = f"[responses]\n{WHERE}[solver]\nend_time = 0.004\nstep = 0.002\n"
+    body = "frames = 2, angular_velocity = [0.3, 0.5, 1.5]"
+    kept = ffrf.compile(chain_scene(folder, body, rest)).simulate()
+    kept.save(folder / "kept.h5")
+    late = ffrf.compile(chain_scene(folder, body, rest + 'start = "kept.h5"\n')).simulate()
+    for state in ("q", "v"):
+        one, other = getattr(kept.solution, state)[-1], getattr(late.solution, state)[0]
+        np.testing.assert_allclose(other, one, atol=1e-5 * np.abs(one).max())  # what the first run has left open is closed

@@ -24,6 +24,10 @@ from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
+from toolkit.studies.optimization.optimize import optimized
+from toolkit.studies.study.problem import problem_of
+from toolkit.studies.study.search_options import Search
+from toolkit.studies.study.study_reader import read_study
 
 ROOT = Path(__file__).parents[2]
 AIRFOILS = ROOT / "tests" / "data" / "airfoils"
@@ -67,6 +71,24 @@ def test_the_reference_airfoils_give_the_reference_wing(tmp_path):
     assert (tmp_path / "wing" / "target.dat").read_bytes() == (REFERENCE / "low_speed.dat").read_bytes()
 
 
+def test_a_new_wing_has_a_study_that_comes_nearer_to_the_target_as_it_stands(tmp_path):
+    folder = tmp_path / "wing"
+    new_wing(folder, AIRFOILS / VERY_DIFFERENT["symmetric"], chord=1100.0)
+    save(build(folder / "skin.toml"), folder / "skin.h5")
+    written = read_study(folder / "study.toml")
+    few = written.model_copy(update={"search": Search(evaluations=12, certify=False)})
+    found = optimized(problem_of(few))
+    assert set(found.variables) == {"M_t", "t_w", *(f"points.{name}.{axis}" for name in "ABD" for axis in "xy")}
+    assert found.search.failed == 0
+    assert found.objective < 0.8 * found.values_before["shape_mse"]
+    skin = Contour.through(read_airfoil(folder / "airfoil.dat").points, 1100.0)
+    for name in "ABD":  # wherever the study may put a joint is within the section
+        (left, right), heights = (written.variables[f"points.{name}.{axis}"].between for axis in "xy")
+        for x in (left, right):
+            low, high = (skin.position(skin.at_x(x, side))[1] for side in ("lower", "upper"))
+            assert low < heights[0] < heights[1] < high
+
+
 def test_a_wing_of_another_chord_is_a_scaled_copy_with_the_same_stress(tmp_path):
     for chord in (550.0, 55.0):
         new_wing(tmp_path / f"{chord:g}", REFERENCE / "high_speed.dat", chord=chord)
@@ -93,7 +115,14 @@ def test_the_command_says_what_it_wrote_and_what_comes_next(tmp_path):
     folder = tmp_path / "my wing"
     done = CliRunner().invoke(app, ["new", "wing", str(folder), "--airfoil", str(AIRFOILS / "e171.dat")])
     assert done.exit_code == 0, done.stderr
-    assert sorted(file.name for file in folder.iterdir()) == ["README.md", "airfoil.dat", "scene.toml", "skin.toml", "target.dat"]
+    assert sorted(file.name for file in folder.iterdir()) == [
+        "README.md",
+        "airfoil.dat",
+        "scene.toml",
+        "skin.toml",
+        "study.toml",
+        "target.dat",
+    ]
     assert (folder / "airfoil.dat").read_bytes() == (AIRFOILS / "e171.dat").read_bytes()
     assert "skin.toml, then ffrf statics" in done.stdout
     assert f"{DROOP:.1%}" in (folder / "README.md").read_text()

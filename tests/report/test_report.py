@@ -26,7 +26,7 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.report.material import Material
-from toolkit.report.viewer import viewer_data
+from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect
 from toolkit.results.restore import restore_scene, restore_solution

@@ -49,7 +49,15 @@ def run(name: str, changes: dict[str, str] | None = None) -> Result:
 def test_the_models_are_those_that_are_checked_here():
     assert {
         *("bracket", "bricard", "flexible_crank", "flexible_slider_crank", "four_bar_chain", "governor", "morphing_wing"),
-        *("pendulum", "rotating_beam", "slider_crank", "snap_through", "spatial_bracket", "spinning_beam"),
+        *(
+            "morphing_wing_optimum",
+            "pendulum",
+            "rotating_beam",
+            "slider_crank",
+            "snap_through",
+            "spatial_bracket",
+            "spinning_beam",
+        ),
     } == set(NAMES)
     assert [name for name in NAMES if not (MODELS / name / "README.md").exists()] == []
 

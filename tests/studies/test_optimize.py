@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -209,6 +210,21 @@ def test_a_number_added_to_the_objective_changes_nothing(tmp_path):
     assert added.evaluations == plain.evaluations
     assert added.variables["loads.push.force.y"] == pytest.approx(plain.variables["loads.push.force.y"], rel=1e-6)
     assert added.optimality == pytest.approx(plain.optimality, rel=1e-2, abs=1e-6)  # round-off of 1e4
+
+
+def test_a_method_whose_package_is_missing_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "nlopt", None)
+    with pytest.raises(InputError, match=r"ffrf-toolkit\[nlopt\]"):
+        optimized(only_load(tmp_path, '[search]\nmethod = "mma"\n'))
+
+
+def test_designs_that_fail_are_cut_off_and_not_run_into_again(tmp_path):
+    """Towards the cliff of a snap-through: half of the way is left each time, so that a tenth of the way is reached after four failures."""
+    found = optimized(only_load(tmp_path, "[search]\ncertify = false\nmost_failures = 4\n"))
+    failed = [-each.design[0] for each in found.solved if each.failed]
+    assert len(failed) == 4
+    assert all(later < earlier for earlier, later in pairwise(failed))
+    assert limit_load() - -found.variables["loads.push.force.y"] < 0.1 * (limit_load() - 30.0)
 
 
 def test_the_scale_of_an_objective_says_when_a_search_ends(tmp_path):

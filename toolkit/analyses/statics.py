@@ -12,6 +12,7 @@ from toolkit.analyses.modes import solve_modes
 from toolkit.analyses.spinning import solve_spinning
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import ConvergenceError, InputError, SingularSystemError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.dense_memory import check_dense
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.half_turns import HALF_TURN, half_turn
@@ -31,6 +32,7 @@ CLOSE = 0.05
 """Part of the scene's size (or rad) that an equilibrium may be off that of another design from which Newton goes straight to it."""
 
 
+@one_thread()
 def solve_statics(
     system: System, options: RunOptions | None = None, progress: Progress | None = None, start: Solution | None = None
 ) -> Solution:

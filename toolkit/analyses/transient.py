@@ -12,6 +12,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import allocate_work
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import ConvergenceError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.solvers.half_turns import refuse_half_turns
 from toolkit.solvers.start.initial_conditions import State
 from toolkit.solvers.static.passed_limits import refuse_passed_limits
@@ -31,6 +32,7 @@ PIECE, MANY = 200, 1_000_000
 costs nothing, and that all memory is handed over anew for the next steps."""
 
 
+@one_thread()
 def simulate(
     system: System,
     options: RunOptions | None = None,

@@ -30,12 +30,10 @@ from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_o
 from toolkit.command_line.printed.printing import print_files, print_verdict, warn
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
+from toolkit.foundation.processes.one_thread import SINGLE
 from toolkit.foundation.rare_collections import rare_collections
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json
 from toolkit.sensitivity.method_names import Method
-
-THREADS = "OPENBLAS_NUM_THREADS"
-"""Environment variable with the number of threads that numpy's and scipy's linear algebra takes."""
 
 
 def in_words(shown: Callable[..., None]) -> Callable[..., None]:
@@ -243,12 +241,12 @@ app.command()(uncertainty)
 
 
 def main() -> None:
-    """Run the command, with one thread in OpenBLAS if nobody asks for more.
+    """Run the command, with one thread in the linear algebra if nobody asks for more.
 
     Matrices of scenes are small: threads that wait for each other cost a warm command two fifths of its time, and those of several
-    processes more. numpy reads the variable when it is imported, which is after this.
+    processes more. numpy reads the variables when it is imported, which is after this.
     """
-    os.environ.setdefault(THREADS, "1")
+    os.environ.update({name: number for name, number in SINGLE.items() if name not in os.environ})
     with rare_collections():
         app()
 

@@ -10,6 +10,7 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.sensitivity.clock import Progress, once, repeated
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again, evaluated, values_alone
@@ -22,6 +23,7 @@ from toolkit.system.model_files import refuse_changed
 from toolkit.system.solution import Solution
 
 
+@one_thread()
 def analysed(
     compiled: Compiled,
     kind: Kind,

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from toolkit.foundation.errors import InputError
+from toolkit.door.study_and_folder import made_folder, study_of
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.places.place import Place
 from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.sweep.sweep import sweep_problem, swept
 from toolkit.studies.sweep.swept import Swept
 from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
@@ -66,9 +65,9 @@ def sweep(
     >>> found = ffrf.sweep("study.toml", output="sweep", processes=2)
     >>> found.values("max_stress"), found.gradients("max_stress"), found.verdict
     """
-    place = Place(processes, threads, dask)
-    problem = sweep_problem(study if isinstance(study, Study) else read_study(study), scene)
-    return swept(problem, made_folder(output), place, progress)
+    place, folder = Place(processes, threads, dask), made_folder(output)
+    with study_of(study) as described:
+        return swept(sweep_problem(described, scene), folder, place, progress)
 
 
 def uncertainty(
@@ -120,23 +119,6 @@ def uncertainty(
     >>> found = ffrf.uncertainty("study.toml")
     >>> found.responses["max_stress"].sigma, found.responses["max_stress"].alone, found.verdict
     """
-    place = Place(processes, threads, dask)
-    checked = uncertain_study(study if isinstance(study, Study) else read_study(study), scene)
-    return found_uncertainty(checked, made_folder(output), place, progress)
-
-
-def made_folder(path: str | Path | None) -> Path | None:
-    """The folder, which is made unless it is there; None stays None.
-
-    Raises
-    ------
-    InputError
-        It cannot be made.
-    """
-    folder = None if path is None else Path(path)
-    if folder is not None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{str(folder)!r} cannot be made a folder ({error.strerror}). Give another output.") from error
-    return folder
+    place, folder = Place(processes, threads, dask), made_folder(output)
+    with study_of(study) as described:
+        return found_uncertainty(uncertain_study(described, scene), folder, place, progress)

@@ -224,7 +224,8 @@ class Model:
             raise InputError(
                 "modes are about the given positions or about a steady spin. Leave out one of undeformed and spinning."
             )
-        system = self.at({} if numbers is None else numbers)._compiled.analysed_by("static").primal
+        compiled = self.at({} if numbers is None else numbers)._compiled
+        system = (compiled.of_one_frame() if undeformed else compiled.analysed_by("static")).primal
         options = system.scene.solver.model_copy(update={"equilibrium": "spinning"}) if spinning else None
         state = at_rest(system) if undeformed else solve(system, "static", progress, options)
         found = solve_modes(state, count)

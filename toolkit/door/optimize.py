@@ -4,15 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.toml_lines import naming_lines
+from toolkit.door.study_and_folder import made_folder, study_of
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.optimization.optimum import Optimum
 from toolkit.studies.study.problem import problem_of
 from toolkit.studies.study.study_file import Study
-from toolkit.studies.study.study_reader import TABLES, read_study
 
 
 def optimize(
@@ -53,14 +51,6 @@ def optimize(
     >>> found = ffrf.optimize("study.toml", output="optimum")
     >>> found.variables, found.optimality, found.verdict
     """
-    folder = None if output is None else Path(output)
-    if folder is not None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{str(folder)!r} cannot be made a folder ({error.strerror}). Give another output.") from error
-    if isinstance(study, Study):
-        return optimized(problem_of(study, scene), folder, progress)
-    described = read_study(study)
-    with naming_lines(Path(study), TABLES):
+    folder = made_folder(output)
+    with study_of(study) as described:
         return optimized(problem_of(described, scene), folder, progress)

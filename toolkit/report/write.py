@@ -11,7 +11,7 @@ from toolkit.report import page
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES_IN
 from toolkit.report.material import Material, Progress
-from toolkit.report.motion import motion_sections
+from toolkit.report.motion.sections import motion_sections
 from toolkit.report.page import Section
 from toolkit.report.tables import Table, all_tables
 from toolkit.results.results_file import save_results

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
 
 from toolkit.bodies.body import Body
-from toolkit.bodies.cut.cut_body import CutBody, part_name
+from toolkit.bodies.cut.cut_body import CutBody, part_name, part_number
 from toolkit.bodies.cut.framed_part import NODE
-from toolkit.bodies.model_body import ModelBody, refuse_unknown
+from toolkit.bodies.model_body import ModelBody
 from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.tie import Tie
-from toolkit.reduced_model.cut.chain import chain_nodes, place_of
+from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.scene.cuts import cuts_of
 from toolkit.scene.scene import Scene
 
 
@@ -120,34 +121,65 @@ def with_parts(scene: Scene) -> Scene:
         model = _model(scene, name, body)
         if body.frames == "auto":
             raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
-        cuts = _cuts(scene, name, body, model)
+        cuts = cuts_of(name, body, model)
         cut = scene.space.cut_body.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
         held = _clamp(name, model) if body.frame == "grounded" else []
-        nodes = [*cuts[1:-1], *held]
         fields["bodies"] = {**fields["bodies"], name: cut}
-        fields["points"] = {
-            **fields["points"],
-            **{tie_name(name, node): BodyPoint(body=name, interface=NODE.format(node)) for node in nodes},
-        }
-        ties = {tie_name(name, node): (part_name(name, k), part_name(name, k + 1)) for k, node in enumerate(cuts[1:-1])}
-        ties |= {tie_name(name, node): ("ground", name) for node in held}
-        fields["joints"] = {**fields["joints"], **{tie: scene.space.tie(bodies=pair, point=tie) for tie, pair in ties.items()}}
+        tied = {tie_name(name, model, node): (node, parts) for node, parts in _meetings(name, model, cuts, held).items()}
+        points = {tie: BodyPoint(body=name, interface=NODE.format(node)) for tie, (node, _) in tied.items()}
+        fields["points"] = {**fields["points"], **points}
+        fields["joints"] = {**fields["joints"], **dict(_ties(scene, tied))}
     return CutScene.model_construct(**fields)
 
 
+def _meetings(name: str, model: ReducedModel, cuts: list[int], held: list[int]) -> dict[int, list[str]]:
+    """Node -> the parts whose ends meet there; at those that are held the ground, and the body in the place of the part that holds it."""
+    assert model.elements is not None
+    found: dict[int, list[str]] = {}
+    for k, (first, last) in enumerate(pairwise(cuts)):
+        for node in (model.elements.connectivity[first, 0], model.elements.connectivity[last - 1, 1]):
+            found.setdefault(int(node), []).append(part_name(name, k))
+    meeting = {node: parts for node, parts in found.items() if len(parts) > 1 and node not in held}
+    for node in held:
+        gripped = part_name(name, part_number(cuts, place_at(model.elements.connectivity, node)))
+        meeting[node] = ["ground", name, *(part for part in found.get(node, []) if part != gripped)]
+    return meeting
+
+
+def _ties(scene: Scene, tied: Mapping[str, tuple[int, list[str]]]) -> Iterator[tuple[str, Tie]]:
+    """At every node all bodies to the first one."""
+    for tie, (_, (first, *others)) in tied.items():
+        for k, other in enumerate(others):
+            yield f"{tie}, {k + 1}" if k else tie, scene.space.tie(bodies=(first, other), point=tie)
+
+
 def most_frames(scene: Scene, name: str) -> int:
-    """How many frames a body can have at most: one for every element.
+    """How many frames a chain of beams can have at most: one for every element.
 
     Raises
     ------
     InputError
-        It cannot be cut; says why.
+        It cannot be cut, or is no chain; says why.
     """
     body = scene.bodies[name]
     assert isinstance(body, Flexible)
     elements = _model(scene, name, body).elements
     assert elements is not None
+    if chain_nodes(elements.connectivity) is None:
+        raise InputError(
+            f'bodies.{name}.frames = "auto" is chosen for chains of beams, and the elements of reduced model {body.model!r} branch, close '
+            f"or turn round. Write a number, at least {len(breaks(elements.connectivity)) + 1}."
+        )
     return len(elements.connectivity)
+
+
+def cuttable(scene: Scene) -> list[str]:
+    """Names of the bodies that can have several frames."""
+    return [
+        name
+        for name, body in scene.bodies.items()
+        if isinstance(body, Flexible) and not any(body.deflected.values()) and can_be_cut(scene.model(body.model, "elements"))
+    ]
 
 
 def can_be_cut(model: ReducedModel) -> bool:
@@ -155,9 +187,10 @@ def can_be_cut(model: ReducedModel) -> bool:
     return model.elements is not None and chain_nodes(model.elements.connectivity) is not None
 
 
-def tie_name(body: str, node: int) -> str:
+def tie_name(body: str, model: ReducedModel, node: int) -> str:
     """Name of the point and of the joint at a node."""
-    return f"{body} at node {node}"
+    assert model.elements is not None
+    return f"{body} at node {node_labels(model.elements.connectivity)[node]}"
 
 
 def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
@@ -173,11 +206,6 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
                 else 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
             )
         )
-    if chain_nodes(model.elements.connectivity) is None:
-        raise InputError(
-            f"bodies.{name}.frames = {body.frames}: the elements of reduced model {body.model!r} are no chain from one end to another, but "
-            "branch or close, and only chains can be cut. Leave `frames` out."
-        )
     if body.frame not in ("moving", "grounded"):
         raise InputError(
             f'bodies.{name}.frame = "{body.frame}" belongs to a body with one frame, and frames = {body.frames}. Write frame = "moving" '
@@ -190,50 +218,8 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
     return model
 
 
-def _cuts(scene: Scene, name: str, body: Any, model: ReducedModel) -> list[int]:
-    """Numbers of the nodes along the chain where it is cut, both ends among them."""
-    assert model.elements is not None
-    count = len(model.elements.connectivity)
-    if isinstance(body.frames, int):
-        if body.frames > count:
-            raise InputError(
-                f"bodies.{name}.frames = {body.frames}, but its reduced model {body.model!r} has {count} elements, and a frame needs one "
-                f"at least. Write at most {count}, or build the model with more elements."
-            )
-        return [round(k * count / body.frames) for k in range(body.frames + 1)]
-    inner = sorted(_node(name, model, place) for place in body.frames)
-    for one, other in pairwise([0, *inner, count]):
-        if one == other:
-            where = "an end of the body" if one in (0, count) else "another cut"
-            raise InputError(
-                f"bodies.{name}.frames cuts at node {one}, where {where} is already. Name every cut once, and no end."
-            )
-    return [0, *inner, count]
-
-
-def _node(name: str, model: ReducedModel, place: int | str) -> int:
-    """Number along the chain of a node, which is given by it or by the name of an interface point."""
-    assert model.elements is not None
-    count = len(model.elements.connectivity)
-    if isinstance(place, int):
-        if not 0 < place < count:
-            raise InputError(
-                f"bodies.{name}.frames cuts at node {place}, but the nodes between the ends of the body are 1 to {count - 1}."
-            )
-        return place
-    refuse_unknown(model, place, name)
-    point = (model.interfaces or {})[place]
-    found = place_of(model.elements, point.here[0][:, 0], f"interface point {place!r}")
-    if found.ratio not in (0.0, 1.0):
-        raise InputError(
-            f"bodies.{name}.frames cuts at interface point {place!r}, which lies inside element {found.element} and not at a node. "
-            f"Cut at node {found.element} or {found.element + 1}, or put the point at a node in the file that the model is built from."
-        )
-    return round(found.station)
-
-
 def clamped_nodes(model: ReducedModel) -> list[int]:
-    """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node."""
+    """Numbers along the chain of the nodes that the frame of the uncut model is tied to; none if it is tied to no node, or is no chain."""
     order = None if model.elements is None else chain_nodes(model.elements.connectivity)
     if model.elements is None or order is None:
         return []
@@ -242,8 +228,9 @@ def clamped_nodes(model: ReducedModel) -> list[int]:
 
 
 def _clamp(name: str, model: ReducedModel) -> list[int]:
-    """Numbers along the chain of the nodes that the model clamps."""
-    found = clamped_nodes(model)
+    """The nodes that the model clamps."""
+    assert model.elements is not None
+    found = [int(node) for node in model.elements.held_nodes(model.mesh)]
     if not found:
         raise InputError(
             f"bodies.{name} is grounded with several frames, but no node of its reduced model is clamped ({model.reference_condition}). "

@@ -9,7 +9,7 @@ from functools import cached_property
 from toolkit.description.design import Design
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.frames.chosen_frames import Choices, Frames, chosen_frames, with_choices, with_frames
+from toolkit.sensitivity.frames.chosen_frames import Choices, Frames, automatic, chosen_frames, with_choices, with_frames
 from toolkit.sensitivity.preparation import Kind, prepare
 from toolkit.system.model_files import FileStates, file_states
 from toolkit.system.renewal import renewed
@@ -64,6 +64,11 @@ class Compiled:
             root._chosen[kind] = chosen_frames(root.scene, kind)
         choices = root._chosen[kind]
         return self._other(("chosen", kind), lambda scene: with_choices(scene, choices)) if choices else self
+
+    def of_one_frame(self) -> Compiled:
+        """The same with one frame where the number is to be chosen: enough for what is not deformed."""
+        frames: dict[str, Frames] = dict.fromkeys(automatic(self.scene), 1)
+        return self.reframed(frames) if frames else self
 
     def reframed(self, frames: Mapping[str, Frames]) -> Compiled:
         """The same with other frames in some of its bodies."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.analyses.transient import simulate
 from toolkit.description.run_options import RunOptions
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Clock, Progress, once
 from toolkit.sensitivity.compiled import Compiled
@@ -20,6 +21,7 @@ from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
 
+@one_thread()
 def direct(scene: Scene, design: list[str], kind: Kind, progress: Progress | None = None, clock: Clock = once) -> Result:
     """Responses of a scene with gradients by direct differentiation.
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from toolkit.compilation.frame_hints import hint_of_floating, hint_of_grounded
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.linear.dense_lu import SWEEPS
-from toolkit.linear.linear_solver import TRUSTED_REFINEMENT, linear_solver, solve_once
+from toolkit.linear.linear_solver import DENSE_TOLERANCE, TRUSTED_REFINEMENT, linear_solver, solve_once
 from toolkit.system.system import System
 
 NULL, ALIKE = 1e-12, 10.0
@@ -39,20 +39,38 @@ def solve_linear(system: System, values: np.ndarray, rhs: np.ndarray, where: str
 def _sparse(system: System, values: np.ndarray, block: np.ndarray) -> np.ndarray | None:
     """Of a large real system, by sparse factors with pivoting, refined once; None where they are not good enough.
 
-    The loop's own solver falls back to dense factors where its fixed order meets a bad pivot, as it does without inertia.
+    The loop's own solver falls back to dense factors where its fixed order meets a bad pivot, as it does without inertia. Pivots are judged
+    as those are: in parts of a matrix that was equilibrated.
     """
     if system.n < MANY or not system.compiled:
         return None
-    matrix = csc_array(system.matrix(values))
+    rows, columns = _scales(system, np.abs(values))
+    matrix = csc_array(diags_array(rows) @ system.matrix(values) @ diags_array(columns))
     try:
-        factors = splu(matrix)
+        factors = splu(matrix, options={"Equil": False})
     except RuntimeError:  # exactly singular
         return None
-    found = factors.solve(block)
-    change = factors.solve(block - matrix @ found)
-    found = found + change
+    if not np.abs(factors.U.diagonal()).min() > DENSE_TOLERANCE:
+        return None
+    wanted = rows[:, None] * block
+    found = factors.solve(wanted)
+    change = factors.solve(wanted - matrix @ found)
+    found, change = columns[:, None] * (found + change), columns[:, None] * change
     moved, changed = (np.abs(system.weights[: system.n_q, None] * each[: system.n_q]).max(initial=0) for each in (found, change))
     return found if np.isfinite(moved) and changed <= TRUSTED_REFINEMENT * moved else None
+
+
+def _scales(system: System, sizes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Rows' and columns' scales that bring the largest entries near 1, as `dense_lu.equilibrate`; from sizes on the pattern."""
+    plan = system.plan
+    of_row, scales = np.repeat(np.arange(system.n), np.diff(plan.indptr)), np.ones((2, system.n))
+    for _ in range(SWEEPS):
+        scaled = sizes * scales[0, of_row] * scales[1, plan.indices]
+        for scale, place in zip(scales, (of_row, plan.indices), strict=True):
+            largest = np.zeros(system.n)
+            np.maximum.at(largest, place, scaled)
+            scale /= np.sqrt(np.where(largest > 0, largest, 1.0))
+    return scales[0], scales[1]
 
 
 def _compiled(system: System, values: np.ndarray, block: np.ndarray, where: str) -> np.ndarray:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.missing_stiffening import missing_stiffening
@@ -26,6 +27,7 @@ from toolkit.validity.motion.spring_length import springs_through_zero
 from toolkit.validity.start.start_cautions import cautions_of_start
 
 
+@one_thread()
 def judge(solution: Solution) -> Verdict:
     """Whether the states of a solution can be trusted, and why not.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -17,10 +18,11 @@ from toolkit.bodies.cut.framed_part import (
     whole_design,
 )
 from toolkit.bodies.model_body import FRAME, ModelBody
+from toolkit.reduced_model.cut.chain import Place
 
 
 class CutBody(ModelBody):
-    """What a scene writes of the body, with the numbers of the nodes that part it, both ends of the chain among them.
+    """What a scene writes of the body, with the numbers of the elements that its parts begin with, and how many there are in all.
 
     It has no coordinates of its own: those of its parts follow it, so that its markers count from the first coordinate of the first part.
     """
@@ -79,15 +81,13 @@ class CutBody(ModelBody):
         node = node_number(scene, point)
         if node is None:
             return super().position_at_rest(scene, point, name)  # type: ignore[safe-super]
-        elements = elements_at(whole_design(scene, name))
-        number = np.append(elements.connectivity[:, 0], elements.connectivity[-1, 1])[node]
-        found: np.ndarray = np.array(self.position) + self.placement @ elements.nodes[number]  # type: ignore[attr-defined]
+        nodes = elements_at(whole_design(scene, name)).nodes
+        found: np.ndarray = np.array(self.position) + self.placement @ nodes[node]  # type: ignore[attr-defined]
         return found
 
     def part_at(self, scene: Placed, point: str, name: str) -> int:
         """Number of the part that a point lies in."""
-        station = place_on(scene, name, point).station
-        return min(int(np.searchsorted(self.cuts, station, side="right")) - 1, len(self.cuts) - 2)
+        return part_number(self.cuts, place_on(scene, name, point))
 
     def marker(self, scene: Placed, point: str, name: str, *axes: Any) -> Any:
         """An interface point, on the part that it lies in."""
@@ -119,6 +119,11 @@ class CutBody(ModelBody):
     def first_coordinate(self, number: int) -> int:
         """Coordinates of the parts before one."""
         return self.part_kind.per_node * (self.cuts[number] - self.cuts[0]) + self.part_kind.frame_coordinates * number
+
+
+def part_number(cuts: Sequence[int], place: Place) -> int:
+    """Number of the part that has the element of a place."""
+    return int(np.searchsorted(cuts, place.element, side="right")) - 1
 
 
 def part_name(whole: str, number: int) -> str:

@@ -10,14 +10,14 @@ import numpy as np
 from toolkit.bodies.body import CENTRE, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.cut.chain import Place, place_of
+from toolkit.reduced_model.cut.chain import Place, node_labels, place_at, place_of
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.part_model import part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.elements import Elements
 
 NODE = "(node {})"
-"""In place of an interface point: a node of the chain by its number from the beginning."""
+"""In place of an interface point: a node of the reduced model by its number there."""
 
 
 class FramedPart(ModelBody):
@@ -41,8 +41,8 @@ class FramedPart(ModelBody):
         """The part of elements at one design, with the element of every stress point."""
         raise NotImplementedError
 
-    def elastic_names(self) -> Iterator[str]:
-        """Names of its elastic coordinates."""
+    def elastic_names(self, nodes: list[int]) -> Iterator[str]:
+        """Names of its elastic coordinates, with the numbers of its nodes for people."""
         raise NotImplementedError
 
     def part(self, scene: Placed) -> Part:
@@ -77,7 +77,13 @@ class FramedPart(ModelBody):
     def coordinate_names(self, scene: Placed) -> list[str]:
         """The frame, and the nodal coordinates in the order of the chain."""
         frame = super().coordinate_names(scene)[: self.frame_coordinates]  # type: ignore[safe-super]
-        return [*frame, *self.elastic_names()]
+        labels = node_labels(connectivity_of(scene, self.whole))
+        return [*frame, *self.elastic_names([labels[int(node)] for node in self.node_numbers(scene)])]
+
+    def node_numbers(self, scene: Placed) -> np.ndarray:
+        """Its nodes among those of the whole, (n_nodes,)."""
+        connectivity = connectivity_of(scene, self.whole)
+        return np.append(connectivity[self.first : self.last, 0], connectivity[self.last - 1, 1])
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed, and not deforming."""
@@ -89,21 +95,29 @@ class FramedPart(ModelBody):
         if point == CENTRE:
             inv = self.invariants(scene)
             return inv.first_moment / inv.mass, self.undeforming_point(inv.first_moment.shape[-1])[1]
-        return self.part(scene).at(self.within(place_on(scene, self.whole, point)))
+        return self.part(scene).at(self.within(scene, place_on(scene, self.whole, point)))
 
-    def within(self, place: Place) -> Place:
-        """A node between two parts as the last one of the first, or the first one of the second."""
-        if place.element == self.last and place.ratio == 0:
-            return Place(self.last - 1, 1.0)
-        if place.element == self.first - 1 and place.ratio == 1:
-            return Place(self.first, 0.0)
-        return place
+    def within(self, scene: Placed, place: Place) -> Place:
+        """A node that other parts have too as that of one of its own elements."""
+        if self.first <= place.element < self.last:
+            return place
+        node = connectivity_of(scene, self.whole)[place.element, int(place.ratio)]
+        number = int(np.flatnonzero(self.node_numbers(scene) == node)[0])
+        last = self.last - self.first
+        return Place(self.first + number, 0.0) if number < last else Place(self.last - 1, 1.0)
 
 
 def whole_design(scene: Placed, whole: str) -> DesignPoint:
     """The reduced model of a cut body at the scene's parameter values, with its elements."""
     design: DesignPoint = scene.bodies[whole].design_point(scene, "elements", "stress", "mesh", "surface")
     return design
+
+
+def connectivity_of(scene: Placed, whole: str) -> np.ndarray:
+    """First and second node of every element of a cut body, (n_elements, 2)."""
+    elements = whole_design(scene, whole).model.elements
+    assert elements is not None
+    return elements.connectivity
 
 
 def elements_at(design: DesignPoint) -> Any:
@@ -127,7 +141,7 @@ def place_on(scene: Placed, whole: str, point: str) -> Place:
     elements: Elements = elements_at(design)
     node = node_number(scene, point)
     if node is not None:
-        return Place(node, 0.0) if node < len(elements.connectivity) else Place(node - 1, 1.0)
+        return place_at(elements.connectivity, node)
     position = scene.bodies[whole].point(scene, point, whole)[0][:, 0]
     return place_of(elements, position, f"point {point!r}")
 

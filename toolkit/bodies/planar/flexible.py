@@ -38,7 +38,8 @@ class Flexible(ModelBody, StartVelocity):
     frames
         Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
+        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
+        branch, they are always cut.
         "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
     geometric_error
         With `frames = "auto"`: how far nodes may be from where ever more frames would bring them, in parts of the body's largest
@@ -73,8 +74,12 @@ class Flexible(ModelBody, StartVelocity):
     @field_validator("frames", mode="before")
     @classmethod
     def _number_or_nodes(cls, frames: object) -> object:
-        if isinstance(frames, bool | float) or (isinstance(frames, str) and frames != "auto"):
-            raise ValueError('is a whole number, "auto", or a list of nodes and interface points where the body is cut')
+        if (
+            isinstance(frames, bool | float)
+            or (isinstance(frames, str) and frames != "auto")
+            or (isinstance(frames, int) and frames < 1)
+        ):
+            raise ValueError('is a whole number from 1 up, "auto", or a list of nodes and interface points where the body is cut')
         return frames
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, field_validator
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
@@ -32,7 +32,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
     frames
         Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model with all nodal coordinates (`kind = "full"`), a chain of beams.
+        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
+        branch, they are always cut.
     deflection
         Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -51,6 +52,14 @@ class SpatialFlexible(ModelBody, SpatialBody):
     frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     deflection: Annotated[dict[str, Triple], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Triple], Quantity("length/time")] = Field(default_factory=dict)
+
+    @field_validator("frames", mode="before")
+    @classmethod
+    def _number_or_nodes(cls, frames: object) -> object:
+        if isinstance(frames, bool | float | str) or (isinstance(frames, int) and frames < 1):
+            auto = ' ("auto" chooses for bodies in the plane alone)' if frames == "auto" else ""
+            raise ValueError(f"is a whole number from 1 up, or a list of nodes and interface points where the body is cut{auto}")
+        return frames
 
     @property
     def dependence(self) -> tuple[str, ...]:

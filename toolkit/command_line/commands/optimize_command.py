@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import prepare_folder
+from toolkit.command_line.arguments import StudyFile, prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
 from toolkit.command_line.printed.printing import print_verdict, warn
 from toolkit.foundation.errors import ToolkitError
@@ -17,8 +17,6 @@ from toolkit.foundation.terminal import AsJson, Quiet, print_json
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
-
-StudyFile = Annotated[Path, typer.Argument(metavar="STUDY.toml", help="The study.")]
 
 
 def optimize(
@@ -34,11 +32,10 @@ def optimize(
     quiet: Quiet = False,
 ) -> None:
     """Find the best design of a study; exit with an error if none can be called an optimum. What was interrupted goes on."""
-    from toolkit.foundation.files.toml_lines import naming_lines
     from toolkit.studies.optimization.optimize import optimized
     from toolkit.studies.study.problem import problem_of
     from toolkit.studies.study.search_options import Search
-    from toolkit.studies.study.study_reader import TABLES, read_study
+    from toolkit.studies.study.study_reader import naming_study_lines, read_study
 
     described = read_study(study)
     given = {"method": method, "starts": starts, "evaluations": evaluations}
@@ -46,11 +43,11 @@ def optimize(
     if changed:
         search = Search.model_validate({**described.search.model_dump(), **_checked(changed)})
         described = described.model_copy(update={"search": search})
-    with naming_lines(study, TABLES):
+    with naming_study_lines(study):
         problem = problem_of(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with naming_lines(study, TABLES), bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
@@ -89,7 +86,7 @@ def _draw(found: Optimum, folder: Path, quiet: bool) -> list[Path]:
     try:
         require("matplotlib")
         from toolkit.render.pictures import render_solution
-        from toolkit.report.optimization_drawing import history
+        from toolkit.report.studies.optimization_drawing import history
 
         files = history(found).save(folder)
         for name, solution in found.before_and_after().items():

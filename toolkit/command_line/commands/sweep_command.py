@@ -42,16 +42,17 @@ def sweep(
 ) -> None:
     """Solve many designs of a study, and write values and gradients into tables. What was interrupted goes on."""
     from toolkit.studies.places.place import Place
-    from toolkit.studies.study.study_reader import read_study
+    from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.sweep.sweep import sweep_problem, swept
 
     place = Place(processes=jobs, dask=dask)
     file = None if designs is None else str(designs.resolve())
     described = _changed(read_study(study), {"points": points, "levels": levels, "count": count, "file": file})
-    problem = sweep_problem(described)
+    with naming_study_lines(study):
+        problem = sweep_problem(described)
     folder = prepare_folder(output)
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
-    with bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = swept(problem, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)

@@ -37,7 +37,7 @@ def uncertainty(
 ) -> None:
     """Find mean, spread, shares of variables, quantiles and probabilities of uncertain responses. What was interrupted goes on."""
     from toolkit.studies.places.place import Place
-    from toolkit.studies.study.study_reader import read_study
+    from toolkit.studies.study.study_reader import naming_study_lines, read_study
     from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
     from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
@@ -45,10 +45,11 @@ def uncertainty(
     given = {key: value for key, value in {"runs": runs, "monte_carlo": monte_carlo}.items() if value is not None}
     if given:
         described = described.model_copy(update={"uncertainty": described.uncertainty.model_copy(update=given)})
-    checked = uncertain_study(described)
+    with naming_study_lines(study):
+        checked = uncertain_study(described)
     folder = prepare_folder(output)
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
-    with bar("designs", quiet) as progress:
+    with naming_study_lines(study), bar("designs", quiet) as progress:
         found = found_uncertainty(checked, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)

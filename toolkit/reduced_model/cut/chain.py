@@ -1,4 +1,4 @@
-"""The elements of a body as a chain, and where its points lie along it."""
+"""The elements of a body as a chain or as several ones that meet, and where its points lie along them."""
 
 from __future__ import annotations
 
@@ -24,12 +24,40 @@ class Place(NamedTuple):
         """Elements before the point."""
         return self.element + float(np.real(self.ratio))
 
+    @property
+    def at_node(self) -> bool:
+        """Whether it is an end of its element."""
+        return self.ratio in (0.0, 1.0)
+
 
 def chain_nodes(connectivity: np.ndarray) -> np.ndarray | None:
     """Nodes in the order of the chain, (n_elements + 1,); None if the elements are no chain."""
     follows = np.array_equal(connectivity[1:, 0], connectivity[:-1, 1])
     nodes = np.append(connectivity[:, 0], connectivity[-1:, 1])
     return nodes if follows and len(set(nodes.tolist())) == len(nodes) else None
+
+
+def breaks(connectivity: np.ndarray) -> list[int]:
+    """Numbers of elements before which a chain ends: they begin elsewhere, or where others meet them."""
+    nodes, count = np.unique(connectivity, return_counts=True)
+    two = np.isin(connectivity[1:, 0], nodes[count == 2]) & (connectivity[1:, 0] == connectivity[:-1, 1])
+    return [int(k) + 1 for k in np.flatnonzero(~two)]
+
+
+def node_labels(connectivity: np.ndarray) -> dict[int, int]:
+    """Node -> its number for people: along a chain from its beginning, else its own."""
+    order = chain_nodes(connectivity)
+    nodes = [int(node) for node in (np.unique(connectivity) if order is None else order)]
+    return dict(zip(nodes, nodes if order is None else range(len(nodes)), strict=True))
+
+
+def place_at(connectivity: np.ndarray, node: int) -> Place:
+    """A node as the beginning of an element, if it is one."""
+    for end in (0, 1):
+        elements = np.flatnonzero(connectivity[:, end] == node)
+        if len(elements):
+            return Place(int(elements[0]), float(end))
+    raise ValueError(f"no element has node {node}")
 
 
 def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: str) -> Place:
@@ -48,7 +76,9 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
     away = np.real(position - ends[:, 0]) - inside[:, None] * np.real(side)
     distance = np.sum(away * away, axis=1) / np.real(square)
     near = np.flatnonzero(distance <= distance.min() + ON_NODE)
-    if near[-1] - near[0] > 1:
+    nodes = elements.connectivity[near, np.round(inside[near]).astype(int)]
+    at_node = np.abs(inside[near] - np.round(inside[near])) <= ON_NODE
+    if len(near) > 1 and not (np.all(at_node) and np.all(nodes == nodes[0])):
         raise InputError(
             f"{what} lies on elements {near[0]} and {near[-1]} of the body at once, so that nobody knows which of its parts holds the "
             "point. Leave `frames` out, or move the point."

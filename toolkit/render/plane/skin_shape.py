@@ -64,12 +64,12 @@ def _framed(configuration: Configuration, body: str, mesh: Mesh) -> Iterator[tup
     if not isinstance(found, CutBody):
         yield body, slice(None), (mesh.recovery[:, 1:] @ configuration.elastic(body)).reshape(-1, 3)
         return
-    chain = np.append(mesh.connectivity[:, 0], mesh.connectivity[-1, 1])
     for name, (first, last) in zip(found.parts(body), pairwise(found.cuts), strict=True):
         nodal = np.zeros((len(mesh.nodes), 3))
         own = drawn_model(configuration, name).mesh
         assert own is not None
-        nodal[chain[first : last + 1]] = (own.recovery[:, 1:] @ configuration.elastic(name)).reshape(-1, 3)
+        nodes = np.append(mesh.connectivity[first:last, 0], mesh.connectivity[last - 1, 1])
+        nodal[nodes] = (own.recovery[:, 1:] @ configuration.elastic(name)).reshape(-1, 3)
         yield name, slice(first, last), nodal
 
 

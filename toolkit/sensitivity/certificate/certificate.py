@@ -21,7 +21,7 @@ from toolkit.sensitivity.certificate.differences import (
     slopes_along,
     taylor_rates,
 )
-from toolkit.sensitivity.certificate.round_off import Gradients, round_off
+from toolkit.sensitivity.certificate.round_off import UNSEEN, Gradients, round_off
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import by_name
 from toolkit.sensitivity.numerical import numerical
@@ -153,8 +153,13 @@ class Certificate:
         )
 
 
-def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None) -> Certificate:
+def certify(
+    scene: Scene, design: list[str], kind: Kind, progress: Progress = lambda *_: None, unseen: float = UNSEEN
+) -> Certificate:
     """Compare direct differentiation with the adjoint, a complex step, Taylor's remainder and central differences.
+
+    A derivative counts as zero where a change of its variable by its own size would change the response by less than the part `unseen` of
+    what that is or does.
 
     Raises
     ------
@@ -167,10 +172,12 @@ def certify(scene: Scene, design: list[str], kind: Kind, progress: Progress = la
     progress(1, 5)
     stepped = numerical(scene, design, kind, "complex-step").gradients
     progress(2, 5)
-    return compare(exact, kind, stepped, lambda done, total: progress(2 + done, 2 + total))
+    return compare(exact, kind, stepped, lambda done, total: progress(2 + done, 2 + total), unseen)
 
 
-def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None) -> Certificate:
+def compare(
+    exact: Result, kind: Kind, stepped: Gradients, progress: Progress = lambda *_: None, unseen: float = UNSEEN
+) -> Certificate:
     """The certificate of a result of direct differentiation, whose gradients by a complex step are at hand."""
     system = exact.solution.system
     scene, design = system.scene, list(system.design.names)
@@ -179,7 +186,7 @@ def compare(exact: Result, kind: Kind, stepped: Gradients, progress: Progress = 
         found, gradient = adjoint_gradients(system, exact.solution)
         others = {"adjoint": by_name(system.design, found, gradient.T), **others}
     progress(1, 4)
-    floors = round_off(scene, exact, kind)
+    floors = round_off(scene, exact, kind, unseen)
     limits = {
         f: {x: min(1.0, floors[f][x] / max(abs(slope), TINY)) for x, slope in s.items()} for f, s in exact.gradients.items()
     }

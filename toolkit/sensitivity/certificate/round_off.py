@@ -30,12 +30,12 @@ SAMPLES, SAFETY = 4, 10.0
 distribution with long tails."""
 
 
-def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
+def round_off(scene: Scene, exact: Result, kind: Kind, unseen: float = UNSEEN) -> Gradients:
     """Estimated round-off of each derivative, as an absolute number.
 
     The scene is solved with other last digits of its own numbers, and differentiated directly and backwards. All that differs is
-    round-off; `SAFETY` times the largest difference seen is what two right methods may differ by, and at least `UNSEEN` of what the
-    response is or does.
+    round-off; `SAFETY` times the largest difference seen is what two right methods may differ by, and at least the part `unseen` of what
+    the response is or does.
     """
     design, rng = list(exact.solution.system.design.names), np.random.default_rng(1)
     scene = frozen(scene, exact.solution)
@@ -44,7 +44,7 @@ def round_off(scene: Scene, exact: Result, kind: Kind) -> Gradients:
     paths = [path for path in scene.available_paths() if path not in given]
     sizes = variable_sizes(scene, exact)
     scales = response_scales(exact, sizes)
-    found = {f: {x: UNSEEN * scales[f] / sizes[x] for x in slopes} for f, slopes in exact.gradients.items()}
+    found = {f: {x: unseen * scales[f] / sizes[x] for x in slopes} for f, slopes in exact.gradients.items()}
     for _ in range(SAMPLES):
         for sample in _by_exact_methods(rounded_anew(scene, paths, rng), design, kind):
             for f, slopes in sample.items():

@@ -10,7 +10,6 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
-from toolkit.responses.response import Response
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
@@ -26,8 +25,6 @@ from toolkit.studies.study.store import Store
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
 """Name of the store in the folder of a study."""
-ROUND_OFF = 1e-13
-"""Relative change of a response that nothing has to have brought about."""
 ASIDE = (0.0, 0.9, 0.3, 0.05)
 """Parts of the way from the start to the middle of the bounds where an objective is looked at that nothing seems to move."""
 SAME = 1e-3
@@ -131,15 +128,10 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
 
 
 def _undecided(problem: Problem, found: Evaluation) -> float:
-    """How much of the objective round-off may decide: of a place or an angle what Newton leaves undecided."""
-    sizes = {"angle": 1.0, "length": problem.scene.size}
-    total = 0.0
-    for k, name in enumerate(problem.responses):
-        response = problem.scene.responses.get(name)
-        size = sizes.get(response.unit_quantity, 0.0) if isinstance(response, Response) else 0.0
-        left = ROUND_OFF * float(np.max(np.abs(found.values[:, k]))) + problem.scene.solver.tolerance * size
-        total += abs(problem.study.objective.weights.get(name, 0.0)) * left
-    return total
+    """How much of the objective round-off may decide."""
+    weights = problem.study.objective.weights
+    left = ((name, problem.undecided(name, found.values[:, k])) for k, name in enumerate(problem.responses))
+    return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
 
 
 def _refuse_all_failed(problem: Problem, store: Store, searches: list[Found]) -> None:

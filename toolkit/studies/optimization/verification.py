@@ -26,7 +26,8 @@ start change nothing but round-off."""
 COARSE = 1e-2
 """The same of a motion, whose steps were too long for what was wanted of it."""
 DIGITS = 1e-8
-"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`."""
+"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`; and part of a response that a derivative by a
+variable of its size must mean to be compared: at an optimum parts cancel, and what is left of them has few digits."""
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,9 @@ def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Cau
         if LOAD_MARGIN in problem.responses and again.margins[case][1] and found.values[k][-1] < (problem.margin_up_to or 0.0):
             asked[LOAD_MARGIN] = LoadMargin(up_to=problem.margin_up_to or FAR)
         try:
-            certificate = certify(scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind)
+            certificate = certify(
+                scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind, unseen=DIGITS
+            )
             certificate.check(DIGITS)
         except ToolkitError as error:
             yield Caution("gradients", f"{where}the gradients at the optimum could not be certified: {error}")

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from importlib.util import find_spec
 from typing import Any
 
@@ -33,7 +35,7 @@ def on_cluster(work: Callable[[Any], Any], tasks: Mapping[Any, Any], address: st
         )
     import distributed
 
-    with _client(address) as client:
+    with _silent_logs(), _client(address) as client:
         at_hand = client.submit(arrived, work, program(), pure=False)
         futures = {client.submit(run, at_hand, task, pure=False): key for key, task in tasks.items()}
         try:
@@ -47,6 +49,18 @@ def on_cluster(work: Callable[[Any], Any], tasks: Mapping[Any, Any], address: st
             ) from error
         finally:
             client.cancel(list(futures), force=True)
+
+
+@contextmanager
+def _silent_logs() -> Iterator[None]:
+    """What Dask tells its own log about lost connections is told by this module's errors."""
+    log = logging.getLogger("distributed")
+    before = log.level
+    log.setLevel(logging.CRITICAL + 1)
+    try:
+        yield
+    finally:
+        log.setLevel(before)
 
 
 def _client(address: str) -> Any:

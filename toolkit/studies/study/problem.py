@@ -25,6 +25,8 @@ from toolkit.studies.study.study_file import LOAD_MARGIN, Study
 
 FURTHER, FAR = 2.0, 10.0
 """Times the wanted load margin up to which a limit point is looked for; and load factor up to which, where the margin is the objective."""
+ROUND_OFF = 1e-13
+"""Relative change of a response that nothing has to have brought about."""
 ONLY = ""
 """Name of the only case of a study that names none."""
 
@@ -106,6 +108,12 @@ class Problem:
     def numbers(self, design: np.ndarray) -> dict[str, float]:
         """Numbers of the scene for a design (n,)."""
         return dict(zip(self.variables, map(float, self.origin + design), strict=True))
+
+    def undecided(self, response: str, values: np.ndarray) -> float:
+        """How much of a response of such values round-off may decide: of a place or an angle also what Newton leaves undecided."""
+        described, sizes = self.scene.responses.get(response), {"angle": 1.0, "length": self.scene.size}
+        size = sizes.get(described.unit_quantity, 0.0) if isinstance(described, Response) else 0.0
+        return ROUND_OFF * float(np.max(np.abs(values))) + self.scene.solver.tolerance * size
 
     def unit_of(self, response: str) -> str:
         """Label of the unit of a response."""

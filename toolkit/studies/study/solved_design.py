@@ -10,6 +10,7 @@ import numpy as np
 
 from toolkit.analyses.statics import solve_statics
 from toolkit.foundation.errors import NoLimitPointError, ToolkitError
+from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.scene import Scene
@@ -23,6 +24,7 @@ from toolkit.system.system import System
 NOWHERE = State(np.zeros(0), np.zeros(0))
 
 
+@one_thread()
 def solved(problem: Problem, lane: int, design: np.ndarray, start: Evaluation | None, gradients: bool = True) -> Evaluation:
     """A design solved in all cases, or why it could not be.
 

@@ -140,7 +140,7 @@ def _evaluations(content: Content) -> Iterator[Evaluation]:
     cases = values.shape[1] if some else 0
     states = [
         tuple(content.array(f"{name}{k}") if content.has(f"{name}{k}") else np.zeros((len(values), 0)) for name in State._fields)
-        for k in range(cases)
+        for k in range(cases if content.has("q0") else 0)
     ]
     row = 0
     for k in range(len(lane)):

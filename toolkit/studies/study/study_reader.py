@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,11 @@ from toolkit.studies.study.study_file import Study
 
 TABLES = frozenset(Study.model_fields) - {"scene", "directory"}
 """First keys of a study file; errors that begin with another one are of the scene."""
+
+
+def naming_study_lines(study: Study | str | Path) -> AbstractContextManager[None]:
+    """Errors about keys of a study file say in which line they stand; a study made in Python has no lines."""
+    return nullcontext() if isinstance(study, Study) else naming_lines(Path(study), TABLES)
 
 
 def read_study(path: str | Path) -> Study:

@@ -20,7 +20,7 @@ class Uncertain(Description):
 
     Attributes
     ----------
-    type
+    distribution
         "normal", "lognormal" or "uniform".
     mean
         Of a normal or lognormal number; by default what the scene has.
@@ -35,7 +35,7 @@ class Uncertain(Description):
         Of each of these numbers: by how much it moves where the variable moves by one. All are one by default.
     """
 
-    type: Literal["normal", "lognormal", "uniform"]
+    distribution: Literal["normal", "lognormal", "uniform"]
     mean: Number | None = None
     sigma: Positive | None = None
     between: Pair | None = None
@@ -49,13 +49,13 @@ class Uncertain(Description):
             raise ValueError(
                 f"between = [{low:g}, {high:g}] holds nothing; write the smaller bound first, and the larger one second"
             )
-        if self.type == "uniform" and (self.between is None or self.mean is not None or self.sigma is not None):
+        if self.distribution == "uniform" and (self.between is None or self.mean is not None or self.sigma is not None):
             raise ValueError(
                 "a uniform number is given by `between` alone: its least and largest value; leave out mean and sigma"
             )
-        if self.type != "uniform" and self.sigma is None:
+        if self.distribution != "uniform" and self.sigma is None:
             raise ValueError(
-                f"a {self.type} number needs `sigma`, its standard deviation; its mean is the scene's if it is left out"
+                f"a {self.distribution} number needs `sigma`, its standard deviation; its mean is the scene's if it is left out"
             )
         if self.factors is not None and self.of is None:
             raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")

@@ -16,8 +16,6 @@ from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
 MISSED = 0.1
 """Error of polynomials at designs left out, in parts of sigma, that is too large: they miss a hundredth of the variance."""
-ERRORS, SLACK = 4.0, 0.01
-"""Standard errors by which random designs may differ, and part of sigma that the difference may be beside them."""
 RARE = 1e-3
 """Probability below which polynomials are asked about what no design has seen."""
 ANOTHER = 1e-5
@@ -68,7 +66,7 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
         )
     for name, each in spreads.items():
         rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE or p in (0.0, 1.0)]
-        if rare and each.sampled is None:
+        if rare and each.sampled is None and each.sigma:
             yield Caution(
                 "tails",
                 f"that {name} is {rare[0]} is so rare, or so common, that it rests on tails of polynomials and distributions.",
@@ -79,15 +77,12 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
 def _samples(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
     """Where random designs say something else than the polynomials."""
     for name, each in spreads.items():
-        if each.sampled is None:
-            continue
-        for what, own, (value, error) in (("mean", each.mean, each.sampled.mean), ("sigma", each.sigma, each.sampled.sigma)):
-            if abs(own - value) > ERRORS * error + SLACK * each.sigma:
-                yield Caution(
-                    "monte-carlo",
-                    f"{what} of {name} is {own:.6g} by the polynomials, and {value:.6g} +- {error:.2g} by {each.sampled.runs} random "
-                    "designs. Believe these, or give more runs with gradients.",
-                )
+        if each.sampled is not None and each.sampled.missed > MISSED:
+            yield Caution(
+                "monte-carlo",
+                f"the polynomials of {name} are off by {each.sampled.missed:.2g} sigma at {each.sampled.runs} random designs (limit "
+                f"{MISSED:g}). Believe what these say, or give more runs with gradients.",
+            )
 
 
 def _elsewhere(study: UncertainStudy, ends: Sequence[Evaluation]) -> Iterator[Caution]:

@@ -20,6 +20,8 @@ from toolkit.studies.uncertainty.marginal import Marginal
 
 HIGHEST = 8
 """Degree beyond which none is tried."""
+EXACT = 1e-9
+"""Error at designs left out, in parts of sigma, below which the lowest degree is taken: round-off decides between none."""
 SPARE = 1.5
 """So many times as many equations as coefficients are wanted."""
 
@@ -66,7 +68,7 @@ class Expansion:
 
 
 def fitted(
-    germs: tuple[Marginal, ...], at: np.ndarray, values: np.ndarray, slopes: np.ndarray, degree: int | None
+    germs: tuple[Marginal, ...], at: np.ndarray, values: np.ndarray, slopes: np.ndarray, undecided: np.ndarray, degree: int | None
 ) -> list[Expansion]:
     """The best polynomial of every response.
 
@@ -78,6 +80,8 @@ def fitted(
         Germs of the designs, (designs, n).
     values, slopes
         Of the responses, (designs, responses), and their derivatives by the germs, (designs, responses, n).
+    undecided
+        By how much round-off may change each response: one that changes by no more has no spread.
     degree
         Of the polynomials; None takes the one whose error at designs left out is least, for every response.
 
@@ -95,7 +99,16 @@ def fitted(
             f"at least {least} are needed. Give more runs{', or a lower degree' if degree else ''}."
         )
     tried = [_fit(basis_of(germs, each), at, values, slopes) for each in possible]
-    return [min(column, key=lambda each: each.left_out) for column in zip(*tried, strict=True)]
+    idle = (np.ptp(values, axis=0) <= 2 * undecided) & (np.max(np.abs(slopes), axis=(0, 2)) <= undecided)
+    chosen = [min(column, key=lambda each: max(each.left_out, EXACT)) for column in zip(*tried, strict=True)]
+    return [_constant(each, float(value)) if still else each for each, still, value in zip(chosen, idle, values[0], strict=True)]
+
+
+def _constant(found: Expansion, value: float) -> Expansion:
+    """The same without a spread that is none."""
+    coefficients = np.zeros_like(found.coefficients)
+    coefficients[0] = value
+    return Expansion(found.basis, coefficients, 0.0)
 
 
 def _fit(basis: Basis, at: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> list[Expansion]:
@@ -112,12 +125,6 @@ def _fit(basis: Basis, at: np.ndarray, values: np.ndarray, slopes: np.ndarray) -
     )
     found = []
     for column, error in zip(coefficients.T, errors.T, strict=True):
-        plain = Expansion(basis, column, 0.0)
-        size = float(np.sqrt(np.mean(error**2)))
-        nothing = plain.sigma <= ROUND_OFF * max(abs(plain.mean), float(np.finfo(float).tiny))
-        found.append(Expansion(basis, column, 0.0 if nothing else size / plain.sigma))
+        sigma = Expansion(basis, column, 0.0).sigma
+        found.append(Expansion(basis, column, float(np.sqrt(np.mean(error**2))) / sigma if sigma else 0.0))
     return found
-
-
-ROUND_OFF = 1e-12
-"""Part of a response that counts as no spread."""

@@ -62,7 +62,7 @@ def found_uncertainty(
     key = fingerprint(problem) if start is None else hashed(fingerprint(problem), study.designs[0].tolist())
     store = Store(None if folder is None else folder / STORE, key)
     asked = [Asked(WITH, each) for each in study.designs]
-    asked += [Asked(WITHOUT, each, False) for each in study.random_designs()]
+    asked += [Asked(WITHOUT, each, False) for each in study.random_designs]
     found = solve_designs(DesignWork(problem, start), asked, store, place, progress)
     exact, random = found[: len(study.designs)], found[len(study.designs) :]
     refuse_all_failed(exact)
@@ -85,7 +85,10 @@ def _expansions(study: UncertainStudy, exact: Sequence[Evaluation]) -> dict[str,
     values = np.array([[exact[k].values[place] for place in places.values()] for k in good])
     by_numbers = np.array([[exact[k].gradients[place] for place in places.values()] for k in good])
     slopes = np.einsum("krx,kxg->krg", by_numbers, study.joint.slopes(germs))
-    return dict(zip(places, fitted(study.joint.germs, germs, values, slopes, study.options.degree), strict=True))
+    names = [study.problem.responses[j] for _, j in places.values()]
+    undecided = np.array([study.problem.undecided(name, column) for name, column in zip(names, values.T, strict=True)])
+    found = fitted(study.joint.germs, germs, values, slopes, undecided, study.options.degree)
+    return dict(zip(places, found, strict=True))
 
 
 def _spreads(
@@ -93,11 +96,12 @@ def _spreads(
 ) -> dict[str, Spread]:
     problem, options, joint = study.problem, study.options, study.joint
     germs = joint.germs_of(sobol(SAMPLES, len(joint.marginals), options.seed))
-    good, found = [each for each in random if not each.failed], {}
+    good, found = [k for k, each in enumerate(random) if not each.failed], {}
     for label, place in _places(study).items():
         each, name = expansions[label], problem.responses[place[1]]
         values, limit = each.basis.values(germs) @ each.coefficients, problem.study.constraints.get(name)
         alone, together = each.shares()
+        at_random = each.basis.values(study.random_germs[good]) @ each.coefficients
         tied = bool(np.any(joint.together))
         found[label] = Spread(
             problem.unit_of(name),
@@ -110,7 +114,9 @@ def _spreads(
             None if tied else dict(zip(problem.variables, map(float, together), strict=True)),
             each.degree,
             each.left_out,
-            sampled(np.array([e.values[place] for e in good]), options.quantiles, limit) if len(good) > 1 else None,
+            sampled(np.array([random[k].values[place] for k in good]), at_random, options.quantiles, limit)
+            if len(good) > 1
+            else None,
         )
     return found
 

@@ -114,10 +114,10 @@ def marginal_of(name: str, described: Uncertain, own: float) -> Marginal:
         A lognormal number is not positive, or next to nothing of it lies between the bounds.
     """
     low, high = described.between or (-np.inf, np.inf)
-    if described.type == "uniform":
+    if described.distribution == "uniform":
         return Marginal((low + high) / 2, (high - low) / (2 * HALF), False, True, -HALF, HALF)
     mean, sigma = own if described.mean is None else described.mean, described.sigma or 0.0
-    if described.type == "lognormal":
+    if described.distribution == "lognormal":
         if mean <= 0 or high <= 0:
             raise InputError(f"uncertain.{name}: a lognormal number is positive, but its mean is {mean:g}. Write a normal one.")
         width = float(np.sqrt(np.log1p((sigma / mean) ** 2)))
@@ -128,8 +128,8 @@ def marginal_of(name: str, described: Uncertain, own: float) -> Marginal:
         ends = ((low - mean) / sigma, (high - mean) / sigma)
     if not ndtr(ends[1]) - ndtr(ends[0]) > LEAST:
         raise InputError(
-            f"uncertain.{name}: less than {LEAST:g} of a {described.type} number with mean {mean:g} and sigma {sigma:g} lies between "
-            f"{low:g} and {high:g}. Move the bounds to where the number is."
+            f"uncertain.{name}: less than {LEAST:g} of a {described.distribution} number with mean {mean:g} and sigma {sigma:g} lies "
+            f"between {low:g} and {high:g}. Move the bounds to where the number is."
         )
     return Marginal(whole.middle, whole.width, whole.logarithmic, False, *map(float, ends))
 

@@ -25,6 +25,8 @@ class Sampled:
         Share -> value.
     beyond
         Limit in words -> share of the designs beyond it, with its standard error.
+    missed
+        Root of the mean square error of the polynomials at these designs, in parts of sigma: no random number is in it but the designs.
     """
 
     runs: int
@@ -32,6 +34,7 @@ class Sampled:
     sigma: tuple[float, float]
     quantiles: Mapping[float, float]
     beyond: Mapping[str, tuple[float, float]]
+    missed: float
 
     def record(self) -> dict[str, Any]:
         """Keys of a JSON object."""
@@ -41,6 +44,7 @@ class Sampled:
             "sigma": {"value": self.sigma[0], "standard_error": self.sigma[1]},
             "quantiles": {f"{share:g}": value for share, value in self.quantiles.items()},
             "beyond": {limit: {"value": p, "standard_error": error} for limit, (p, error) in self.beyond.items()},
+            "polynomials_error": self.missed,
         }
 
 
@@ -117,11 +121,18 @@ def quantiles_of(values: np.ndarray, shares: tuple[float, ...]) -> dict[float, f
     return dict(zip(shares, map(float, np.quantile(values, shares)), strict=True))
 
 
-def sampled(values: np.ndarray, shares: tuple[float, ...], limit: Limit | None) -> Sampled:
-    """What random designs say about a response."""
+NORMAL = 3.0
+"""Kurtosis of a normal distribution: few designs show less than there is."""
+
+
+def sampled(values: np.ndarray, polynomials: np.ndarray, shares: tuple[float, ...], limit: Limit | None) -> Sampled:
+    """What random designs say about a response, and about the values of its polynomials there."""
     count, mean, sigma = len(values), float(np.mean(values)), float(np.std(values, ddof=1))
     fourth = float(np.mean((values - mean) ** 4)) / sigma**4 if sigma else 1.0
-    sigma_error = sigma / 2 * float(np.sqrt(max(fourth - 1, 0.0) / count))
+    sigma_error = sigma / 2 * float(np.sqrt((max(fourth, NORMAL) - 1) / count))
     share = beyond(values, limit)
     errors = {words: (p, float(np.sqrt(max(p * (1 - p), 1 / count) / count))) for words, p in share.items()}
-    return Sampled(count, (mean, sigma / float(np.sqrt(count))), (sigma, sigma_error), quantiles_of(values, shares), errors)
+    missed = float(np.sqrt(np.mean((values - polynomials) ** 2))) / sigma if sigma else 0.0
+    return Sampled(
+        count, (mean, sigma / float(np.sqrt(count))), (sigma, sigma_error), quantiles_of(values, shares), errors, missed
+    )

@@ -48,10 +48,16 @@ class UncertainStudy:
         """Their numbers, (runs, n)."""
         return np.vstack([self.joint.mean, self.joint.numbers(self.germs[1:])])
 
-    def random_designs(self) -> np.ndarray:
-        """Numbers of the random designs, (monte_carlo, n): more of them leave the first ones as they are."""
+    @cached_property
+    def random_germs(self) -> np.ndarray:
+        """Of the random designs, (monte_carlo, n): more of them leave the first ones as they are."""
         shares = np.random.default_rng([self.options.seed, 1]).random((self.options.monte_carlo, len(self.joint.marginals)))
-        return self.joint.numbers(self.joint.germs_of(shares))
+        return self.joint.germs_of(shares)
+
+    @cached_property
+    def random_designs(self) -> np.ndarray:
+        """Their numbers, (monte_carlo, n)."""
+        return self.joint.numbers(self.random_germs)
 
 
 def uncertain_study(study: Study, scene: Scene | None = None) -> UncertainStudy:
@@ -67,7 +73,7 @@ def uncertain_study(study: Study, scene: Scene | None = None) -> UncertainStudy:
     if not study.uncertain:
         raise InputError(
             "uncertain is empty: write [uncertain] with numbers of the scene and their distributions, for example "
-            't_w = { type = "normal", sigma = 0.05 }.'
+            't_w = { distribution = "normal", sigma = 0.05 }.'
         )
     anywhere = {
         name: StudyVariable(between=(0.0, 1.0), of=each.of, factors=each.factors) for name, each in study.uncertain.items()

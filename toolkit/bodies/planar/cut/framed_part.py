@@ -25,8 +25,8 @@ class PlanarFramedPart(FramedPart, Flexible):
         """As `planar_part`."""
         return planar_part(elements, first, last, stress_elements)
 
-    def elastic_names(self) -> Iterator[str]:
+    def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The first node turns, and the last moves along the chord."""
-        yield f"rotation of node {self.first}"
-        yield from (f"{axis} of node {k}" for k in range(self.first + 1, self.last) for axis in ("x", "y", "rotation"))
-        yield from (f"{axis} of node {self.last}" for axis in ("displacement along the chord", "rotation"))
+        yield f"rotation of node {nodes[0]}"
+        yield from (f"{axis} of node {k}" for k in nodes[1:-1] for axis in ("x", "y", "rotation"))
+        yield from (f"{axis} of node {nodes[-1]}" for axis in ("displacement along the chord", "rotation"))

@@ -25,10 +25,10 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
         """As `spatial_part`."""
         return spatial_part(elements, first, last, stress_elements)
 
-    def elastic_names(self) -> Iterator[str]:
+    def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The ends turn across the chord and twist against each other, and the last one moves along it."""
         across = [f"rotation {which} across the chord" for which in ("one", "two")]
         every = ["x", "y", "z", *(f"rotation about {axis}" for axis in "xyz")]
-        yield from (f"{name} of node {self.first}" for name in across)
-        yield from (f"{name} of node {k}" for k in range(self.first + 1, self.last) for name in every)
-        yield from (f"{name} of node {self.last}" for name in ("displacement along the chord", *across, "twist"))
+        yield from (f"{name} of node {nodes[0]}" for name in across)
+        yield from (f"{name} of node {k}" for k in nodes[1:-1] for name in every)
+        yield from (f"{name} of node {nodes[-1]}" for name in ("displacement along the chord", *across, "twist"))

@@ -1,7 +1,7 @@
 """Sequential quadratic programming in a box about the last design: one design a step, and every design teaches curvature.
 
-A design that cannot be solved makes the box smaller, and nothing that was learnt is lost; one that is no better does so too, but its
-slopes count for the curvature all the same.
+A design that cannot be solved is cut off by a plane half-way to it, along which the search can slide, and nothing that was learnt is lost;
+one that is no better makes the box smaller, but its slopes count for the curvature all the same.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions, Visited
-from toolkit.studies.optimization.methods.quadratic_step import Linearised, Step, quadratic_step
+from toolkit.studies.optimization.methods.quadratic_step import Linearised, quadratic_step
 from toolkit.studies.optimization.program import Values
 
 FIRST, LARGEST, SMALLEST = 0.25, 1.0, 1e-9
@@ -22,8 +22,11 @@ BAD, POOR, GOOD = 1e-3, 0.25, 0.7
 """Parts of the expected gain: below the first a step is not taken, below the second the box shrinks, above the third it may grow."""
 DAMPED = 0.2
 """Least curvature along a step, in parts of what was known (Powell, 1978): the matrix stays positive definite."""
-FIRST_PRICE = 10.0
-"""Price of violated constraints at first, in parts of the first slope; always above twice the largest multiplier."""
+FIRST_PRICE, ABOVE = 1.0, 2.0
+"""Price of violated constraints at first, in units of the scaled objective; and by how much it is above the largest multiplier, to which it
+comes down by half of the way a step (Powell, 1978)."""
+CUT = 0.5
+"""How far a step may go on the way to any failed design."""
 SPREAD = 1e3
 """Largest first curvature, and the smallest one over 1, in units of the scaled objective."""
 
@@ -31,27 +34,32 @@ SPREAD = 1e3
 def sqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
     """Sequential quadratic programming with a trust region (Fletcher, 1987, chapter 14); arguments as of `slsqp`."""
     z = np.clip(z, low, high)
-    values, known, size, price = functions(z), _Curvature(np.eye(len(z))), FIRST, FIRST_PRICE
+    values, known, size, price, failed = functions(z), _Curvature(np.eye(len(z))), FIRST, FIRST_PRICE, list[np.ndarray]()
     while size > SMALLEST:
-        at = Linearised(values.df, values.c, values.dc)
+        ways = np.array([each - z for each in failed]).reshape(-1, len(z))
+        lengths = np.sqrt(np.sum(ways**2, axis=1))
+        at = Linearised(values.df, np.append(values.c, CUT * lengths), np.vstack([values.dc, -ways / lengths[:, None]]))
         step = quadratic_step(known.matrix, at, np.maximum(low - z, -size), np.minimum(high - z, size), price)
         if step is None:
             return
-        length, expected = (
-            float(np.max(np.abs(step.p))),
-            _merit(values, price) - _foreseen(known.matrix, at, values.f, step, price),
-        )
-        if length < SMALLEST or expected <= 0.0:
+        multipliers = step.multipliers[: len(values.c)]
+        enough = ABOVE * float(np.max(multipliers, initial=0.0))
+        price = max(enough, (price + enough) / 2)
+        length, expected = float(np.max(np.abs(step.p))), _merit(values, price) - _foreseen(known.matrix, values, step.p, price)
+        if length < SMALLEST:
             return
+        if expected <= 0.0:  # round-off of curvatures that beside a cliff are without measure: they are learnt anew
+            known, size = _Curvature(np.eye(len(z))), CUT * length
+            continue
         there = np.clip(z + step.p, low, high)
         try:
             found = functions(there)
         except DesignFailedError:
-            size = SHRUNK * length
+            failed.append(there)
+            size = CUT * length
             continue
-        known.learn(step.p, (found.df - step.multipliers @ found.dc) - (values.df - step.multipliers @ values.dc))
+        known.learn(step.p, (found.df - multipliers @ found.dc) - (values.df - multipliers @ values.dc))
         part = (_merit(values, price) - _merit(found, price)) / expected
-        price = max(price, 2 * float(np.max(step.multipliers, initial=0.0)))
         if part > BAD:
             z, values = there, found
             visited(np.array(z))
@@ -66,10 +74,10 @@ def _merit(values: Values, price: float) -> float:
     return values.f + price * float(np.sum(np.maximum(0.0, -values.c)))
 
 
-def _foreseen(curvature: np.ndarray, at: Linearised, f: float, step: Step, price: float) -> float:
+def _foreseen(curvature: np.ndarray, values: Values, p: np.ndarray, price: float) -> float:
     """The merit after a step, by the quadratic and linear models."""
-    p = step.p
-    return float(f + at.g @ p + p @ curvature @ p / 2 + price * np.sum(np.maximum(0.0, -(at.c + at.j @ p))))
+    violated = np.sum(np.maximum(0.0, -(values.c + values.dc @ p)))
+    return float(values.f + values.df @ p + p @ curvature @ p / 2 + price * violated)
 
 
 @dataclass

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import InputError
-from toolkit.scene.cut_scene import can_be_cut, most_frames
+from toolkit.scene.cut_scene import cuttable, most_frames
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.frames.chosen_frames import with_frames
 from toolkit.studies.tradeoff.settings.setting import EVERY_ELEMENT, Choice
@@ -47,15 +46,6 @@ def framed(scene: Scene, frames: int | str | None) -> Scene:
     if frames is None:
         return scene
     return with_frames(scene, {name: most_frames(scene, name) if isinstance(frames, str) else frames for name in cuttable(scene)})
-
-
-def cuttable(scene: Scene) -> list[str]:
-    """Names of the bodies that can have several frames."""
-    return [
-        name
-        for name, body in scene.bodies.items()
-        if isinstance(body, Flexible) and not any(body.deflected.values()) and can_be_cut(scene.model(body.model, "elements"))
-    ]
 
 
 def _meant(word: str) -> int | str:

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from toolkit.render.pictures import render_solution
 from toolkit.report import page
-from toolkit.report.animation import animate
 from toolkit.report.material import Material, Progress
+from toolkit.report.motion.animation import animate
+from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.page import Section
-from toolkit.report.viewer import viewer_data
 from toolkit.scene.space import PLANE, SPACE
 
 _PIXELS = 1200

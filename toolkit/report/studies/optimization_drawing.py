@@ -11,6 +11,8 @@ from toolkit.studies.optimization.prices import objective_of
 from toolkit.studies.optimization.search import Found
 from toolkit.studies.study.evaluation import Evaluation
 
+WIDE = 30.0
+"""Largest objective over the least from where on the axis is logarithmic."""
 LEAST = 1e-12
 """Violations below are drawn here."""
 
@@ -22,6 +24,8 @@ def history(found: Optimum) -> Drawing:
     with sheet(2.7 * (1 + constrained) + 0.4, 1 + constrained, sharex=True) as (figure, axes):
         for k, search in enumerate(found.searches):
             _search(axes[:, 0], found, search, COLORS[k % len(COLORS)], f"start {search.lane // 2 + 1}")
+        if _ranges_widely(found):
+            axes[0, 0].set_yscale("log")
         axes[0, 0].set_ylabel(f"{name}, {unit}" if unit else name)
         axes[-1, 0].set_xlabel("designs of the search")
         if constrained:
@@ -42,6 +46,12 @@ def _search(panels: np.ndarray, found: Optimum, search: Found, color: str, label
     panels[0].plot(lost, [0.02] * len(lost), "x", color=color, transform=panels[0].get_xaxis_transform())
     if len(panels) > 1:
         panels[1].plot(good, [_violation(search, mine[k]) for k in good], color=color, marker=".")
+
+
+def _ranges_widely(found: Optimum) -> bool:
+    """Whether objectives of all designs are positive, and differ by so much that a linear axis shows nothing of the end."""
+    values = [float(found.search.program.objective(each.values)[0]) for each in found.solved if not each.failed]
+    return min(values) > 0 and max(values) > WIDE * min(values)
 
 
 def _designs(found: Optimum, search: Found) -> list[Evaluation]:

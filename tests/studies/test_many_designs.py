@@ -1,0 +1,133 @@
+"""Many designs at several places: the same bits everywhere, and nothing lost or repeated by what is killed."""
+
+from __future__ import annotations
+
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import toolkit as ffrf
+from tests.models.studies import SWEEP, sweep_file
+from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.hdf5 import reading
+from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.places.study_error import StudyError
+from toolkit.studies.sweep.swept import Swept
+
+ROOT = Path(__file__).parents[2]
+SOBOL = SWEEP.replace("levels = 9", 'points = "sobol"\ncount = 24').replace("-90.0", "-45.0")
+COMMAND = [sys.executable, "-m", "toolkit.command_line.cli", "sweep"]
+
+
+def same(one: Swept, other: Swept) -> None:
+    """All designs of two sweeps to the bit."""
+    assert [each.reason for each in one.solved] == [each.reason for each in other.solved]
+    for a, b in zip(one.solved, other.solved, strict=True):
+        assert (a.design.tobytes(), a.values.tobytes(), a.gradients.tobytes()) == (
+            b.design.tobytes(), b.values.tobytes(), b.gradients.tobytes(),
+        )  # fmt: skip
+
+
+def test_threads_and_processes_give_the_bits_of_one_design_after_the_other(tmp_path):
+    path = sweep_file(tmp_path, SOBOL)
+    here = ffrf.sweep(path)
+    assert 0 < here.failed < 24
+    same(ffrf.sweep(path, threads=2), here)
+    same(ffrf.sweep(path, processes=2), here)
+
+
+def test_places_that_cannot_be_meant_are_refused(tmp_path):
+    for given in ({"processes": 2, "threads": 2}, {"threads": 2, "dask": "tcp://127.0.0.1:1"}):
+        with pytest.raises(InputError, match="Leave out all but one of processes, threads and dask"):
+            Place(**given)
+    with pytest.raises(InputError, match="at least 1"):
+        Place(processes=0)
+    with pytest.raises(InputError, match="give the address of a scheduler as a text"):
+        Place(dask=8786)
+
+
+def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
+    monkeypatch.setattr("toolkit.studies.places.dask_cluster.PATIENCE", 1)
+    with pytest.raises(InputError, match=r"no Dask scheduler answers at 'tcp://127.0.0.1:9'.*dask scheduler"):
+        list(done_at(Place(dask="tcp://127.0.0.1:9"), str, {1: 2}))
+
+
+def end_this_process(task: int) -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_a_killed_process_is_an_error_that_says_what_to_do():
+    with pytest.raises(StudyError, match=r"a process of the study was killed.*Ask for fewer processes"):
+        list(done_at(Place(processes=2), end_this_process, {1: 1, 2: 2}))
+
+
+def kept(folder: Path) -> np.ndarray:
+    """Designs of a store; it can be read at any time."""
+    with reading(folder / "sweep.h5", lambda reason: InputError(reason)) as content:
+        return content.array("design")
+
+
+@pytest.mark.robustness
+def test_a_thousand_designs_killed_five_times_at_random_are_finished_with_none_lost_and_none_repeated(tmp_path):
+    """What is in the store when the process dies stays; each design is in it once, and the numbers are those of a run in peace."""
+    text = SOBOL.replace("count = 24", "count = 1000")
+    path, folder, chance = sweep_file(tmp_path, text), tmp_path / "out", random.Random(20)
+    known = 0
+    for _ in range(5):
+        process = subprocess.Popen(
+            [*COMMAND, str(path), "-o", str(folder), "--quiet", "--no-pictures"], cwd=ROOT, stdout=subprocess.DEVNULL
+        )
+        deadline = time.monotonic() + 120
+        while not ((folder / "sweep.h5").exists() and len(kept(folder)) > known) and time.monotonic() < deadline:
+            time.sleep(0.02)
+        time.sleep(chance.uniform(0.0, 1.0))
+        process.kill()
+        assert process.wait() == -signal.SIGKILL
+        before, known = known, len(kept(folder))
+        assert before < known < 1000
+    done: list[int] = []
+    found = ffrf.sweep(path, output=folder, progress=lambda k, total: done.append(k))
+    assert done[0] == known  # none lost
+    assert len(done) == 1 + 1000 - known
+    stored = kept(folder)
+    assert len(stored) == len(np.unique(stored, axis=0)) == 1000  # none repeated
+    same(found, ffrf.sweep(path, processes=2))
+
+
+@pytest.mark.robustness
+def test_a_dask_cluster_of_which_a_worker_is_killed_gives_the_same_bits(tmp_path):
+    path = sweep_file(tmp_path, SOBOL.replace("count = 24", "count = 200"))
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1"}
+
+    def started(module: str, *arguments: str) -> subprocess.Popen[bytes]:
+        command = [sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"]
+        return subprocess.Popen(command, env=environment, cwd=ROOT, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    scheduler = started("dask_scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+    workers = [started("dask_worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
+    done: list[int] = []
+
+    def killing(k: int, total: int) -> None:
+        done.append(k)
+        if k == 40:
+            workers[0].kill()
+
+    try:
+        found = ffrf.sweep(path, dask=address, output=tmp_path / "out", progress=killing)
+    finally:
+        for each in (scheduler, *workers):
+            each.kill()
+            each.wait()
+    assert done == list(range(201))
+    same(found, ffrf.sweep(path))
