@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import runpy
 from dataclasses import asdict
 from itertools import pairwise
@@ -22,7 +23,7 @@ from toolkit.analyses.run_start import start_at_rest
 from toolkit.analyses.transient import simulate
 from toolkit.curves.kinds.cycloid import Cycloid
 from toolkit.door.model import compile_model
-from toolkit.foundation.errors import ConvergenceError, LimitPointError, SingularSystemError
+from toolkit.foundation.errors import LimitPointError, SingularSystemError
 from toolkit.reduced_model.file import load
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
@@ -386,8 +387,11 @@ def test_flexible_crank_lags_behind_as_a_cantilever_in_its_turning_frame():
 
 
 def test_flexible_crank_at_the_published_speed_is_faster_than_linear_theory_holds():
-    with pytest.raises(ConvergenceError, match=r"faster than 3\.79\d* rad/s, the critical speed of crank"):
-        run("flexible_crank", {"joints.motor.curve.factors.0.value": "6"})
+    """It bends out without bound, which Newton follows for a while: what comes out is not to be trusted, and says why."""
+    found = run("flexible_crank", {"joints.motor.curve.factors.0.value": "6", "solver.end_time": "15"})
+    assert abs(found.values["largest"]) > 1e6  # metres
+    assert not found.verdict.trusted
+    assert re.search(r"faster than its critical speed of 3\.79\d* rad/s", found.verdict.reasons[0])
 
 
 def test_flexible_crank_is_what_its_file_gives():
