@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from preprocessing.assembly.assembly import Part, assemble
-from preprocessing.assembly.energies import antisymmetric, symmetric
 from preprocessing.assembly.invariants import Term, polynomial_of
 from preprocessing.basis.reduction import undeformed
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
@@ -61,10 +60,22 @@ def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int
 def _rates(space: DesignSpace, parameter: str, nominal: Arrays) -> Arrays:
     """Derivatives by a parameter of the geometry, without round-off."""
     stepped = space.stepped(parameter)
-    found = {"nodes": derivative_of(stepped.nodes + 0j)}
-    found |= {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped.element), space.values).items()}
+    found = {"nodes": derivative_of(stepped.nodes + 0j), **_element_rates(stepped.element, space.values, nominal)}
     scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal, nominal["mass"])}
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
+
+
+def _element_rates(stepped: LineElement, values: Mapping[str, Any], nominal: Arrays) -> Arrays:
+    """Those of the elements alone whose nodes move; of all where none does, but their sections."""
+    moved = np.flatnonzero(np.any(np.imag(stepped.ends) != 0, axis=(1, 2)))
+    if not len(moved):
+        return {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped), values).items()}
+    rows = np.flatnonzero(np.isin(stepped.stress_points.element, moved))
+    found = {}
+    for name, each in _sum(_by_monomial(stepped.only(moved)), values).items():
+        found[name] = np.zeros(nominal[name].shape)
+        found[name][rows if name == "stress_operator" else moved] = derivative_of(each + 0j)
+    return found
 
 
 def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
@@ -107,7 +118,7 @@ def _summands(part: Part, apart: LineElement, z: np.ndarray) -> Iterator[tuple[s
         return
     blocks = _blocks(part.matrix, apart, z.shape[1])
     if isinstance(part.name, str):
-        yield part.name, _each(symmetric, blocks[:, :local, :local])
+        yield part.name, _symmetric(blocks[:, :local, :local])
     else:
         yield from _of_mass(part.name, blocks, apart, z)
 
@@ -130,9 +141,10 @@ def _of_mass(pair: tuple[int, int], blocks: np.ndarray, apart: LineElement, z: n
 
 def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
     if form.part == "antisymmetric":
-        return _each(antisymmetric, _moment(z, blocks - np.swapaxes(blocks, 1, 2)))
+        moment = _moment(z, blocks - np.swapaxes(blocks, 1, 2))
+        return (moment - np.swapaxes(moment, 1, 2)) / 2
     moment = _moment(z, blocks)
-    return _each(symmetric, moment) if form.part == "symmetric" else moment
+    return _symmetric(moment) if form.part == "symmetric" else moment
 
 
 def _placed(form: Form, moment: np.ndarray, places: int) -> np.ndarray:
@@ -148,8 +160,8 @@ def _moment(z: np.ndarray, blocks: np.ndarray) -> np.ndarray:
     return np.swapaxes(z, 1, 2) @ (blocks @ z)
 
 
-def _each(part: Any, blocks: np.ndarray) -> np.ndarray:
-    return np.stack([part(block) for block in blocks])
+def _symmetric(blocks: np.ndarray) -> np.ndarray:
+    return (blocks + np.swapaxes(blocks, 1, 2)) / 2
 
 
 def _blocks(matrix: Any, apart: LineElement, size: int) -> np.ndarray:

@@ -29,6 +29,11 @@ from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.preparation import prepare
 from toolkit.sensitivity.result import Result
+from toolkit.studies.optimization.program import Program
+from toolkit.studies.study.evaluator import Evaluator
+from toolkit.studies.study.problem import problem_of
+from toolkit.studies.study.store import Store
+from toolkit.studies.study.study_reader import read_study
 from toolkit.system.system import compile_scene
 from toolkit.validity.description.frame_choice import frame_choices
 
@@ -87,6 +92,23 @@ def test_wing_meets_the_values_stated_with_the_scene():
     stated = {"max_stress_true": (56.78, 0.01), "shape_rmse": (0.330, 5e-4), "shape_max_error": (0.564, 5e-4)}
     for name, (value, half_a_digit) in {**stated, "drive_angle": (0.503, 5e-4)}.items():
         assert found.values[name] == pytest.approx(value, abs=half_a_digit), name
+
+
+def test_the_optimum_of_the_wing_is_one_and_its_file_says_what_the_scene_gives():
+    """Free variables have slopes below a thousandth of the objective over their ranges; those of the others lead out of their bounds."""
+    folder = MODELS / "morphing_wing_optimum"
+    problem = problem_of(read_study(folder / "study.toml"))
+    record = json.loads((folder / "optimum.json").read_text())
+    design = np.array(list(record["optimum"]["variables"].values()))
+    found = Evaluator(problem, Store())(0, design, False)
+    program = Program(problem)
+    values, z = program.values(found), program.scaled(design)
+    assert record["objective"]["value"] == pytest.approx(values.f, rel=1e-6)  # Newton's tolerance, and digits of the processor
+    assert np.all(values.c > 0)
+    inside = (z > 1e-9) & (z < program.top - 1e-9)
+    assert np.max(np.abs(values.df[inside])) < 1e-3 * values.f
+    assert np.all(values.df[z <= 1e-9] > 0)
+    assert np.all(values.df[z >= program.top - 1e-9] < 0)
 
 
 def test_wing_that_snaps_through_has_the_stated_limit_and_ends_beyond_it():
