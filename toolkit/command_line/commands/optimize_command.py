@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def optimize(
     study: StudyFile,
-    method: Annotated[str | None, typer.Option(help="sqp, slsqp, trust-constr, mma or ccsa, instead of the study's.")] = None,
+    method: Annotated[str | None, typer.Option(help="slsqp, trust-constr, mma or ccsa, instead of the study's.")] = None,
     starts: Annotated[int | None, typer.Option(min=1, help="How many searches, instead of the study's.")] = None,
     evaluations: Annotated[int | None, typer.Option(min=1, help="Most designs of one search, instead of the study's.")] = None,
     output: Annotated[

@@ -1,4 +1,4 @@
-"""One search: a method of SciPy within a box that leaves out what failed, until the conditions of an optimum are met."""
+"""One search: a method of a library within a box that leaves out what failed, until the conditions of an optimum are met."""
 
 from __future__ import annotations
 
@@ -157,7 +157,7 @@ class Search:
         return self.done[key]
 
     def _functions(self, z: np.ndarray) -> Values:
-        """F and c at z; a design that cannot be solved is told to the method, which knows what to do or ends."""
+        """F and c at z; a design that cannot be solved ends the method."""
         found = self._evaluated(self.program.design(z))
         if found.failed and self.options.failures == "stop":
             raise _Spent("a design could not be solved, and the study says to stop there")

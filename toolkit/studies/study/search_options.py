@@ -19,11 +19,10 @@ class Search(Description):
     Attributes
     ----------
     method
-        "sqp", sequential quadratic programming in a box that shrinks where a design fails or is no better: one design a step, each of
-        which teaches curvature. "slsqp" is SciPy's, which searches along a line, and begins anew where a design fails; "trust-constr" is
-        SciPy's interior-point method with a trust region, which takes more designs and smaller steps. "mma", the method of moving
-        asymptotes, and "ccsa", its sibling with quadratic approximations, are NLopt's (extra `nlopt`): for hundreds of variables, where
-        the others' matrices cost more than designs.
+        "slsqp", sequential quadratic programming, the cheapest for some tens of variables; or "trust-constr", an interior-point method with
+        a trust region, which takes more designs and smaller steps. Both are SciPy's. "mma", the method of moving asymptotes, and "ccsa",
+        its sibling with quadratic approximations, are NLopt's (extra `nlopt`): for hundreds of variables, where the others' matrices cost
+        more than designs.
     starts
         How many searches: the first begins where the scene stands, others at the points of Sobol's sequence within the bounds.
     evaluations
@@ -48,7 +47,7 @@ class Search(Description):
         Whether gradients at the optimum are compared with a complex step and differences.
     """
 
-    method: Literal["sqp", "slsqp", "trust-constr", "mma", "ccsa"] = "sqp"
+    method: Literal["slsqp", "trust-constr", "mma", "ccsa"] = "slsqp"
     starts: Count = 1
     evaluations: Count = 100
     optimality: Part = 1e-3

@@ -1,1 +1,1 @@
-"""Methods that look for a design by values and derivatives: our own, SciPy's, and NLopt's."""
+"""Methods that look for a design by values and derivatives: SciPy's, and NLopt's."""

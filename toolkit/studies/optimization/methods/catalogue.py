@@ -5,6 +5,5 @@ from __future__ import annotations
 from toolkit.studies.optimization.methods.functions import Method
 from toolkit.studies.optimization.methods.nlopt_methods import ccsa, mma
 from toolkit.studies.optimization.methods.scipy_methods import slsqp, trust_constr
-from toolkit.studies.optimization.methods.trust_region import sqp
 
-METHODS: dict[str, Method] = {"sqp": sqp, "slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}
+METHODS: dict[str, Method] = {"slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}

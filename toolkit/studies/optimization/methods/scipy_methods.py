@@ -12,7 +12,10 @@ from toolkit.studies.optimization.methods.functions import Functions, Visited
 INSIDE = 1e-9
 """How far within its bounds the interior-point method begins."""
 FINE = 1e-12
-"""Changes of objective and variables below which a method gives up: others decide earlier whether it has arrived."""
+"""Derivatives and changes of variables below which the interior-point method gives up: others decide earlier whether it has arrived."""
+NOTHING = 1e-20
+"""Change of the objective below which SLSQP gives up: in units of the slopes at a wild first design there is still something to find by
+changes of 1e-12."""
 
 
 def slsqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
@@ -26,7 +29,7 @@ def slsqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray
         bounds=Bounds(low, high),
         constraints=[constraint] if len(functions(z).c) else [],
         callback=lambda z: visited(np.array(z)),
-        options={"ftol": FINE, "maxiter": most},
+        options={"ftol": NOTHING, "maxiter": most},
     )
 
 
