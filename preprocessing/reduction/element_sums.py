@@ -85,6 +85,10 @@ def _by_monomial(element: LineElement) -> dict[Monomial, Arrays]:
     """Monomial of the parameters -> what it multiplies in every array."""
     apart = element.apart()
     count, local = len(element.connectivity), 2 * element.per_node
+    if apart.coordinates.hidden != element.hidden * count:
+        raise TypeError(
+            f"{type(element).__name__} has hidden coordinates: its `apart` has to give one to every element, as SpatialBeam does."
+        )
     xi = undeformed(apart.nodes).reshape(count, local, 1)
     z = np.concatenate([xi, np.broadcast_to(np.eye(local), (count, local, local))], axis=2)
     hidden = np.zeros((count, element.hidden, 1 + local))
