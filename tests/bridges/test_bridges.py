@@ -62,12 +62,14 @@ def test_openmdao_agrees_with_the_partials_and_is_told_of_failures_by_its_own_er
     assert problem.get_val("rise") == pytest.approx(height(30.0) - 0.5)
     checked = problem.check_partials(out_stream=None, form="central", step=STEP, step_calc="rel_element")["truss"]
     assert {key: error["rel error"].forward < 1e-8 for key, error in checked.items()} == {
-        ("rise", LOAD.replace(".", ":")): True,
-        ("rise", STIFFNESS.replace(".", ":")): True,
+        ("rise", LOAD.replace(".", "_")): True,
+        ("rise", STIFFNESS.replace(".", "_")): True,
     }
-    problem.set_val("loads:push:force:y", BEYOND)
+    problem.set_val("loads_push_force_y", BEYOND)
     with pytest.raises(om.AnalysisError, match="limit point"):
         problem.run_model()
+    with pytest.raises(InputError, match="cannot tell these apart"):
+        ffrf.bridges.for_openmdao(model, ["rise", "rise"])
 
 
 @pytest.fixture

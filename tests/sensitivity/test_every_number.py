@@ -164,7 +164,7 @@ def test_the_scenes_set_every_optional_number_of_every_kind(folder):
         if field.default is None
     }
     assert left_out
-    assert left_out <= given
+    assert left_out - {("flexible", "geometric_error")} <= given  # an error that is wanted is no number of the body
 
 
 @pytest.mark.parametrize("path", ["solver.step", "solver.baumgarte.damping", "solver.baumgarte.stiffness", "solver.end_time"])

@@ -246,6 +246,16 @@ def test_an_optimum_comes_before_a_better_design_that_is_none_and_that_is_said(t
     assert [each.code for each in _other_optima(found.problem, better, [better, replace(found.search, arrived=False)])] == []
 
 
+def test_searches_that_end_at_one_objective_with_other_designs_say_that_it_is_flat(tmp_path):
+    """Drop and margin depend on the load over the stiffness alone; where the load is the only variable there is one such design."""
+    two = optimized(study(tmp_path, DROP + "[search]\ncertify = false\nstarts = 3\noptimality = 1e-4\n"))
+    assert "flat-optimum" in two.verdict.codes
+    (said,) = [each.text for each in two.verdict.warnings if each.code == "flat-optimum"]
+    assert "with k from -" in said
+    one = optimized(only_load(tmp_path, "[constraints]\nload_margin = { above = 1.25 }\n[search]\ncertify = false\nstarts = 3\n"))
+    assert "flat-optimum" not in one.verdict.codes
+
+
 def test_a_study_may_stop_at_the_first_failed_design(tmp_path):
     found = optimized(only_load(tmp_path, '[search]\ncertify = false\nfailures = "stop"\n'))
     assert found.failed == 1

@@ -10,7 +10,7 @@ import numpy as np
 from toolkit.bridges.packages import package
 from toolkit.bridges.vector_function import VectorFunction
 from toolkit.door.model import Model
-from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.errors import InputError, ToolkitError
 
 
 def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "statics") -> Any:
@@ -28,13 +28,13 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
     Returns
     -------
     component
-        An `openmdao.api.ExplicitComponent`. Inputs and outputs are called as the variables and responses are, with colons where these have
-        dots: `points:A:x`. Its attribute `function.last` is the last run, with its verdict.
+        An `openmdao.api.ExplicitComponent`. Inputs and outputs are called as the variables and responses are, with underscores where these
+        have dots: `points_A_x`. Its attribute `function.last` is the last run, with its verdict.
 
     Raises
     ------
     InputError
-        The model has no variables, or a response is unknown.
+        The model has no variables, a response is unknown, or two names are the same to OpenMDAO.
     BridgeError
         OpenMDAO is not installed.
 
@@ -49,8 +49,12 @@ def for_openmdao(model: Model, responses: str | Sequence[str], analysis: str = "
     """
     om = package("openmdao.api", "bridges")
     function = VectorFunction(model, responses, analysis)
-    inputs = [name.replace(".", ":") for name in function.names]
-    outputs = [name.replace(".", ":") for name in function.responses]
+    inputs, outputs = ([name.replace(".", "_") for name in names] for names in (function.names, function.responses))
+    if len({*inputs, *outputs}) < len(inputs) + len(outputs):
+        raise InputError(
+            f"OpenMDAO cannot tell these apart, underscores for dots: {', '.join(sorted([*inputs, *outputs]))}. Name them otherwise in the "
+            "scene's table [design], or name each response once."
+        )
 
     class Responses(om.ExplicitComponent):  # type: ignore[misc, name-defined]  # its base is known only where OpenMDAO is installed
         """Responses of a scene by its design variables."""

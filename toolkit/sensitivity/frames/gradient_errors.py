@@ -8,7 +8,6 @@ With every part cut in half, the error is a quarter of what it was. So of number
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import pairwise
@@ -45,7 +44,6 @@ class FrameErrors:
     frames: Mapping[str, tuple[int, int]]  # body -> those of the run, and those that it is compared with
     values: Mapping[str, float]
     gradients: Slopes
-    seconds: float
     failure: str = ""
 
     def record(self, gradients: Slopes, sizes: Mapping[str, float]) -> dict[str, object]:
@@ -53,7 +51,6 @@ class FrameErrors:
         doubtful = [{"response": f, "variable": x} for f, x in _signs(self, gradients, sizes)]
         return {
             "how": f"the same run with {_others(self.frames)}",
-            "seconds": self.seconds,
             "responses": dict(self.values),
             "gradients": {f: dict(slopes) for f, slopes in self.gradients.items()},
             "signs_in_doubt": doubtful,
@@ -71,18 +68,16 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
     if not more:
         return None
     counts = {body: (_count(solution, body), len(cuts) + 1) for body, cuts in more.items()}
-    begun = time.perf_counter()
     try:
         other_values, other_slopes = reframed(more)
     except ToolkitError as error:
-        return FrameErrors(counts, {}, {}, time.perf_counter() - begun, str(error))
+        return FrameErrors(counts, {}, {}, str(error))
     square = min(now / before for before, now in counts.values()) ** 2
     factor = square / (square - 1)
     return FrameErrors(
         counts,
         {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
         {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
-        time.perf_counter() - begun,
     )
 
 
@@ -108,7 +103,7 @@ def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapp
         said.append(f"{'other ' if signs else ''}gradients are off by up to {off[worst]:.0%} ({' by '.join(worst)})")
     yield Caution(
         "geometric-gradients",
-        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, which took {found.seconds:.2g} s. Gradients of bodies that "
+        f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, the price of this check. Gradients of bodies that "
         f"deform far need more frames than their values: write {_advice(found, max(parts.values()))} in the scene.",
     )
 

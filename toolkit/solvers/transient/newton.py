@@ -103,13 +103,14 @@ def correct(plan, scheme, weights, memory, q, v, acc, outcome):
 def left_over(control, learnt, fresh, kept, iteration, before, size):
     """Estimated error after a correction: its size with the exact Jacobian, the rest of a geometric series with kept factors.
 
-    The first correction by `fresh` factors, those of the last iteration, tells nothing of how they contract.
+    The first correction by `fresh` factors, those of the last iteration, tells nothing of how they contract; one above the tolerance may
+    be round-off that never gets below it.
     """
     if not kept or size == 0:
         return size
     rate = size / before if iteration > 0 else 1.0
     if fresh and not control.modified:
-        rate = 2 * CAREFUL * learnt[BEND] * learnt[AWAY]
+        rate = 2 * CAREFUL * learnt[BEND] * learnt[AWAY] if size <= control.tolerance else 1.0
     return size * rate / (1 - rate) if rate < 1 else np.inf
 
 

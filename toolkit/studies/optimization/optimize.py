@@ -30,6 +30,9 @@ ASIDE = (0.0, 0.9, 0.3, 0.05)
 SAME = 1e-3
 """Relative difference of objectives by which two optima are told apart."""
 
+WIDE = 0.05
+"""Difference of a variable, in parts of its scale, by which two designs are told apart."""
+
 
 def optimized(problem: Problem, folder: Path | None = None, progress: Progress | None = None) -> Optimum:
     """Search for the best design of a problem.
@@ -181,9 +184,32 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     if idle:
         yield Caution("idle", f"nothing that the study asks for depends on {', '.join(idle)}.", doubt=False)
     yield from _other_optima(problem, found, searches)
+    yield from _flat(problem, found, searches)
     failed, count = sum(each.failed for each in searches), sum(each.evaluations for each in searches)
     if failed:
         yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
+
+
+def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:
+    """That searches have ended at the same objective with other designs: the optimum is no point."""
+    ended = [each for each in searches if each.arrived and each.best is not None]
+    values = np.array([float(each.program.objective(each.best.values)[0]) for each in ended if each.best is not None])
+    designs = np.array([each.best.design for each in ended if each.best is not None])
+    if not found.arrived or found.best is None or len(ended) < 2:
+        return
+    mine = float(found.program.objective(found.best.values)[0])
+    same = designs[np.abs(values - mine) <= SAME * abs(mine)]
+    low, high = np.min(same, axis=0, initial=np.inf), np.max(same, axis=0, initial=-np.inf)
+    wide = [
+        f"{problem.variables[k]} from {low[k]:.5g} to {high[k]:.5g}" for k in np.flatnonzero(high - low > WIDE * problem.scales)
+    ]
+    if wide:
+        yield Caution(
+            "flat-optimum",
+            f"{len(same)} of {len(searches)} searches ended at the same objective within {100 * SAME:g} %, with {', '.join(wide)}: it "
+            "decides nothing between these designs; add what does to the objective, or tighten search.optimality.",
+            doubt=False,
+        )
 
 
 def _other_optima(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:

@@ -10,7 +10,7 @@ from scipy.linalg import lapack
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_point import PathPoint
-from toolkit.solvers.static.path.sparse_border import sparse_bordered_solve
+from toolkit.solvers.static.path.sparse_border import sparse_bordered_solve, sparse_solve
 from toolkit.solvers.static.stability.saddle import balanced, factorised, free_count
 from toolkit.solvers.static.stability.softness import softest
 from toolkit.solvers.static.stability.sparse_saddle import MANY
@@ -101,7 +101,8 @@ def bordered_solve(
     full[n] /= row
     wanted = np.append(scale * rhs[:n], rhs[n] / row)
     found = sparse_bordered_solve(full, wanted) if n >= MANY else None
-    found = _dense_solve(full, wanted) if found is None else found
+    if found is None:
+        found = sparse_solve(full, wanted) if n >= MANY else _dense_solve(full, wanted)
     if found is None or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
     return np.append(scale * found[:n], found[n] / column)

@@ -32,3 +32,12 @@ def sparse_bordered_solve(full: np.ndarray, rhs: np.ndarray) -> np.ndarray | Non
         change = solved(left)
     good = np.all(np.isfinite(change)) and np.abs(change).max() <= TRUSTED * np.abs(found).max()
     return found + change if good else None
+
+
+def sparse_solve(matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray | None:
+    """The same with factors of the whole matrix, which takes longer; None where it is singular."""
+    try:
+        found: np.ndarray = splu(csc_array(matrix)).solve(rhs)
+    except RuntimeError:
+        return None
+    return found
