@@ -68,10 +68,6 @@ class LineElement(BlockElement):
     The nodes turn too: their coordinates are x, y and a rotation, in space the displacements along and the rotations about x, y and z.
     """
 
-    @abstractmethod
-    def only(self, elements: np.ndarray) -> Self:
-        """These elements alone, in their order."""
-
     def apart(self) -> Self:
         """The same elements, no two of which share a coordinate: the nodes of the first element, then those of the second, and so on."""
         nodes = self.ends.reshape(-1, self.nodes.shape[1])

@@ -46,10 +46,6 @@ class Patch:
     elements: np.ndarray  # numbers of the elements
     parameters: Mapping[str, str]  # quantity -> name of the parameter that holds it
 
-    def only(self, elements: np.ndarray) -> Patch:
-        """Those of its elements that are among some, by their numbers there."""
-        return Patch(np.flatnonzero(np.isin(elements, self.elements)), self.parameters)
-
     def monomial(self, **powers: int) -> Monomial:
         """Product of powers of this patch's parameters, named by their quantities."""
         return tuple((self.parameters[quantity], power) for quantity, power in powers.items())

@@ -60,22 +60,10 @@ def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int
 def _rates(space: DesignSpace, parameter: str, nominal: Arrays) -> Arrays:
     """Derivatives by a parameter of the geometry, without round-off."""
     stepped = space.stepped(parameter)
-    found = {"nodes": derivative_of(stepped.nodes + 0j), **_element_rates(stepped.element, space.values, nominal)}
+    found = {"nodes": derivative_of(stepped.nodes + 0j)}
+    found |= {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped.element), space.values).items()}
     scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal, nominal["mass"])}
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
-
-
-def _element_rates(stepped: LineElement, values: Mapping[str, Any], nominal: Arrays) -> Arrays:
-    """Those of the elements alone whose nodes move; of all where none does, but their sections."""
-    moved = np.flatnonzero(np.any(np.imag(stepped.ends) != 0, axis=(1, 2)))
-    if not len(moved):
-        return {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped), values).items()}
-    rows = np.flatnonzero(np.isin(stepped.stress_points.element, moved))
-    found = {}
-    for name, each in _sum(_by_monomial(stepped.only(moved)), values).items():
-        found[name] = np.zeros(nominal[name].shape)
-        found[name][rows if name == "stress_operator" else moved] = derivative_of(each + 0j)
-    return found
 
 
 def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
@@ -97,6 +85,10 @@ def _by_monomial(element: LineElement) -> dict[Monomial, Arrays]:
     """Monomial of the parameters -> what it multiplies in every array."""
     apart = element.apart()
     count, local = len(element.connectivity), 2 * element.per_node
+    if apart.coordinates.hidden != element.hidden * count:
+        raise TypeError(
+            f"{type(element).__name__} has hidden coordinates: its `apart` has to give one to every element, as SpatialBeam does."
+        )
     xi = undeformed(apart.nodes).reshape(count, local, 1)
     z = np.concatenate([xi, np.broadcast_to(np.eye(local), (count, local, local))], axis=2)
     hidden = np.zeros((count, element.hidden, 1 + local))

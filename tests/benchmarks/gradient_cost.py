@@ -1,4 +1,4 @@
-"""What gradients cost beside the run itself: `python -m tests.benchmarks.gradient_cost` prints a Markdown table for the README.
+"""What gradients cost beside the run itself: `python -m tests.benchmarks.gradient_cost` prints a Markdown table for docs/accuracy.md.
 
 (primal + gradient) / primal by direct differentiation and by the adjoint, over the number of design variables. The chain of 200 rods has
 600 numbers of its own: both coordinates of every point, and the density of every rod. So has the wing with a skin of 100 elements,

@@ -77,7 +77,7 @@ def test_the_pendulum_moves_as_the_elliptic_functions_say_or_is_refused(pendulum
     first, second = (60 * step**2, 1000 * step**2) if rho_inf < 0.5 else (12 * step**2, 400 * step**2)
     assert angle < first * end + 1e-14  # round-off
     assert slope < first * end + 1e-14
-    # README, limits: round-off of positions comes back as force over step^2, at 1e-7 s; with rho_inf near 1 it dies out slowest
+    # docs/limits.md: round-off of positions comes back as force over step^2, at 1e-7 s; with rho_inf near 1 it dies out slowest
     noise = {"index-1": 10, "index-3": 100, "ggl": 100}[formulation] / max(1 - rho_inf, 0.1) * np.finfo(float).eps
     assert force < second + noise / step**2
 

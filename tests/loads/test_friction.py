@@ -43,7 +43,7 @@ def block(dimension: int, width: float, push: float = 0.0, speed: float = SPEED,
             "work": kinds.Work(load="friction"),
             "energy": kinds.KineticEnergy(),
         },
-        solver={"end_time": 1.6, "step": 2e-4, "tolerance": 1e-12} | options,
+        solver={"end_time": 1.6, "step": 5e-4, "tolerance": 1e-12} | options,
     )
 
 

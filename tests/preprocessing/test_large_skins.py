@@ -114,7 +114,9 @@ def test_thin_arrays_give_the_same_values_at_every_design():
 @pytest.mark.usefixtures("every_array_is_thin")
 def test_stress_and_its_gradients_are_the_same_by_thin_arrays():
     found = ffrf.compile(ffrf.read_scene(WING / "scene.toml"), variables=["t_w", "E"]).simulate(gradients=True)
-    assert found.values["max_stress"] == pytest.approx(56.7836, abs=1e-4)  # as README.md has it, of dense arrays
+    assert found.values["max_stress"] == pytest.approx(
+        56.7836, abs=1e-4
+    )  # as docs/abilities.md and README.md have it, of dense arrays
     assert found.gradients["max_stress"]["t_w"] == pytest.approx(-4.37781, abs=1e-5)
     assert found.gradients["max_stress"]["E"] == pytest.approx(0.000509498, abs=1e-9)
 

@@ -14,24 +14,34 @@ from toolkit.sensitivity.direct import direct
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
+ABILITIES, COMMANDS, PACKAGES = (
+    (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8") for name in ("abilities", "commands", "packages")
+)
+SCREENS = 80
+"""Lines of a screen and a half."""
 
 
-def test_the_python_example_runs(monkeypatch, capsys):
-    (example,) = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
+def test_it_is_read_in_a_minute():
+    assert len(TEXT.splitlines()) <= SCREENS
+
+
+@pytest.mark.parametrize("text", [TEXT, COMMANDS], ids=["README", "commands"])
+def test_the_python_example_runs(text, monkeypatch, capsys):
+    (example,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
     monkeypatch.chdir(ROOT)
     exec(compile(example, "README.md", "exec"), {})
     assert "max_stress" in capsys.readouterr().out
 
 
 def test_every_file_named_exists():
-    names = re.findall(r"(?:models|docs|toolkit|preprocessing|tests|tutorials|schemas)/[\w./]*", TEXT)
+    names = re.findall(r"(?:models|docs|toolkit|preprocessing|tests|tutorials|schemas)/[\w./-]*", TEXT + COMMANDS + PACKAGES)
     assert names
     assert [name for name in names if not (ROOT / name.rstrip(".")).exists()] == []
 
 
 def test_every_command_and_option_named_exists():
     commands = get_command(app).commands
-    lines = [line.split("#")[0].split() for line in re.findall(r"^ffrf .*$", TEXT, re.MULTILINE)]
+    lines = [line.split("#")[0].split() for line in re.findall(r"^ffrf .*$", TEXT + COMMANDS, re.MULTILINE)]
     assert lines
     for _, command, *words in lines:
         found = commands[command]
@@ -51,7 +61,7 @@ def test_the_picture_is_small_enough_to_commit():
 
 def test_the_table_of_dependencies_is_that_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    table = TEXT.split("## Dependencies")[1].split("##")[0]
+    table = PACKAGES
     rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("| ")][1:]
     listed = {(package, row[3]) for row in rows for package in row[0].split(", ")}
     declared = {(re.split(r"[><=]", item)[0], "") for item in project["dependencies"]}
@@ -62,7 +72,7 @@ def test_the_table_of_dependencies_is_that_of_the_project():
 
 def numbers(row: str) -> list[float]:
     """Numbers in a row of a table, after its first cell."""
-    (line,) = [line for line in TEXT.splitlines() if line.startswith(f"| {row} |")]
+    (line,) = [line for line in ABILITIES.splitlines() if line.startswith(f"| {row} |")]
     return [float(cell) for cell in line.split("|")[2:-1] if cell.strip()]
 
 

@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
@@ -81,6 +82,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from cautions_of_scene(scene)
     yield from left_over(solution)
     yield from large_deformations(solution)
+    yield from bent_surfaces(solution)
     yield from critical_loads(solution)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():

@@ -12,7 +12,7 @@ undeformed shape, which is free of stress.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -39,9 +39,6 @@ class PlanarBeam(LineElement):
     modulus_factor: Any = 1.0  # 1, or 1 / (1 - nu^2) in plane strain; may carry a complex step
 
     space, per_node = PLANE, 3
-
-    def only(self, elements: np.ndarray) -> PlanarBeam:
-        return replace(self, connectivity=self.connectivity[elements], patches=[each.only(elements) for each in self.patches])
 
     def contributions(self) -> Iterator[Contribution]:
         for patch in self.patches:

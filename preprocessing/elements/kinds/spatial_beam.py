@@ -9,7 +9,7 @@ The offset is the one hidden coordinate: it has no stiffness and belongs to no d
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -42,11 +42,6 @@ class SpatialBeam(LineElement):
     patches: Sequence[SpatialPatch]
 
     space, per_node, hidden = SPACE, 6, 1
-
-    def only(self, elements: np.ndarray) -> SpatialBeam:
-        patches = [replace(each, patch=each.patch.only(elements)) for each in self.patches]
-        own = {"connectivity": self.connectivity[elements], "orientation": self.orientation[elements]}
-        return replace(self, **own, patches=[each for each in patches if len(each.patch.elements)])
 
     def apart(self) -> SpatialBeam:
         return SpatialBeamsApart(**vars(super().apart()))

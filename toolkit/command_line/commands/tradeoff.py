@@ -94,13 +94,14 @@ def _model_verdict(scene: Scene) -> Verdict:
     """What speaks against the model itself, which no setting mends: of the motion with the scene's own ones."""
     from toolkit.foundation.verdict import Caution, Verdict
     from toolkit.sensitivity.preparation import prepare, solve
+    from toolkit.validity.bodies.bent_surfaces import bent_surfaces
     from toolkit.validity.bodies.physics import excessive_speeds, large_deformations
 
     try:
         solution = solve(prepare(scene), "transient")
     except ToolkitError as error:
         return Verdict((Caution("no-own-run", f"the scene does not run with its own settings: {error}", doubt=False),))
-    return Verdict.of([*large_deformations(solution), *excessive_speeds(solution)])
+    return Verdict.of([*large_deformations(solution), *bent_surfaces(solution), *excessive_speeds(solution)])
 
 
 def _keep(found: Tradeoff, record: dict[str, Any], folder: Path, quiet: bool) -> None:

@@ -4,7 +4,7 @@ A body is linear in its frame: an element that turns by an angle theta there gro
 lever arms. The meter estimates by how much the nodes would be elsewhere if the same forces acted on the same elements, turning with them
 (corotational): the displacement of second order of `second_order`.
 
-It knows the beam elements of the plane only: of solids and of bodies in space it says nothing.
+It knows the beam elements of the plane only; `bent_surfaces` estimates it of solids and of bodies in space.
 """
 
 from __future__ import annotations
