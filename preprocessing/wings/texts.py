@@ -104,6 +104,9 @@ minimize = "shape_mse"
 [constraints]
 stress = { below = 60.0 }
 load_margin = { above = 1.05 }
+
+[search]
+starts = 3  # one search alone may creep along the valley for longer than its 100 designs
 """)
 
 README = Template("""\
