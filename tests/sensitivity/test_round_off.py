@@ -15,7 +15,7 @@ from toolkit.sensitivity.certificate.differences import direction, taylor_rates
 from toolkit.sensitivity.certificate.round_off import round_off
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
-from toolkit.sensitivity.sizes import variable_sizes
+from toolkit.sensitivity.sizes import response_scales, variable_sizes
 from toolkit.system.system import compile_scene
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -120,3 +120,15 @@ def test_numbers_that_only_preprocessing_changes_do_not_move_in_studies():
     scene = read_scene(WING)
     exact = direct(scene, ["bodies.skin.chord", "bodies.skin.damping_mass", "t_w", "x_A"], "static")
     assert set(direction(scene, exact)) == {"t_w", "x_A"}
+
+
+def test_a_derivative_that_means_nothing_to_a_response_need_not_agree():
+    """Least size of a derivative, as an optimum asks for it: a part of the response for a change of the variable by its own size."""
+    scene = read_scene(BEAM, {"solver.end_time": "0.002"})
+    exact = direct(scene, list(scene.design), "transient")
+    usual, least = round_off(scene, exact, "transient"), round_off(scene, exact, "transient", unseen=1e-6)
+    sizes = variable_sizes(scene, exact)
+    scales = response_scales(exact, sizes)
+    for f, slopes in exact.gradients.items():
+        for x in slopes:
+            assert least[f][x] == pytest.approx(max(usual[f][x], 1e-6 * scales[f] / sizes[x]), rel=1e-12)

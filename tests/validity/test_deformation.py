@@ -28,10 +28,10 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
-from toolkit.validity.bodies.critical_speed import critical_speed
 from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants
 from toolkit.validity.bodies.element_sections import Elements, Sections, sections
 from toolkit.validity.bodies.second_order import mean_rows, second_order_displacement, second_order_forces, stiffness_matrix
+from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
 MODELS = Path(__file__).parents[2] / "models"
 WING, SPINNING = (str(MODELS / name / "scene.toml") for name in ("morphing_wing", "rotating_beam"))

@@ -15,7 +15,7 @@ from toolkit.solvers.start.initial_conditions import closed, initial_acceleratio
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
-from toolkit.validity.bodies.spin import cautions_of_spin
+from toolkit.validity.bodies.spinning.spin import cautions_of_spin
 from toolkit.validity.judge import judge
 
 

@@ -9,8 +9,8 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
-from toolkit.validity.bodies.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
+from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves

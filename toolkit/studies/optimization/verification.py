@@ -26,8 +26,10 @@ start change nothing but round-off."""
 COARSE = 1e-2
 """The same of a motion, whose steps were too long for what was wanted of it."""
 DIGITS = 1e-8
-"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`; and part of a response that a derivative by a
-variable of its size must mean to be compared: at an optimum parts cancel, and what is left of them has few digits."""
+"""Relative difference of derivatives by exact methods that is an error, as of `ffrf certify`."""
+MEANT = 1e-6
+"""Part of a response that a derivative by a variable of its size must mean to be compared: at an optimum parts cancel, and what is left of
+them has few digits."""
 
 
 @dataclass(frozen=True)
@@ -132,7 +134,7 @@ def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Cau
             asked[LOAD_MARGIN] = LoadMargin(up_to=problem.margin_up_to or FAR)
         try:
             certificate = certify(
-                scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind, unseen=DIGITS
+                scene.model_copy(update={"responses": asked}), list(problem.variables), problem.kind, unseen=MEANT
             )
             certificate.check(DIGITS)
         except ToolkitError as error:

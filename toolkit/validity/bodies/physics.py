@@ -14,8 +14,8 @@ from toolkit.scene.cut_scene import can_be_cut
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.critical_load import Compression, critical_compressions
-from toolkit.validity.bodies.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.bodies.deformation import LIMIT, Deformation, chain, deformations
+from toolkit.validity.bodies.spinning.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
 

@@ -17,7 +17,7 @@ from toolkit.solvers.start.kept_start import kept_state, other_numbers
 from toolkit.solvers.start.written_velocities import writes_shape
 from toolkit.solvers.static.equilibrium import inputs_at
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.spin import fastest_spin
+from toolkit.validity.bodies.spinning.spin import fastest_spin
 from toolkit.validity.start.start_shapes import MOVED, bent_otherwise, shapes_without_effect
 from toolkit.validity.start.start_state import start_state
 

@@ -23,7 +23,7 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.solvers.spin.generator import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.critical_speed import critical_speed
+from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 from toolkit.validity.bodies.turning_frame import lateral_compliance
 
 OF_SPEED, OF_TENSION = 0.58, 0.21
