@@ -146,7 +146,7 @@ def test_compilation_is_announced_before_it_begins_and_counted(monkeypatch, caps
     assert capsys.readouterr().err.endswith("2 functions compiled in 0 s.\n")
 
 
-@pytest.mark.parametrize("model", ["slider_crank", "governor"])
+@pytest.mark.parametrize("model", ["governor"])
 def test_what_is_warmed_up_is_there_for_every_scene(model):
     scene = read_scene(MODELS / model / "scene.toml")
     rehearse_everything(scene.space)

@@ -145,6 +145,7 @@ def model(tmp_path) -> Path:
     return tmp_path / "good.h5"
 
 
+@pytest.mark.robustness
 def test_every_changed_byte_of_a_structure_is_noticed(model):
     """Flips of one bit, at every 97th byte of all structures of the file."""
     good, blocks = model.read_bytes(), [block for block in blocks_of(model.read_bytes()) if block.structure]

@@ -33,6 +33,7 @@ from toolkit.system.system import compile_scene
 STEEL = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 
 
+@pytest.mark.robustness
 def test_models_hold_the_same_entries_under_every_kernel():
     """And each process has the kernel that was asked for."""
     assert len(kernels()) == 3
