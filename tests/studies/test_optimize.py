@@ -33,6 +33,7 @@ from toolkit.studies.study.fingerprint import fingerprint
 from toolkit.studies.study.problem import Problem, problem_of
 from toolkit.studies.study.store import Store, StudyFileError
 from toolkit.studies.study.study_reader import read_study
+from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
 LOAD = '"loads.push.force.y"'
 DROP = f"""
@@ -358,6 +359,24 @@ def test_a_store_of_another_study_is_left_as_it_is(tmp_path):
     with pytest.raises(StudyFileError, match="belongs to another study"):
         optimized(only_load(tmp_path, "[constraints]\nrise = { above = -0.1 }"), folder)
     assert (folder / STORE).read_bytes() == before
+
+
+def test_optima_and_uncertain_numbers_too_are_kept_for_the_order_of_their_tables(tmp_path):
+    """Arrays are kept by the places of variables, cases and responses."""
+    springs = [f"loads.{side}.stiffness" for side in ("left", "right")]
+    loads = [f"[cases.{name}]\n{LOAD} = {load}\n" for name, load in (("more", -20.0), ("less", -10.0))]
+    for first, second in (
+        ("variables", "{ between = [900.0, 1100.0] }"),
+        ("uncertain", '{ distribution = "normal", sigma = 9.0 }'),
+    ):
+        keys = set()
+        for names in (springs, springs[::-1]):
+            for cases in (loads, loads[::-1]):
+                numbers = "".join(f'"{name}" = {second}\n' for name in names)
+                text = f'scene = "scene.toml"\n[{first}]\n{numbers}[objective]\nminimize = "rise"\n{"".join(cases)}'
+                described = read_study(write_truss(tmp_path, text))
+                keys.add(fingerprint(problem_of(described) if first == "variables" else uncertain_study(described).problem))
+        assert len(keys) == 4
 
 
 PLAIN = 'scene = "scene.toml"\n[variables]\n' + LOAD + " = { between = [-60.0, -10.0] }\n[objective]\n" + 'minimize = "rise"\n'

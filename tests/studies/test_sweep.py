@@ -168,3 +168,28 @@ def test_more_levels_find_what_is_kept_and_another_study_is_left_as_it_is(tmp_pa
     with pytest.raises(StudyFileError, match="belongs to another study"):
         ffrf.sweep(path, output=folder)
     assert (folder / "sweep.h5").read_bytes() == before
+
+
+CASES = """
+[cases.stiff]
+"loads.right.stiffness" = 1200.0
+[cases.soft]
+"loads.right.stiffness" = 1000.0
+"""
+
+
+@pytest.mark.parametrize("exchanged", ["cases", "variables"])
+def test_what_is_kept_of_a_study_whose_tables_stand_in_another_order_is_not_taken_for_this_one(tmp_path, exchanged):
+    """Arrays are kept by the places of cases and variables; both springs have the same bounds, so that designs are equal to the bit."""
+    left, right = (f'"loads.{side}.stiffness" = {{ between = [900.0, 1100.0] }}\n' for side in ("left", "right"))
+    one, other = CASES.split("[cases.soft]")
+    text = {
+        "cases": (SWEEP + CASES, SWEEP + "[cases.soft]" + other + one),
+        "variables": tuple(
+            f'scene = "scene.toml"\n[variables]\n{springs}[sweep]\nlevels = 2\n' for springs in (left + right, right + left)
+        ),
+    }[exchanged]
+    folder = tmp_path / "kept"
+    ffrf.sweep(sweep_file(tmp_path, text[0].replace("levels = 9", "levels = 2")), output=folder)
+    with pytest.raises(StudyFileError, match="belongs to another study"):
+        ffrf.sweep(sweep_file(tmp_path, text[1].replace("levels = 9", "levels = 2")), output=folder)

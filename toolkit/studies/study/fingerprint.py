@@ -14,11 +14,15 @@ ELSEWHERE = {"search", "directory", "responses", "scene", "uncertain", "sweep", 
 
 
 def fingerprint(problem: Problem) -> str:
-    """Hash of study, scene, the files that it reads, and the program; more starts or evaluations leave it as it is."""
+    """Hash of study, scene, the files that it reads, and the program; more starts or evaluations leave it as it is.
+
+    The order of variables, cases and responses counts: arrays are kept by their places.
+    """
     study, scene = problem.study, problem.scene
     search = {key: value for key, value in study.search.model_dump(mode="json").items() if key not in BUDGET}
     rest = study.model_dump(mode="json", exclude=ELSEWHERE)
+    order = [problem.variables, [(name, list(numbers.items())) for name, numbers in problem.cases.items()], problem.responses]
     content = [sha256(path.read_bytes()).hexdigest() for path in scene.read_files()]
     return hashed(
-        rest, search, problem.asked, repr(scene.model_copy(update={"directory": study.directory.__class__()})), content, program()
+        rest, search, order, repr(scene.model_copy(update={"directory": study.directory.__class__()})), content, program()
     )
