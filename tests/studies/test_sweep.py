@@ -100,6 +100,7 @@ def test_sweeps_of_several_variables_are_drawn_with_their_failures(tmp_path, tex
     assert (tmp_path / "out" / "sweep.png").stat().st_size > 10_000
 
 
+MOVED = SWEEP.replace("[sweep]", f'moved = {{ between = [-100.0, 100.0], of = ["{LEFT}"] }}\n[sweep]')
 WRONG = {
     "no variables": (SWEEP.replace(f'"{LOAD}" = {{ between = [-90.0, -10.0] }}', ""), "variables is empty"),
     "unknown variable": (SWEEP.replace("push.force", "pull.force"), "unknown design variable 'loads.pull.force.y'"),
@@ -113,6 +114,21 @@ WRONG = {
     "unknown response": (SWEEP + 'responses = ["fall"]', "sweep.responses: no response 'fall'"),
     "margin without limit": (SWEEP + 'responses = ["load_margin"]', "load_margin needs to know how far to look"),
     "missing file": (SWEEP.replace("levels = 9", 'file = "no.csv"'), "no.csv' cannot be read (No such file"),
+    "variable like a response": (
+        MOVED.replace("moved", "rise"),
+        "variables.rise: 'rise' is the column of a sweep's table that holds the",
+    ),
+    "variable like the number": (MOVED.replace("moved", "design"), "that holds the number of the design"),
+    "variable like the reason": (MOVED.replace("moved", "failure"), "that holds why a design failed"),
+    "variable like a derivative": (MOVED.replace("moved", f"'d(sway)/d({LOAD})'"), "that holds a derivative"),
+    "variable like a case": (
+        MOVED.replace("moved", '"a.rise"') + '[cases.a]\n"loads.right.stiffness" = 990.0',
+        "that holds the response 'rise'",
+    ),
+    "response like the reason": (
+        SWEEP + '[responses]\nfailure = { type = "displacement", body = "tip", point = "P", component = "y" }',
+        "responses.failure: 'failure' is the column of a sweep's table that holds why a design failed",
+    ),
 }
 
 

@@ -19,7 +19,7 @@ from toolkit.studies.study.problem import Problem, problem_of_all
 from toolkit.studies.study.store import Store
 from toolkit.studies.study.study_file import Study
 from toolkit.studies.sweep.points import points_of
-from toolkit.studies.sweep.swept import Swept
+from toolkit.studies.sweep.swept import Swept, refuse_equal_columns
 
 STORE = "sweep.h5"
 """Name of the store in the folder of a sweep."""
@@ -32,8 +32,10 @@ class NoDesignError(ToolkitError, ArithmeticError):
 
 
 def sweep_problem(study: Study, scene: Scene | None = None) -> Problem:
-    """A study whose designs are to be swept, checked; raises `InputError` as `problem_of_all`."""
-    return problem_of_all(study, scene, study.sweep.responses, "sweep.responses")
+    """A study whose designs are to be swept, checked; raises `InputError` as `problem_of_all`, and of names that are columns already."""
+    problem = problem_of_all(study, scene, study.sweep.responses, "sweep.responses")
+    refuse_equal_columns(problem)
+    return problem
 
 
 def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, progress: Progress | None = None) -> Swept:

@@ -8,11 +8,49 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
 from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.problem import Problem, by_case
 
 Cell = int | float | str
+NUMBER, FAILURE = "design", "failure"
+"""Columns of the table beside those of variables and responses: the number of the design, and why it failed."""
+
+
+def derivative(label: str, variable: str) -> str:
+    """The column of a derivative."""
+    return f"d({label})/d({variable})"
+
+
+def places_of(problem: Problem) -> dict[str, tuple[int, int]]:
+    """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
+    return {by_case([case], name)[0]: (i, j) for j, name in enumerate(problem.responses) for i, case in enumerate(problem.cases)}
+
+
+def refuse_equal_columns(problem: Problem) -> None:
+    """Refuse names of which two would be the same column of the table.
+
+    Raises
+    ------
+    InputError
+        A variable or a response is called like another column.
+    """
+    labels = {label: problem.responses[j] for label, (_, j) in places_of(problem).items()}
+    taken = {NUMBER: "the number of the design", FAILURE: "why a design failed"}
+    taken |= {label: f"the response {name!r}" for label, name in labels.items() if label not in taken}
+    taken |= {derivative(label, name): "a derivative" for label in labels for name in problem.variables}
+    for name in problem.variables:
+        if name in taken:
+            raise InputError(
+                f"variables.{name}: {name!r} is the column of a sweep's table that holds {taken[name]}. Give the variable another name."
+            )
+    for label, name in labels.items():
+        if label in (NUMBER, FAILURE):
+            raise InputError(
+                f"responses.{name}: {name!r} is the column of a sweep's table that holds {taken[label]}. Give the response another name, "
+                "or leave it out of sweep.responses."
+            )
 
 
 @dataclass(frozen=True)
@@ -42,8 +80,7 @@ class Swept:
     @property
     def responses(self) -> dict[str, tuple[int, int]]:
         """Response, with its case before it where cases have names -> place of case and response in the values of a design."""
-        cases, names = list(self.problem.cases), self.problem.responses
-        return {by_case([case], name)[0]: (i, j) for j, name in enumerate(names) for i, case in enumerate(cases)}
+        return places_of(self.problem)
 
     @property
     def units(self) -> dict[str, str]:
@@ -69,14 +106,14 @@ class Swept:
     @property
     def columns(self) -> dict[str, list[Any]]:
         """The table: number of the design, variables, why it failed, responses and derivatives."""
-        table: dict[str, list[Any]] = {"design": list(range(1, len(self.designs) + 1))}
+        table: dict[str, list[Any]] = {NUMBER: list(range(1, len(self.designs) + 1))}
         table |= {name: self.designs[:, k].tolist() for k, name in enumerate(self.problem.variables)}
-        table["failure"] = [each.reason for each in self.solved]
+        table[FAILURE] = [each.reason for each in self.solved]
         table |= {label: self.values(label).tolist() for label in self.responses}
         if self.problem.study.sweep.gradients:
             for label in self.responses:
                 slopes = self.gradients(label)
-                table |= {f"d({label})/d({name})": slopes[:, k].tolist() for k, name in enumerate(self.problem.variables)}
+                table |= {derivative(label, name): slopes[:, k].tolist() for k, name in enumerate(self.problem.variables)}
         return table
 
     @property
