@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 import toolkit as ffrf
-from tests.models.studies import SWEEP, sweep_file
+from tests.models.studies import SWEEP, UNCERTAIN, sweep_file
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import reading
 from toolkit.studies.places.place import Place, done_at
@@ -73,6 +73,40 @@ def kept(folder: Path) -> np.ndarray:
     """Designs of a store; it can be read at any time."""
     with reading(folder / "sweep.h5", lambda reason: InputError(reason)) as content:
         return content.array("design")
+
+
+OPTIMUM = SWEEP.split("[sweep]")[0].replace("-90.0", "-40.0") + '[objective]\nminimize = "rise"\n[search]\ncertify = false\n'
+
+
+@pytest.mark.parametrize(("run", "text"), [(ffrf.sweep, SOBOL), (ffrf.uncertainty, UNCERTAIN), (ffrf.optimize, OPTIMUM)])
+def test_a_second_run_in_a_folder_in_which_one_works_is_refused_and_the_first_loses_nothing(tmp_path, run, text):
+    path, folder, refused = sweep_file(tmp_path, text), tmp_path / "out", []
+
+    def begin_another(done: int, total: int) -> None:
+        if done == 2:
+            with pytest.raises(InputError, match=r"another run works with .*\.h5.*Wait until it has ended") as error:
+                run(path, output=folder)
+            refused.append(error)
+
+    run(path, output=folder, progress=begin_another)
+    assert len(refused) == 1
+    counts: list[int] = []
+    run(path, output=folder, progress=lambda done, total: counts.append(done))  # the lock is gone, and nothing else is said
+    assert counts
+
+
+def test_a_second_command_in_a_folder_in_which_one_works_ends_with_an_error_in_words(tmp_path):
+    path, folder, ended = sweep_file(tmp_path, SOBOL.replace("count = 24", "count = 4")), tmp_path / "out", []
+
+    def begin_another(done: int, total: int) -> None:
+        if done == 2:
+            command = [*COMMAND, str(path), "-o", str(folder), "--quiet", "--no-pictures"]
+            ended.append(subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False))
+
+    ffrf.sweep(path, output=folder, progress=begin_another)
+    assert ended[0].returncode == 1
+    assert "another run works with" in ended[0].stderr
+    assert len(kept(folder)) == 4
 
 
 @pytest.mark.robustness

@@ -26,7 +26,7 @@ def solve_designs(
     asked
         Designs.
     store
-        What is known; it is written while designs are solved.
+        What is known, opened; it is written while designs are solved.
     place
         Where they are solved.
     progress
@@ -43,12 +43,11 @@ def solve_designs(
     if progress:
         progress(done, len(wanted))
     sent = WithFiles.of(work) if place.dask else work
-    with store.written_at_the_end():
-        for _, found in done_at(place, sent, missing, REMEDY):
-            store.keep(found)
-            done += 1
-            if progress:
-                progress(done, len(wanted))
+    for _, found in done_at(place, sent, missing, REMEDY):
+        store.keep(found)
+        done += 1
+        if progress:
+            progress(done, len(wanted))
     return [_known(store, each) for each in asked]
 
 

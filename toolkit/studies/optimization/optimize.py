@@ -20,7 +20,7 @@ from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.evaluator import Evaluator
 from toolkit.studies.study.fingerprint import fingerprint
 from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.store import Store
+from toolkit.studies.study.store import Store, opened_store
 
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
@@ -49,14 +49,12 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     Raises
     ------
     InputError
-        No variable moves the objective; or the folder holds another study.
+        No variable moves the objective; or the folder holds another study, or another run works in it.
     NoOptimumError
         Not one design could be solved.
     """
     begun = time.perf_counter()
-    store = Store(None if folder is None else folder / STORE, fingerprint(problem))
-    evaluator, options = Evaluator(problem, store), problem.study.search
-    known_wall = sum(each.wall for each in store)
+    options = problem.study.search
     count, asked = options.starts * options.evaluations, 0
 
     def tell(_: Evaluation) -> None:
@@ -65,7 +63,9 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
         if progress:
             progress(min(asked, count), count)
 
-    with store.written_at_the_end():
+    with opened_store(None if folder is None else folder / STORE, fingerprint(problem)) as store:
+        evaluator = Evaluator(problem, store)
+        known_wall = sum(each.wall for each in store)
         starts = starts_of(problem, options.starts)
         _refuse_idle_objective(problem, evaluator, starts[0])
         searches: list[Found] = []

@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import Content, reading, schema_of, write_array, writing
+from toolkit.foundation.files.locked_file import locked
 from toolkit.studies.study.evaluation import Evaluation, State
 
 SCHEMA, SCHEMA_VERSION = "ffrf-study", 1
@@ -26,7 +27,7 @@ class StudyFileError(InputError):
 
 
 class Store:
-    """Designs in the order in which they were solved.
+    """Designs in the order in which they were solved; a run that adds some takes `opened_store`.
 
     Parameters
     ----------
@@ -81,14 +82,6 @@ class Store:
         ended = time.monotonic()
         self._next, self._pending = ended + SHARE * (ended - begun), False
 
-    @contextmanager
-    def written_at_the_end(self) -> Iterator[None]:
-        """Whatever happens, what is known is written."""
-        try:
-            yield
-        finally:
-            self.write()
-
     def _add(self, found: Evaluation) -> None:
         self._all.append(found)
         self._by[found.lane, found.design.tobytes()] = found
@@ -107,6 +100,23 @@ class Store:
                 )
             for each in _evaluations(content):
                 self._add(each)
+
+
+@contextmanager
+def opened_store(path: Path | None, key: str) -> Iterator[Store]:
+    """The store of a run, which no other run works with meanwhile; whatever happens, what is known is written.
+
+    Raises
+    ------
+    InputError
+        Another run works with it, it is damaged, or it belongs to another study.
+    """
+    with nullcontext() if path is None else locked(path):
+        store = Store(path, key)
+        try:
+            yield store
+        finally:
+            store.write()
 
 
 def _damaged(path: Path, reason: str) -> StudyFileError:

@@ -16,7 +16,7 @@ from toolkit.studies.places.place import HERE, Place, Progress
 from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.fingerprint import fingerprint
 from toolkit.studies.study.problem import Problem, problem_of_all
-from toolkit.studies.study.store import Store
+from toolkit.studies.study.store import opened_store
 from toolkit.studies.study.study_file import Study
 from toolkit.studies.sweep.points import points_of
 from toolkit.studies.sweep.swept import Swept, refuse_equal_columns
@@ -55,16 +55,16 @@ def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, pro
     Raises
     ------
     InputError
-        The designs cannot be meant; or the folder holds another study.
+        The designs cannot be meant; or the folder holds another study, or another run works in it.
     NoDesignError
         Not one design could be solved.
     StudyError
         A process or the cluster ended; what was finished is kept.
     """
     designs, wanted = points_of(problem), problem.study.sweep.gradients
-    store = Store(None if folder is None else folder / STORE, fingerprint(problem))
     asked = [Asked(WITH if wanted else WITHOUT, each, wanted) for each in designs]
-    found = solve_designs(DesignWork(problem), asked, store, place, progress)
+    with opened_store(None if folder is None else folder / STORE, fingerprint(problem)) as store:
+        found = solve_designs(DesignWork(problem), asked, store, place, progress)
     refuse_all_failed(found)
     numbers = {id(each): k + 1 for k, each in reversed(list(enumerate(found)))}
     named = {f"design {numbers[id(each)]}": each for each in extremes(found)}

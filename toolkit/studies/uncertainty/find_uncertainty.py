@@ -16,7 +16,7 @@ from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.fingerprint import fingerprint
 from toolkit.studies.study.problem import by_case
 from toolkit.studies.study.solved_design import solved
-from toolkit.studies.study.store import Store
+from toolkit.studies.study.store import opened_store
 from toolkit.studies.sweep.points import sobol
 from toolkit.studies.sweep.sweep import WITH, WITHOUT, refuse_all_failed
 from toolkit.studies.uncertainty.doubts import doubts
@@ -50,7 +50,7 @@ def found_uncertainty(
     Raises
     ------
     InputError
-        There are too few designs; the folder holds another study; or OpenTURNS is not installed.
+        There are too few designs; the folder holds another study, or another run works in it; or OpenTURNS is not installed.
     NoDesignError
         Not one design could be solved.
     StudyError
@@ -60,10 +60,10 @@ def found_uncertainty(
     start = solved(problem, WITH, study.designs[0], None) if options.warm_starts and problem.kind == "static" else None
     start = None if start is None or start.failed else start
     key = fingerprint(problem) if start is None else hashed(fingerprint(problem), study.designs[0].tolist())
-    store = Store(None if folder is None else folder / STORE, key)
     asked = [Asked(WITH, each) for each in study.designs]
     asked += [Asked(WITHOUT, each, False) for each in study.random_designs]
-    found = solve_designs(DesignWork(problem, start), asked, store, place, progress)
+    with opened_store(None if folder is None else folder / STORE, key) as store:
+        found = solve_designs(DesignWork(problem, start), asked, store, place, progress)
     exact, random = found[: len(study.designs)], found[len(study.designs) :]
     refuse_all_failed(exact)
     expansions = _expansions(study, exact)
