@@ -50,6 +50,20 @@ only the load times 1/stiffness counts; the load's own bound decides between the
 QUICK = "\n[search]\ncertify = false\nwarm_starts = true\n"
 
 
+SYMMETRIC = """units = "m-kg-s"
+points = { P = [0.0, 0.5], L = [-1.0, 0.0], R = [1.0, 0.0] }
+bodies = { tip = { type = "rigid", mass = 1.0, inertia = 1.0, center = "P" } }
+[joints]
+guide = { type = "slider", bodies = ["tip", "ground"], point = "P", axis = [0.0, 1.0], lock_rotation = true }
+[loads]
+left = { type = "spring-damper", bodies = ["tip", "ground"], points = ["P", "L"], stiffness = 1000.0 }
+right = { type = "spring-damper", bodies = ["tip", "ground"], points = ["P", "R"], stiffness = 1000.0 }
+push = { type = "point-force", body = "tip", point = "P", force = [0.0, -30.0] }
+[responses]
+rise = { type = "displacement", body = "tip", point = "P", component = "y" }
+"""
+
+
 def study(folder: Path, text: str, **scene: str) -> Problem:
     return problem_of(read_study(write_truss(folder, text, **scene)))
 
@@ -271,6 +285,18 @@ def test_searches_that_end_at_one_objective_with_other_designs_say_that_it_is_fl
     assert "with k from -" in said
     one = optimized(only_load(tmp_path, "[constraints]\nload_margin = { above = 1.25 }\n[search]\ncertify = false\nstarts = 3\n"))
     assert "flat-optimum" not in one.verdict.codes
+
+
+@pytest.mark.parametrize(("wish", "bound", "best"), [("maximize", 0.4, 0.4), ("maximize", 0.3, 0.3), ("minimize", 0.3, 0.0)])
+def test_a_symmetric_start_is_no_optimum_because_its_slopes_vanish(tmp_path, wish, bound, best):
+    """Two springs to L and R, moved along together: the tip sinks most where it stands in the middle, at the start."""
+    (tmp_path / "scene.toml").write_text(SYMMETRIC)
+    text = f'scene = "scene.toml"\n[variables]\nshift = {{ between = [-0.3, {bound}], of = ["points.L.x", "points.R.x"] }}\n'
+    (tmp_path / "study.toml").write_text(f'{text}[objective]\n{wish} = "rise"\n')
+    found = ffrf.optimize(tmp_path / "study.toml")
+    assert abs(found.variables["shift"]) == pytest.approx(best, abs=1e-6)
+    assert found.success
+    assert "depends on shift" not in str(found.verdict)
 
 
 def test_a_study_may_stop_at_the_first_failed_design(tmp_path):

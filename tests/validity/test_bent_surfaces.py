@@ -52,7 +52,9 @@ def large(run) -> list[str]:
 def test_a_cantilever_is_off_by_what_more_frames_say_and_says_so(folder):
     run, cut = pulled(folder, 0.163), pulled(folder, 0.163, frames=8)  # its tip turns by 14 degrees
     found = bending(run.solution, "beam")
-    assert found.relative == pytest.approx(0.6 * 0.163, rel=0.02)  # closed form; the lines of eight elements see 1 % less
+    assert found.relative == pytest.approx(
+        0.6 * 0.163, rel=0.06
+    )  # closed form; 5 % of the length near the clamp hardly turns and is left out
     true = np.linalg.norm(tip(run) - tip(cut)) / np.linalg.norm(tip(run))
     assert found.relative == pytest.approx(true, rel=0.1)
     (said,) = large(run)

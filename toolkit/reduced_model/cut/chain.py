@@ -66,7 +66,7 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
     Raises
     ------
     InputError
-        It is on two elements that do not follow each other.
+        It is on two elements that do not follow each other, or at a node that a complex step moves it away from.
     """
     ends = elements.nodes[elements.connectivity]
     side = ends[:, 1] - ends[:, 0]
@@ -85,4 +85,12 @@ def place_of(elements: Elements | SpatialElements, position: np.ndarray, what: s
         )
     element = int(near[0])
     end = round(float(inside[element]))
-    return Place(element, float(end) if abs(inside[element] - end) <= ON_NODE else ratio[element])
+    if abs(inside[element] - end) > ON_NODE:
+        return Place(element, ratio[element])
+    moved = max(np.abs(np.imag(position)).max(), np.abs(np.imag(ends[element])).max()) / np.sqrt(np.real(square[element]))
+    if abs(np.imag(ratio[element])) > ON_NODE * moved:
+        raise InputError(
+            f"{what} lies at a node of the body, between elements: with several floating frames its place along the body has no derivative "
+            "there. Move the point off the node, or leave `frames` out."
+        )
+    return Place(element, float(end))

@@ -31,7 +31,8 @@ class PlanarPart(Part):
         powers = ratio ** np.arange(4)
         axial, across, turn = powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length
         scale = np.array([1.0, length, 1.0, length])
-        shape, rotation = np.zeros((2, 6), side.dtype), np.zeros(6, side.dtype)
+        dtype = np.result_type(side, powers)
+        shape, rotation = np.zeros((2, 6), dtype), np.zeros(6, dtype)
         for end, node in enumerate((slice(0, 2), slice(3, 5))):
             shape[:, node] = axial[end] * np.outer(e, e) + across[2 * end] * np.outer(n, n)
             rotation[node] = turn[2 * end] * n

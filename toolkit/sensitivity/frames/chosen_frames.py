@@ -85,6 +85,10 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
             if numbers[name] != before[name]:
                 runs[name].append(_judged(_run_of(solution, name, numbers[name]), runs[name][-1]))
         following = {name: _next(name, runs[name], most[name], wanted[name]) for name in names}
+    for name in names:
+        if len(runs[name]) == 1:  # one frame to every element already: nothing finer to compare with
+            runs[name][0] = replace(runs[name][0], error=_metered(solution, name))
+            _refuse_too_coarse(name, runs[name][0], most[name], wanted[name])
     return {name: _choice(runs[name], wanted[name], kind) for name in names}
 
 
@@ -108,10 +112,14 @@ def _first_run(scene: Scene, kind: Kind, most: dict[str, int]) -> tuple[dict[str
 
 def _second(solution: Solution, name: str, number: int, most: int, wanted: float) -> int:
     """By what the meter says of the first run; twice as many at least, so that the runs can be compared."""
-    found = deformations(solution).get(name)
-    relative = 0.0 if found is None else found.relative
-    predicted = int(np.ceil(number * np.sqrt(relative / wanted)))
+    predicted = int(np.ceil(number * np.sqrt(_metered(solution, name) / wanted)))
     return min(max(2 * number, min(predicted, FIRST * number)), most)
+
+
+def _metered(solution: Solution, name: str) -> float:
+    """The error that the meter estimates, in parts of the displacement."""
+    found = deformations(solution).get(name)
+    return 0.0 if found is None else found.relative
 
 
 def _run_of(solution: Solution, name: str, number: int) -> _Run:
@@ -132,15 +140,20 @@ def _next(name: str, runs: list[_Run], most: int, wanted: float) -> int:
     last = runs[-1]
     if len(runs) < 2 or last.error <= wanted:
         return last.number
-    if last.number == most:
+    _refuse_too_coarse(name, last, most, wanted)
+    predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
+    return min(max(predicted, last.number + 1), most)
+
+
+def _refuse_too_coarse(name: str, last: _Run, most: int, wanted: float) -> None:
+    """Refuse an error that even one frame to every element does not reach."""
+    if last.number == most and last.error > wanted:
         factor = np.sqrt(last.error / wanted)
         raise InputError(
             f"bodies.{name}: no number of frames reaches a geometric error of {wanted:g}. One to every element, {most} in all, leaves "
             f"about {last.error:.2g} of the largest displacement, because the elements themselves turn too far. Build the model with "
             f"some {int(np.ceil(most * factor))} elements, or write a larger geometric_error."
         )
-    predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
-    return min(max(predicted, last.number + 1), most)
 
 
 def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
@@ -151,7 +164,7 @@ def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoi
         of_first = error * (last.number / first.number) ** 2
         if of_first <= wanted:
             return first.number, FrameChoice(wanted, of_first, numbers, kind)
-    return last.number, FrameChoice(wanted, 0.0 if len(runs) == 1 else error, numbers, kind)
+    return last.number, FrameChoice(wanted, error, numbers, kind)
 
 
 def with_choices(scene: Scene, choices: Choices) -> Scene:

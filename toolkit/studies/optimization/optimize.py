@@ -25,8 +25,8 @@ from toolkit.studies.study.store import Store
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
 """Name of the store in the folder of a study."""
-ASIDE = (0.0, 0.9, 0.3, 0.05)
-"""Parts of the way from the start to the middle of the bounds where an objective is looked at that nothing seems to move."""
+ASIDE = 4
+"""Designs within the bounds at which the objective is looked at too, where it is stationary at the start."""
 SAME = 1e-3
 """Relative difference of objectives by which two optima are told apart."""
 
@@ -82,7 +82,7 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
                 break
         assert again is not None
     first = next(iter(store.of(0)), None)
-    cautions = [*_cautions(problem, chosen, again, searches), *said_of_runs(again)]
+    cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *said_of_runs(again)]
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
     costs = _prices(chosen)
@@ -114,15 +114,16 @@ def _verified(problem: Problem, evaluator: Evaluator, found: Found, tell: Callab
 
 def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.ndarray) -> None:
     """Refuse an objective that no variable moves, here or elsewhere."""
-    program, solved = Program(problem), 0
-    middle = (problem.bounds[0] + problem.bounds[1]) / 2
-    for part in ASIDE:
-        lane, warm = (-1, False) if part else (0, problem.study.search.warm_starts)
-        found = evaluator(lane, program.design(program.scaled(start + part * (middle - start))), warm)
-        solved += not found.failed
-        if not found.failed and np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
+    program, designs = Program(problem), set()
+    for k, look in enumerate([start, *starts_of(problem, ASIDE + 1)[1:]]):
+        lane, warm = (-1, False) if k else (0, problem.study.search.warm_starts)
+        found = evaluator(lane, program.design(program.scaled(look)), warm)
+        if found.failed:
+            continue
+        designs.add(found.design.tobytes())
+        if np.any(np.abs(program.values(found).df) > _undecided(problem, found)):
             return
-    if solved < 2:
+    if len(designs) < 2:
         return  # the start is stationary or cannot be solved, and nothing else could be
     raise InputError(
         f"objective: no variable moves {objective_of(Program(problem))[0]}: its derivatives are zero, by "
@@ -180,14 +181,19 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
         )
     if dependent(found.program, found.best, left):
         yield Caution("prices", "active limits depend on each other: their prices can be shared in other ways too.", doubt=False)
-    idle = [name for k, name in enumerate(problem.variables) if not np.any(found.best.gradients[:, :, k])]
-    if idle:
-        yield Caution("idle", f"nothing that the study asks for depends on {', '.join(idle)}.", doubt=False)
     yield from _other_optima(problem, found, searches)
     yield from _flat(problem, found, searches)
     failed, count = sum(each.failed for each in searches), sum(each.evaluations for each in searches)
     if failed:
         yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
+
+
+def _idle(problem: Problem, store: Store) -> Iterator[Caution]:
+    """Variables that have moved nothing at any design."""
+    slopes = [each.gradients for each in store if not each.failed]
+    idle = [name for k, name in enumerate(problem.variables) if not any(np.any(each[:, :, k]) for each in slopes)]
+    if idle:
+        yield Caution("idle", f"nothing that the study asks for depends on {', '.join(idle)}.", doubt=False)
 
 
 def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Caution]:

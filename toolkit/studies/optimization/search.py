@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats.qmc import Sobol
 
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError
@@ -20,6 +21,12 @@ NEAREST = 1e-5
 """Size of a box, in parts of the variables' ranges, below which failed designs stand all around."""
 AGAIN = 3
 """How often a method that gave up begins anew where it stood."""
+BESIDE, LOOKS = 0.2, 8
+"""How wide, in parts of the variables' ranges, and at how many designs a search looks around a start that is stationary."""
+ASKEW = 0.07
+"""By which these designs are shifted, so that none of them stands at the start or mirrors another."""
+LOWER = 1e-9
+"""Part of an objective by which another one is lower, and not by round-off."""
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
 TYPICAL = 0.25
@@ -80,6 +87,7 @@ class Search:
         self.done: dict[bytes, Evaluation] = {}
         self.last: np.ndarray | None = None
         self.met = False
+        self.passed: set[bytes] = set()
 
     @property
     def failed(self) -> int:
@@ -99,6 +107,8 @@ class Search:
         """Search from a start; where that fails, from designs on the way to a known one."""
         try:
             z = self._first(start, known)
+            if z is not None and self.met:
+                z = self._beside(z)
             ended = "no design near the start could be solved" if z is None else self._within_boxes(z)
             arrived = False
         except _Arrived:
@@ -121,6 +131,25 @@ class Search:
             if back is not None:
                 z = back + BACK * (z - back)
         return None
+
+    def _beside(self, z: np.ndarray) -> np.ndarray:
+        """The best of some designs around a stationary start, which may be a maximum or a saddle, as where a mechanism is symmetric."""
+        here, best = self._functions(z), z
+        least = here.f - LOWER * max(1.0, abs(here.f))
+        for point in Sobol(len(z), scramble=False).random_base2(int(np.log2(LOOKS)) + 1)[1 : LOOKS + 1]:
+            there = np.clip(z + BESIDE * self.program.top * (2 * point - 1 + ASKEW), 0.0, self.program.top)
+            try:
+                values = self._functions(there)
+            except DesignFailedError:
+                continue
+            if values.f < least and np.min(values.c, initial=0.0) >= -self.options.feasibility:
+                least, best = values.f, there
+        if best is not z:
+            self.passed.add(self.program.design(z).tobytes())
+            self.met, self.last = False, best
+            size = float(np.max(np.abs(self._functions(best).df)))
+            self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
+        return best
 
     def _within_boxes(self, z: np.ndarray) -> str:
         """Run the method; what failed is left out by the next box. Returns why it was given up."""
@@ -184,7 +213,8 @@ class Search:
                 z, values = self.program.scaled(found.design), self.program.values(found)
                 left = optimality_of(self.program, z, values, self._typical)
                 feasible = left.violation <= self.options.feasibility
-                judged.append(((not left.met(self.options.optimality, self.options.feasibility), not feasible,
+                met = left.met(self.options.optimality, self.options.feasibility) and found.design.tobytes() not in self.passed
+                judged.append(((not met, not feasible,
                                 values.f if feasible else left.violation), found, left))  # fmt: skip
         if not judged:
             return None, None

@@ -1,9 +1,9 @@
 """How far bodies bend whose finite elements are not at hand: beams in space by the lines of their surface, solids by its points.
 
 A line that turns by theta in the body's frame stays as long as it is and so loses theta^2 / 2 of its length along where it was, which a
-linear body gains instead. The mean of that over all lines, times the body's extent L, is how far its end is off: with d the deflection
-of a cantilever's tip 0.6 d^2 / L, of an arc between the ends that hold its frame 2.7 d^2 / L. What a body without lines has is taken for a
-cantilever.
+linear body gains instead. The mean of that over all lines that turn, times the body's extent L, is how far its end is off: with d the
+deflection of a cantilever's tip 0.6 d^2 / L, of an arc between the ends that hold its frame 2.7 d^2 / L. What a body without lines has is
+taken for a cantilever; members of a frame that rest do not count.
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ from toolkit.validity.bodies.deformation import LIMIT, chain, largest_instants
 
 CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
+RESTING = 1e-2
+"""Lines that turn by less than a tenth of the largest angle belong to members that hardly bend; of a cantilever they are a twentieth."""
 
 
 @dataclass(frozen=True)
@@ -76,13 +78,15 @@ def bending(solution: Solution, body: str) -> Bending | None:
 
 
 def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """Mean of theta^2 / 2 over all lines by their length, (n_t,)."""
+    """Mean of theta^2 / 2 over the lines that turn, by their length, (n_t,)."""
     first, last = lines.T
     along = points[last] - points[first]
     length = np.linalg.norm(along, axis=1)
     change = (moved[:, last] - moved[:, first]) / length[:, None]
     sideways = np.sum(change**2, axis=2) - np.einsum("tld,ld->tl", change, along / length[:, None]) ** 2
-    return sideways @ length / (2 * length.sum())
+    turning = np.where(sideways >= RESTING * sideways.max(axis=1, keepdims=True), length, 0.0)
+    whole = turning.sum(axis=1)
+    return np.divide(np.sum(sideways * turning, axis=1), 2 * whole, out=np.zeros(len(whole)), where=whole > 0)
 
 
 def _told(scene: Scene, body: str, found: Bending) -> str:

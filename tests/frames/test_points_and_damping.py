@@ -1,0 +1,52 @@
+"""Points that move along a cut body, and damping that its frames lose."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import toolkit as ffrf
+from preprocessing.elements.section import Section
+from tests.models.beam_models import save_beam
+from toolkit.foundation.errors import InputError
+
+NODES = np.column_stack([np.linspace(0, 1, 9), np.zeros(9)])
+SCENE = """units = "m-kg-s"
+[points]
+tip = { body = "beam", interface = "tip" }
+mid = { body = "beam", interface = "mid", arc_length = ARC }
+[bodies]
+beam = { type = "flexible", model = "beam.h5", frame = "grounded", frames = FRAMES }
+[loads]
+pull = { type = "point-force", body = "beam", point = "mid", force = [0.0, 0.02] }
+[design]
+s = "points.mid.arc_length"
+[responses]
+y = { type = "displacement", body = "beam", point = "tip", component = "y" }
+"""
+
+
+def loaded(folder, frames: int, arc: float = 0.47, damping: float = 0.0) -> ffrf.Run:
+    """Equilibrium of a cantilever of eight elements under a force at a point along it, with gradients."""
+    section = Section(youngs_modulus=1e9, density=1e3, thickness=0.01, width=0.02, damping_mass=damping)
+    save_beam(folder / "beam.h5", NODES, section, {"tip": 1.0, "mid": 0.47})
+    (folder / "scene.toml").write_text(SCENE.replace("ARC", str(arc)).replace("FRAMES", str(frames)))
+    return ffrf.compile(ffrf.read_scene(folder / "scene.toml"), variables=["s"]).statics(gradients=True)
+
+
+def test_a_force_that_moves_along_a_cut_body_has_the_gradient_of_linear_theory(tmp_path):
+    """y = F s^2 (3 L - s) / 6 EI for a tip at L: dy/ds = F s (2 L - s) / 2 EI, of a load that bends by a hundredth of the length."""
+    exact = 0.02 * 0.47 * (2 - 0.47) / 2 / (1e9 * 0.02 * 0.01**3 / 12)
+    for frames in (1, 2, 8):
+        assert loaded(tmp_path, frames).gradients["y"]["s"] == pytest.approx(exact, rel=2e-3)  # large rotation: (y / L)^2
+
+
+def test_a_point_at_a_node_has_no_derivative_along_a_cut_body_and_says_so(tmp_path):
+    assert loaded(tmp_path, 1, arc=0.5).gradients["y"]["s"] > 0
+    with pytest.raises(InputError, match=r"lies at a node of the body.*has no derivative there"):
+        loaded(tmp_path, 2, arc=0.5)
+
+
+def test_mass_damping_that_frames_lose_is_doubted(tmp_path):
+    codes = {frames: [each.code for each in loaded(tmp_path, frames, damping=5.0).verdict.warnings] for frames in (1, 2)}
+    assert codes == {1: [], 2: ["frame-damping"]}
