@@ -34,7 +34,7 @@ print(f"above 60 MPa: one wing of {1 / stress.beyond['above 60']:.0f}")
 
 # %% [markdown]
 # Every run gives a value and five derivatives, six equations for a polynomial. How good it is follows from the fits that leave a run
-# out: `left_out` is their error, in parts of sigma. The first derivatives at the means alone would do for this stress; for the distance
+# out: `left_out` is their error over the spread. The first derivatives at the means alone would do for this stress; for the distance
 # to the target, which is near its least value, they do not.
 
 # %%

@@ -209,3 +209,13 @@ def test_what_is_kept_of_a_study_whose_tables_stand_in_another_order_is_not_take
     ffrf.sweep(sweep_file(tmp_path, text[0].replace("levels = 9", "levels = 2")), output=folder)
     with pytest.raises(StudyFileError, match="belongs to another study"):
         ffrf.sweep(sweep_file(tmp_path, text[1].replace("levels = 9", "levels = 2")), output=folder)
+
+
+def test_load_margins_that_are_cut_off_are_said(tmp_path):
+    text = SWEEP.replace("[-90.0, -10.0]", "[-40.0, -10.0]").replace("levels = 9", 'levels = 3\nresponses = ["load_margin"]')
+    found = ffrf.sweep(sweep_file(tmp_path, text + "[constraints]\nload_margin = { above = 1.05 }\n"))
+    margins = limit_load() / -found.designs[:, 0]
+    assert found.values("load_margin") == pytest.approx(np.minimum(margins, 2.1), rel=1e-8)
+    (said,) = [each for each in found.verdict.warnings if each.code == "margin-cut-off"]
+    assert said.text.startswith(f"in {np.sum(margins > 2.1)} of 3 designs no limit point up to 2.1: load_margin is at least that")
+    assert not said.doubt

@@ -12,7 +12,7 @@ from scipy.special import ndtr, ndtri
 from typer.testing import CliRunner
 
 import toolkit as ffrf
-from tests.models.studies import LEFT, LOAD, UNCERTAIN, sweep_file
+from tests.models.studies import LEFT, LOAD, RIGHT, UNCERTAIN, sweep_file
 from tests.models.truss import STIFFNESS, force, force_slope, height
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
@@ -115,7 +115,7 @@ def test_what_is_left_out_is_what_fits_without_each_design_miss():
         (one,) = _fit(basis, np.delete(at, k, 0), np.delete(values, k, 0), np.delete(slopes, k, 0))
         missed.append((basis.values(at[k : k + 1]) @ one.coefficients)[0] - values[k, 0])
     (whole,) = _fit(basis, at, values, slopes)
-    assert whole.left_out * whole.sigma == pytest.approx(np.sqrt(np.mean(np.square(missed))), rel=1e-10)
+    assert whole.error == pytest.approx(np.sqrt(np.mean(np.square(missed))), rel=1e-10)
 
 
 def test_a_polynomial_is_found_exactly_and_its_shares_are_those_of_openturns():
@@ -140,6 +140,84 @@ def test_a_polynomial_is_found_exactly_and_its_shares_are_those_of_openturns():
     alone, together = found.shares()
     assert alone == pytest.approx([judge.getSobolIndex(k) for k in range(3)], abs=1e-8)
     assert together == pytest.approx([judge.getSobolTotalIndex(k) for k in range(3)], abs=1e-8)
+
+
+ROD = """
+units = "m-kg-s"
+[points]
+O = [0.0, 0.0]
+P = [1.0, 0.0]
+[bodies]
+rod = { type = "rigid", mass = 1.0, inertia = 1.0, center = "P" }
+[joints]
+O = { type = "revolute", bodies = ["rod", "ground"], point = "O" }
+[loads]
+s = { type = "rotational-spring-damper", bodies = ["rod", "ground"], point = "O", stiffness = 10.0 }
+t = { type = "torque", body = "rod", point = "O", torque = 0.0 }
+[responses]
+y = { type = "displacement", body = "rod", point = "P", component = "y" }
+"""
+"""Its end rises by the sine of torque over stiffness."""
+
+
+def turned(folder, width: float, runs: int = 20, seed: int = 0):
+    """The rod whose angle has a standard deviation."""
+    (folder / "scene.toml").write_text(ROD)
+    text = (
+        f'scene = "scene.toml"\n[uncertain]\n"loads.t.torque" = {{ distribution = "normal", sigma = {10 * width}, mean = 0.0 }}\n'
+    )
+    (folder / "study.toml").write_text(text + f"[uncertainty]\nruns = {runs}\nseed = {seed}\n")
+    return ffrf.uncertainty(folder / "study.toml")
+
+
+def test_the_sine_of_a_wide_angle_is_trusted_only_where_its_sigma_is_right(tmp_path):
+    codes, wrong = set(), 0
+    for width, runs, seed in ((0.5, 20, 0), (1.5, 5, 0), (1.5, 20, 1), (2.0, 10, 0), (2.0, 20, 0), (2.0, 20, 1), (3.0, 20, 0)):
+        found = turned(tmp_path, width, runs, seed)
+        exact = np.sqrt((1 - np.exp(-2 * width**2)) / 2)  # of sin of a normal number
+        codes |= set(found.verdict.codes)
+        right = found.responses["y"].sigma == pytest.approx(exact, rel=0.1)  # what straight tails may change
+        wrong += not right
+        assert right or not found.verdict.trusted, (width, runs, seed, found.responses["y"])
+        assert found.verdict.trusted or width > 1
+    assert {"polynomials", "degree", "extrapolated"} <= codes
+    assert wrong >= 4
+
+
+def test_the_error_left_out_is_measured_by_the_values_and_not_by_an_exploding_fit():
+    at = np.linspace(-3.0, 3.0, 7)[:, None]
+    values, slopes = np.sin(4 * at), 4 * np.cos(4 * at)[:, :, None]
+    (found,) = fitted((NORMAL,), at, values, slopes, np.zeros(1), None)
+    missed = [_fit(basis_of((NORMAL,), k), at, values, slopes)[0].error for k in range(1, 9)]
+    assert missed[found.degree - 1] == min(missed)
+    assert found.left_out == pytest.approx(min(missed) / np.std(values), rel=1e-12)
+
+
+def test_a_degree_that_the_other_designs_do_not_determine_is_not_possible():
+    """Values and gradients at two places leave a quadratic function of two numbers open."""
+    at = np.array([[0.0, 0.0], [1.0, 0.25], [-0.5, 1.0]])
+    values, slopes = np.sin(at @ [1.0, 2.0])[:, None], (np.cos(at @ [1.0, 2.0])[:, None] * [1.0, 2.0])[:, None, :]
+    (found,) = fitted((NORMAL, NORMAL), at, values, slopes, np.zeros(1), None)
+    assert (found.degree, found.neighbour) == (1, None)
+    with pytest.raises(
+        InputError, match=r"not determined by 3 designs where one of these is left out.*Give more runs, or a lower"
+    ):
+        fitted((NORMAL, NORMAL), at, values, slopes, np.zeros(1), 2)
+
+
+def test_a_load_margin_that_is_cut_off_has_no_statistics(tmp_path):
+    """The truss bears some 43 N: at 14 N the factor is about 3, and it is looked for up to 2.1."""
+    text = UNCERTAIN.replace("mean = -28.0, sigma = 2.0", "mean = -14.0, sigma = 0.5")
+    text = text.replace('responses = ["rise"]', 'responses = ["rise", "load_margin"]').replace("runs = 12", "runs = 8")
+    path = sweep_file(tmp_path, text + "monte_carlo = 5\n[constraints]\nload_margin = { above = 1.05 }\n")
+    run = CliRunner().invoke(app, ["uncertainty", str(path), "--json", "--quiet", "-o", str(tmp_path / "out")])
+    assert run.exit_code == 0, run.output
+    record = json.loads(run.stdout)
+    margin = record["uncertain"]["responses"]["load_margin"]
+    assert (margin["mean"], margin["sigma"], set(margin["quantiles"].values())) == (None, None, {None})
+    assert margin["monte_carlo"]["beyond"]["below 1.05"]["value"] == 0.0
+    assert record["uncertain"]["responses"]["rise"]["sigma"] > 0
+    assert any("in 13 of 13 designs no limit point up to 2.1" in each for each in record["verdict"]["reasons"])
 
 
 def test_what_does_not_spread_has_no_shares_and_a_germ_that_moves_nothing_none(tmp_path):
@@ -298,6 +376,9 @@ WRONG = {
         f'{{ of = ["bodies.tip.mass", "{LOAD}"], coefficient = -0.9 }}]',
         "these coefficients contradict each other",
     ),
+    "factors": (UNCERTAIN.replace(f'"{RIGHT}"]', f'"{RIGHT}"], factors = [2.0]'), "uncertain.k: 2 paths but 1 factors"),
+    "named twice": (UNCERTAIN.replace(RIGHT, LEFT), f"uncertain.k: `of` names {LEFT} twice"),
+    "path of nothing": (UNCERTAIN.replace(RIGHT, "zz.b"), "uncertain.k: the path 'zz.b'"),
     "unknown response": (UNCERTAIN.replace('"rise"', '"fall"'), "uncertainty.responses: no response 'fall'"),
 }
 
@@ -315,6 +396,10 @@ def test_errors_of_a_study_name_the_line_of_its_file(tmp_path):
     line = next(k for k, text in enumerate(study.read_text().splitlines(), 1) if text.startswith("k ="))
     with pytest.raises(InputError, match=rf"study.toml: uncertain.k: .*\(line {line}\)"):
         ffrf.uncertainty(study)
+    for wrong in ("zz.b", LEFT):
+        study = sweep_file(tmp_path, UNCERTAIN.replace(RIGHT, wrong))
+        with pytest.raises(InputError, match=rf"study.toml: uncertain.k: .*\(line {line}\)"):
+            ffrf.uncertainty(study)
     study = sweep_file(tmp_path, UNCERTAIN.replace('["rise"]', '["fall"]'))
     with pytest.raises(InputError, match=r"study.toml: uncertainty.responses: no response 'fall'.*\(line 7\)"):
         ffrf.uncertainty(study)

@@ -77,14 +77,14 @@ class Verdict:
     def record(self) -> dict[str, Any]:
         """Keys of a JSON object: what was measured, `verdict` and `warnings`; a number that does not exist is None."""
         return {
-            **_finite(self.measures),
+            **finite(self.measures),
             "verdict": {"trusted": self.trusted, "reasons": list(self.reasons)},
             "warnings": [{"code": each.code, "text": each.text} for each in self.warnings],
         }
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """The same with None for numbers that JSON does not know."""
     if isinstance(value, Mapping):
-        return {key: _finite(each) for key, each in value.items()}
+        return {key: finite(each) for key, each in value.items()}
     return None if isinstance(value, float) and not math.isfinite(value) else value

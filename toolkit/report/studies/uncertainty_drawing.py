@@ -25,7 +25,8 @@ def uncertainty_drawing(found: UncertainResult) -> Drawing:
             _density(left, found, label, found.values(label, germs))
             _shares(right, found, label)
         axes[-1, 1].set_xlabel("share of the variance")
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+        known = next((k for k, label in enumerate(labels) if np.isfinite(found.responses[label].mean)), 0)
+        figure.legend(*axes[known, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
     caption = (
         "Left: densities of the responses with mean, mean plus and minus sigma, and limits. Right: shares of the variance that come from a "
         "number alone (full) and from it together with others (light)."
@@ -35,6 +36,10 @@ def uncertainty_drawing(found: UncertainResult) -> Drawing:
 
 def _density(panel: Any, found: UncertainResult, label: str, values: np.ndarray) -> None:
     each = found.responses[label]
+    if np.isnan(each.mean):
+        panel.text(0.5, 0.5, f"{label} is cut off", ha="center", transform=panel.transAxes, parse_math=False)
+        panel.set_yticks([])
+        return
     panel.hist(values, BINS, density=True, color=COLORS[5], label="polynomials")
     if each.sampled is not None:
         place = list(found.responses).index(label)
@@ -54,7 +59,9 @@ def _density(panel: Any, found: UncertainResult, label: str, values: np.ndarray)
 def _shares(panel: Any, found: UncertainResult, label: str) -> None:
     each, names = found.responses[label], found.study.problem.variables
     if each.alone is None or each.together is None:
-        panel.text(0.5, 0.5, "numbers go together", ha="center", transform=panel.transAxes)
+        panel.text(
+            0.5, 0.5, "no shares" if np.isnan(each.mean) else "numbers go together", ha="center", transform=panel.transAxes
+        )
         return
     places = np.arange(len(names))
     panel.barh(places, [each.together[name] for name in names], color=COLORS[5])

@@ -142,7 +142,9 @@ def problem_of(study: Study, scene: Scene | None = None) -> Problem:
     return problem
 
 
-def problem_of_all(study: Study, scene: Scene | None = None, chosen: tuple[str, ...] | None = None, where: str = "") -> Problem:
+def problem_of_all(
+    study: Study, scene: Scene | None = None, chosen: tuple[str, ...] | None = None, where: str = "", table: str = "variables"
+) -> Problem:
     """A study of which many responses are asked, at designs that need not be near the one of the scene.
 
     Parameters
@@ -155,13 +157,15 @@ def problem_of_all(study: Study, scene: Scene | None = None, chosen: tuple[str, 
         Responses; by default all that the analysis has.
     where
         The key that names them.
+    table
+        The one of the study file that the variables stand in.
 
     Raises
     ------
     InputError
         As of `problem_of`, but for start and objective.
     """
-    problem = checked(study, scene)
+    problem = checked(study, scene, table)
     known = responses_of(problem.scene, moving=study.analysis != "statics")
     wanted = [name for name, each in known.items() if not isinstance(each, LoadMargin)] if chosen is None else chosen
     named = {name: where for name in wanted}
@@ -176,7 +180,7 @@ def problem_of_all(study: Study, scene: Scene | None = None, chosen: tuple[str, 
     return replace(problem, asked=tuple(dict.fromkeys([*names, *problem.asked])))
 
 
-def checked(study: Study, scene: Scene | None = None) -> Problem:
+def checked(study: Study, scene: Scene | None = None, table: str = "variables") -> Problem:
     """A study with its scene, as far as all its purposes have it in common."""
     if not isinstance(study, Study):
         raise InputError(f"a study is what `read_study` returns, or a Study made in Python, not {type(study).__name__}.")
@@ -188,11 +192,11 @@ def checked(study: Study, scene: Scene | None = None) -> Problem:
     if LOAD_MARGIN in study.responses:
         raise InputError(f"responses.{LOAD_MARGIN} is built in. Leave it out.")
     several = {name: CommonVariable(of=each.of, factors=each.factors) for name, each in study.variables.items() if each.of}
-    _refuse_known("variables", several, scene.design, "the scene has a variable of that name already.")
+    _refuse_known(table, several, scene.design, "the scene has a variable of that name already.")
     updated = {"responses": {**scene.responses, **study.responses}, "design": {**scene.design, **several}}
     scene = scene.model_copy(update=updated)
     check_names(scene.points, scene.bodies, scene.joints, scene.loads, scene.responses)
-    _refuse_variables(study, scene)
+    _refuse_variables(study, scene, table)
     problem = Problem(study, scene, _asked(study, scene))
     _refuse_cases(problem)
     return problem
@@ -203,17 +207,17 @@ def _refuse_known(table: str, names: Iterable[str], known: Iterable[str], why: s
         raise InputError(f"{table}.{twice}: {why} Give this one another name.")
 
 
-def _refuse_variables(study: Study, scene: Scene) -> None:
+def _refuse_variables(study: Study, scene: Scene, table: str) -> None:
     """Refuse variables that lead nowhere, and two that drive the same number."""
     for name in study.variables:
         try:
             scene.design_variables([name])
         except InputError as error:
-            raise InputError(f"variables.{name}: {error}") from error
+            raise InputError(f"{table}.{name}: {error}") from error
     try:
         scene.design_variables(list(study.variables))
     except InputError as error:
-        raise InputError(f"variables: {error}") from error
+        raise InputError(f"{table}: {error}") from error
 
 
 def _asked(study: Study, scene: Scene) -> tuple[str, ...]:

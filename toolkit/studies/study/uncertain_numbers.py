@@ -7,6 +7,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from toolkit.description.description import Description, Number, Pair, Positive
+from toolkit.description.design import check_shares
 from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import Count
 from toolkit.studies.study.sweep_options import Seed
@@ -59,6 +60,8 @@ class Uncertain(Description):
             )
         if self.factors is not None and self.of is None:
             raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        if self.of is not None:
+            check_shares(self.of, self.factors)
         return self
 
 

@@ -10,7 +10,7 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.studies.designs.design_work import Asked, DesignWork
-from toolkit.studies.designs.judged_runs import extremes, said_at
+from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
 from toolkit.studies.designs.solve_designs import solve_designs
 from toolkit.studies.places.place import HERE, Place, Progress
 from toolkit.studies.study.evaluation import Evaluation
@@ -68,7 +68,8 @@ def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, pro
     refuse_all_failed(found)
     numbers = {id(each): k + 1 for k, each in reversed(list(enumerate(found)))}
     named = {f"design {numbers[id(each)]}": each for each in extremes(found)}
-    cautions = [*failures(found), *said_at(problem, named)]
+    margins = margins_cut_off(problem, found, statistics=False, doubt=False)
+    cautions = [*failures(found), *margins, *said_at(problem, named)]
     return Swept(
         problem, designs, tuple(found), Verdict.of(cautions), sum(each.wall for each in {id(e): e for e in found}.values())
     )

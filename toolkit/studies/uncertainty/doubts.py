@@ -8,14 +8,21 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
-from toolkit.studies.designs.judged_runs import extremes, said_at
+from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
 from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.solved_design import solved
+from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
 MISSED = 0.1
-"""Error of polynomials at designs left out, in parts of sigma, that is too large: they miss a hundredth of the variance."""
+"""Error of polynomials at designs left out, in parts of the spread of the solved values, that is too large: a hundredth of the variance."""
+SETTLED = 0.05
+"""By how much, in parts of sigma, mean and sigma may change with the degree of the polynomials."""
+BEYOND = 0.1
+"""By how much sigma may change if polynomials go on straight beyond the solved designs; a straight line does not change at all."""
+SURE = 1e-6
+"""Error at designs left out, in the same parts, below which a response is a polynomial, also beyond them."""
 RARE = 1e-3
 """Probability below which polynomials are asked about what no design has seen."""
 ANOTHER = 1e-5
@@ -27,7 +34,10 @@ def doubts(
 ) -> Iterator[Caution]:
     """Cautions of failed designs, of polynomials, and of runs at the means and at extreme designs."""
     yield from _failed([*exact, *random])
+    asked = study.options.responses is None or LOAD_MARGIN in study.options.responses
+    yield from margins_cut_off(study.problem, [*exact, *random], statistics=True, doubt=asked)
     yield from _polynomials(spreads)
+    yield from _other_polynomials(spreads)
     yield from _samples(spreads)
     if np.any(study.joint.together):
         yield Caution(
@@ -61,8 +71,9 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
         worst = max(bad, key=lambda name: bad[name])
         yield Caution(
             "polynomials",
-            f"the polynomials of {', '.join(bad)} are off by {bad[worst]:.2g} sigma at designs that were left out, most for {worst} "
-            f"(limit {MISSED:g}). Give more runs; a maximum that moves from place to place has kinks, its smooth maximum has not.",
+            f"the polynomials of {', '.join(bad)} are off by {bad[worst]:.2g} of the spread of the solved values at designs that were "
+            f"left out, most for {worst} (limit {MISSED:g}). Give more runs; a "
+            "maximum that moves from place to place has kinks, its smooth maximum has not.",
         )
     for name, each in spreads.items():
         rare = [words for words, p in each.beyond.items() if 0 < min(p, 1 - p) < RARE or p in (0.0, 1.0)]
@@ -71,6 +82,28 @@ def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
                 "tails",
                 f"that {name} is {rare[0]} is so rare, or so common, that it rests on tails of polynomials and distributions.",
                 doubt=False,
+            )
+
+
+def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
+    """Where polynomials of another degree, or with other tails, say something else."""
+    for name, each in spreads.items():
+        if each.left_out < SURE:
+            continue
+        if each.neighbour is not None:
+            degree, mean, sigma = each.neighbour
+            if max(abs(mean - each.mean), abs(sigma - each.sigma)) > SETTLED * each.sigma:
+                yield Caution(
+                    "degree",
+                    f"{name} has mean {each.mean:.4g} and sigma {each.sigma:.4g} by polynomials of degree {each.degree}, but {mean:.4g} "
+                    f"and {sigma:.4g} by those of degree {degree} (limit {SETTLED:.0%} of sigma). Give more runs, or random designs "
+                    "(monte_carlo) to judge them by.",
+                )
+        if abs(each.straight_sigma - each.sigma) > BEYOND * each.sigma:
+            yield Caution(
+                "extrapolated",
+                f"sigma of {name}, {each.sigma:.4g}, rests on polynomials beyond the solved designs: {each.straight_sigma:.4g} if they go "
+                f"on straight there (limit {BEYOND:.0%}). Give more runs, or random designs (monte_carlo) to judge them by.",
             )
 
 

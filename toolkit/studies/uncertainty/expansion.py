@@ -9,7 +9,7 @@ projection.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
@@ -21,9 +21,11 @@ from toolkit.studies.uncertainty.marginal import Marginal
 HIGHEST = 8
 """Degree beyond which none is tried."""
 EXACT = 1e-9
-"""Error at designs left out, in parts of sigma, below which the lowest degree is taken: round-off decides between none."""
+"""Error at designs left out, in parts of the values' spread, below which the lowest degree is taken: round-off decides between none."""
 SPARE = 1.5
 """So many times as many equations as coefficients are wanted."""
+DETERMINED = 1e-8
+"""Least eigenvalue of I - H of a design, between 0 and 1, from which the fit without it is determined by the others."""
 
 
 @dataclass(frozen=True)
@@ -36,13 +38,25 @@ class Expansion:
         Orthonormal polynomials, the constant first.
     coefficients
         Of them.
-    left_out
-        Root of the mean square error at designs that were left out of the fit, in parts of the standard deviation.
+    error
+        Root of the mean square error at designs that were left out of the fit; infinite if the others do not determine it.
+    spread
+        Standard deviation of the values at the designs, which are scattered as the germs are distributed.
+    neighbour
+        Degree, mean and standard deviation of the better one of the fits of one degree less and one degree more; None if none is possible.
     """
 
     basis: Basis
     coefficients: np.ndarray
-    left_out: float
+    error: float
+    spread: float
+    neighbour: tuple[int, float, float] | None = None
+
+    @property
+    def left_out(self) -> float:
+        """The error in parts of the spread of the values: a fit that explodes does not judge itself."""
+        scale = self.spread or self.sigma
+        return self.error / scale if scale else 0.0
 
     @property
     def mean(self) -> float:
@@ -58,6 +72,15 @@ class Expansion:
     def degree(self) -> int:
         """Of the polynomials."""
         return int(np.max(np.sum(self.basis.degrees, axis=1)))
+
+    def values(self, germs: np.ndarray) -> np.ndarray:
+        """Of the response at germs (count, n)."""
+        return self.basis.values(germs) @ self.coefficients
+
+    def straight(self, germs: np.ndarray, solved: np.ndarray) -> np.ndarray:
+        """The same, but going on straight from where the germs leave the least and largest ones of the solved designs."""
+        edge = np.clip(germs, np.min(solved, axis=0), np.max(solved, axis=0))
+        return self.values(edge) + np.einsum("cgp,p,cg->c", self.basis.slopes(edge), self.coefficients, germs - edge)
 
     def shares(self) -> tuple[np.ndarray, np.ndarray]:
         """Sobol's indices by the germs, (n,): shares of the variance by each alone, and by each together with all others."""
@@ -88,27 +111,47 @@ def fitted(
     Raises
     ------
     InputError
-        There are too few designs.
+        There are too few designs, or they do not determine the polynomials.
     """
     n, equations = len(germs), len(at) * (1 + len(germs))
-    possible = [k for k in range(1, HIGHEST + 1) if SPARE * size_of(n, k) <= equations] if degree is None else [degree]
-    if not possible or SPARE * size_of(n, possible[0]) > equations or len(at) < 2:
+    possible = [k for k in range(1, max(HIGHEST, degree or 0) + 1) if SPARE * size_of(n, k) <= equations]
+    if (degree or 1) not in possible or len(at) < 2:
         least = next(k for k in count(2) if SPARE * size_of(n, degree or 1) <= k * (1 + n))
         raise InputError(
             f"uncertainty.runs: {len(at)} designs that could be solved are too few for polynomials of degree {degree or 1} of {n} numbers: "
             f"at least {least} are needed. Give more runs{', or a lower degree' if degree else ''}."
         )
-    tried = [_fit(basis_of(germs, each), at, values, slopes) for each in possible]
+    wanted = possible if degree is None else [k for k in possible if abs(k - degree) <= 1]
+    tried = {k: _fit(basis_of(germs, k), at, values, slopes) for k in wanted}
+    if not any(np.isfinite(each.error) for k in tried if degree in (None, k) for each in tried[k]):
+        raise InputError(
+            f"uncertainty.runs: polynomials of {n} numbers are not determined by {len(at)} designs where one of these is left out, so "
+            f"that nothing says how good they are. Give more runs{', or a lower degree' if degree else ''}."
+        )
     idle = (np.ptp(values, axis=0) <= 2 * undecided) & (np.max(np.abs(slopes), axis=(0, 2)) <= undecided)
-    chosen = [min(column, key=lambda each: max(each.left_out, EXACT)) for column in zip(*tried, strict=True)]
-    return [_constant(each, float(value)) if still else each for each, still, value in zip(chosen, idle, values[0], strict=True)]
+    return [
+        _constant(tried[wanted[0]][r], float(values[0, r]))
+        if still
+        else _chosen({k: each[r] for k, each in tried.items()}, degree)
+        for r, still in enumerate(idle)
+    ]
+
+
+def _chosen(tried: dict[int, Expansion], degree: int | None) -> Expansion:
+    """The fit of the least error, or of the wanted degree, with the better one of those beside it."""
+    best = degree or min(tried, key=lambda k: max(tried[k].left_out, EXACT))
+    beside = [k for k in (best - 1, best + 1) if k in tried and np.isfinite(tried[k].error)]
+    if not beside:
+        return tried[best]
+    other = min(beside, key=lambda k: max(tried[k].left_out, EXACT))
+    return replace(tried[best], neighbour=(other, tried[other].mean, tried[other].sigma))
 
 
 def _constant(found: Expansion, value: float) -> Expansion:
     """The same without a spread that is none."""
     coefficients = np.zeros_like(found.coefficients)
     coefficients[0] = value
-    return Expansion(found.basis, coefficients, 0.0)
+    return Expansion(found.basis, coefficients, 0.0, 0.0)
 
 
 def _fit(basis: Basis, at: np.ndarray, values: np.ndarray, slopes: np.ndarray) -> list[Expansion]:
@@ -117,14 +160,16 @@ def _fit(basis: Basis, at: np.ndarray, values: np.ndarray, slopes: np.ndarray) -
     wanted = np.concatenate([values[:, None, :], np.swapaxes(slopes, 1, 2)], axis=1)
     matrix, right = rows.reshape(designs * (1 + n), -1), wanted.reshape(designs * (1 + n), -1)
     orthogonal, triangular = np.linalg.qr(matrix)
+    blocks = orthogonal.reshape(designs, 1 + n, -1)
+    open_parts = np.eye(1 + n) - blocks @ np.swapaxes(blocks, 1, 2)
+    spreads = np.std(values, axis=0)
+    size = np.abs(np.diag(triangular))
+    if np.min(size) < DETERMINED * np.max(size) or np.min(np.linalg.eigvalsh(open_parts)) < DETERMINED:
+        return [Expansion(basis, np.full(matrix.shape[1], np.nan), np.inf, float(each)) for each in spreads]
     coefficients = np.linalg.solve(triangular, orthogonal.T @ right)
     left = (right - matrix @ coefficients).reshape(designs, 1 + n, -1)
-    blocks = orthogonal.reshape(designs, 1 + n, -1)
-    errors = np.array(
-        [np.linalg.solve(np.eye(1 + n) - block @ block.T, each)[0] for block, each in zip(blocks, left, strict=True)]
-    )
-    found = []
-    for column, error in zip(coefficients.T, errors.T, strict=True):
-        sigma = Expansion(basis, column, 0.0).sigma
-        found.append(Expansion(basis, column, float(np.sqrt(np.mean(error**2))) / sigma if sigma else 0.0))
-    return found
+    errors = np.linalg.solve(open_parts, left)[:, 0]
+    return [
+        Expansion(basis, column, float(np.sqrt(np.mean(error**2))), float(spread))
+        for column, error, spread in zip(coefficients.T, errors.T, spreads, strict=True)
+    ]

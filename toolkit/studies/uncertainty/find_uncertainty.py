@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.foundation.verdict import Verdict
 from toolkit.studies.designs.design_work import Asked, DesignWork
+from toolkit.studies.designs.judged_runs import cut_off
 from toolkit.studies.designs.solve_designs import solve_designs
 from toolkit.studies.identity import hashed
 from toolkit.studies.places.place import HERE, Place, Progress
@@ -21,7 +22,7 @@ from toolkit.studies.sweep.points import sobol
 from toolkit.studies.sweep.sweep import WITH, WITHOUT, refuse_all_failed
 from toolkit.studies.uncertainty.doubts import doubts
 from toolkit.studies.uncertainty.expansion import Expansion, fitted
-from toolkit.studies.uncertainty.spread import Spread, beyond, quantiles_of, sampled
+from toolkit.studies.uncertainty.spread import Spread, beyond, quantiles_of, sampled, without_statistics
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
@@ -29,6 +30,8 @@ STORE = "uncertainty.h5"
 """Name of the store in the folder of a study."""
 SAMPLES = 2**16
 """Points at which polynomials are looked at for quantiles and probabilities."""
+TAILS = 2**13
+"""How many of them are looked at for what straight tails would change."""
 
 
 def found_uncertainty(
@@ -95,13 +98,14 @@ def _spreads(
     study: UncertainStudy, expansions: dict[str, Expansion], exact: Sequence[Evaluation], random: Sequence[Evaluation]
 ) -> dict[str, Spread]:
     problem, options, joint = study.problem, study.options, study.joint
+    known = [k for k, each in enumerate(exact) if not each.failed]
     germs = joint.germs_of(sobol(SAMPLES, len(joint.marginals), options.seed))
     good, found = [k for k, each in enumerate(random) if not each.failed], {}
     for label, place in _places(study).items():
         each, name = expansions[label], problem.responses[place[1]]
-        values, limit = each.basis.values(germs) @ each.coefficients, problem.study.constraints.get(name)
+        values, limit = each.values(germs), problem.study.constraints.get(name)
         alone, together = each.shares()
-        at_random = each.basis.values(study.random_germs[good]) @ each.coefficients
+        at_random = each.values(study.random_germs[good])
         tied = bool(np.any(joint.together))
         found[label] = Spread(
             problem.unit_of(name),
@@ -114,11 +118,21 @@ def _spreads(
             None if tied else dict(zip(problem.variables, map(float, together), strict=True)),
             each.degree,
             each.left_out,
+            each.neighbour,
+            _straight_sigma(each, germs[:TAILS], study.germs[known]),
             sampled(np.array([random[k].values[place] for k in good]), at_random, options.quantiles, limit)
             if len(good) > 1
             else None,
         )
+        if any(cut_off(problem, e, place) for e in (*exact, *random)):
+            found[label] = without_statistics(found[label])
     return found
+
+
+def _straight_sigma(each: Expansion, germs: np.ndarray, solved: np.ndarray) -> float:
+    """Sigma with straight tails, from its ratio to that of the polynomials at the same points."""
+    own = float(np.std(each.values(germs)))
+    return each.sigma * float(np.std(each.straight(germs, solved))) / own if own else 0.0
 
 
 def _first_order(study: UncertainStudy, first: Evaluation, place: tuple[int, int]) -> tuple[float, float] | None:

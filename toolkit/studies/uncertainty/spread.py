@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -57,7 +58,7 @@ class Spread:
     unit
         Label of its unit.
     mean, sigma
-        By the polynomials.
+        By the polynomials; nan with all that follows from them where designs are cut off, of which only the least value is known.
     first_order
         Both by value and derivatives at the means alone; None if that design could not be solved.
     quantiles
@@ -70,7 +71,11 @@ class Spread:
     degree
         Of the polynomials.
     left_out
-        Their error at designs that were left out of the fit, in parts of sigma.
+        Their error at designs that were left out of the fit, in parts of the standard deviation of the solved values.
+    neighbour
+        Degree, mean and sigma of polynomials of one degree less or more; None if no others are possible.
+    straight_sigma
+        Sigma if the polynomials went on straight beyond the farthest designs that were solved.
     sampled
         The same at random designs; None without them.
     """
@@ -85,6 +90,8 @@ class Spread:
     together: Mapping[str, float] | None
     degree: int
     left_out: float
+    neighbour: tuple[int, float, float] | None
+    straight_sigma: float
     sampled: Sampled | None = None
 
     def record(self) -> dict[str, Any]:
@@ -100,8 +107,22 @@ class Spread:
             "sobol_total": None if self.together is None else dict(self.together),
             "degree": self.degree,
             "leave_one_out_error": self.left_out,
+            "neighbour": None if self.neighbour is None else dict(zip(("degree", "mean", "sigma"), self.neighbour, strict=True)),
+            "sigma_straight_tails": self.straight_sigma,
             "monte_carlo": None if self.sampled is None else self.sampled.record(),
         }
+
+
+def without_statistics(spread: Spread) -> Spread:
+    """Of a response that is cut off at some designs: nothing but the shares of random designs beyond limits, which lie below the cut."""
+    nan, seen = math.nan, spread.sampled
+    none = dict.fromkeys(spread.quantiles, nan)
+    if seen is not None:
+        seen = replace(seen, mean=(nan, nan), sigma=(nan, nan), quantiles=none, missed=nan)
+    return replace(
+        spread, mean=nan, sigma=nan, first_order=None, quantiles=none, beyond=dict.fromkeys(spread.beyond, nan), alone=None,
+        together=None, left_out=nan, neighbour=None, straight_sigma=nan, sampled=seen,
+    )  # fmt: skip
 
 
 def limits_of(limit: Limit | None) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.foundation.verdict import Verdict
+from toolkit.foundation.verdict import Verdict, finite
 from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.uncertainty.expansion import Expansion
 from toolkit.studies.uncertainty.spread import Spread
@@ -58,8 +58,7 @@ class UncertainResult:
 
     def values(self, response: str, germs: np.ndarray) -> np.ndarray:
         """A response by its polynomial at germs (count, n)."""
-        each = self.expansions[response]
-        return each.basis.values(germs) @ each.coefficients
+        return self.expansions[response].values(germs)
 
     def record(self) -> dict[str, Any]:
         """The JSON object."""
@@ -69,7 +68,7 @@ class UncertainResult:
                 "variables": {
                     name: {"mean": each.mean, "sigma": each.sigma} for name, each in zip(names, joint.marginals, strict=True)
                 },
-                "responses": {name: each.record() for name, each in self.responses.items()},
+                "responses": {name: finite(each.record()) for name, each in self.responses.items()},
             },
             "evaluations": len(self.solved) + len(self.sampled),
             "failed": self.failed,

@@ -79,7 +79,7 @@ def uncertain_study(study: Study, scene: Scene | None = None) -> UncertainStudy:
         name: StudyVariable(between=(0.0, 1.0), of=each.of, factors=each.factors) for name, each in study.uncertain.items()
     }
     problem = problem_of_all(
-        study.model_copy(update={"variables": anywhere}), scene, study.uncertainty.responses, "uncertainty.responses"
+        study.model_copy(update={"variables": anywhere}), scene, study.uncertainty.responses, "uncertainty.responses", "uncertain"
     )
     own = dict(zip(problem.variables, map(float, problem.start), strict=True))
     marginals = {name: marginal_of(name, each, own[name]) for name, each in study.uncertain.items()}
