@@ -13,7 +13,11 @@ import sys
 import tempfile
 from pathlib import Path
 
-MODELS = Path(__file__).resolve().parents[1] / "models"
+import toolkit
+
+OF_THE_PROJECT = Path(toolkit.__file__).parents[1] / "models"
+MODELS = OF_THE_PROJECT if OF_THE_PROJECT.is_dir() else Path(sys.prefix) / "share" / "ffrf-toolkit" / "models"
+"""Those beside the code, or those that a wheel has installed."""
 FORMULAS = """
 from typing import NamedTuple
 import numpy as np
@@ -103,6 +107,11 @@ def commands(folder: Path) -> None:
     run("ffrf", "report", kept, "--output", folder / "report", "--quiet")
     assert (folder / "report" / "report.html").stat().st_size > 100_000
     draw(kept, folder / "pictures")
+    run("ffrf", "new", "linkage", folder / "linkage")
+    assert "hold" in json.loads(run("ffrf", "statics", folder / "linkage" / "scene.toml", "--json", "--quiet"))["responses"]
+    mesh = MODELS / "bracket" / "bracket.msh"
+    run("ffrf", "new", "solid", folder / "solid", "--mesh", mesh, "--clamp", "crank", "--grip", "pin")
+    assert json.loads(run("ffrf-preprocess", folder / "solid" / "body.toml", "--json"))["stress_error"]["cases"]
     assert "cannot be read" in run("ffrf", "statics", "nowhere.toml", code=1)
     assert "--set" in run("ffrf", "simulate", pendulum, "--set", "nothing", code=2)
 

@@ -16,9 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from preprocessing.elements.section import Section
+    from preprocessing.projects.linkage.new_linkage import new_linkage
+    from preprocessing.projects.solid.new_solid import new_solid
+    from preprocessing.projects.wing.new_wing import new_wing
     from preprocessing.recipes.build_model import build, save
     from preprocessing.recipes.frame.polygon_beam import polygon_beam
-    from preprocessing.wings.new_wing import new_wing
 
 _SPEC, _OWN = find_spec("toolkit"), Path(__file__).resolve().parents[1] / "toolkit"
 if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent != _OWN:
@@ -30,13 +32,15 @@ if _SPEC is None or _SPEC.origin is None or Path(_SPEC.origin).resolve().parent 
 _PLACES = {
     "Section": "preprocessing.elements.section",
     "build": "preprocessing.recipes.build_model",
-    "new_wing": "preprocessing.wings.new_wing",
+    "new_linkage": "preprocessing.projects.linkage.new_linkage",
+    "new_solid": "preprocessing.projects.solid.new_solid",
+    "new_wing": "preprocessing.projects.wing.new_wing",
     "polygon_beam": "preprocessing.recipes.frame.polygon_beam",
     "save": "preprocessing.recipes.build_model",
 }
 """Name -> its module."""
 
-__all__ = ["Section", "build", "new_wing", "polygon_beam", "save"]
+__all__ = ["Section", "build", "new_linkage", "new_solid", "new_wing", "polygon_beam", "save"]
 
 
 def __getattr__(name: str) -> Any:

@@ -1,11 +1,17 @@
-"""Order of a long run of the tests: what is compiled for the plane and for space is compiled once, each by a process of its own."""
+"""What all tests share: their order in a long run, in which the plane and space are compiled once, each by a process of its own; and how
+files of other programs are read."""
 
 from __future__ import annotations
 
+from io import BytesIO
 from pathlib import Path
 
 import pytest
 
+from preprocessing.foreign_files import apart
+from preprocessing.foreign_files.apart import Ended
+from preprocessing.foreign_files.child import reading
+from preprocessing.foreign_files.wire import send
 from toolkit.command_line.rehearsal import rehearse
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
@@ -36,3 +42,15 @@ def formulations(model: str) -> list[Scene]:
     """The scene with one level of equations and with both."""
     path = MODELS / model / "scene.toml"
     return [read_scene(path, {"solver.formulation": formulation}) for formulation in ("index-1", "ggl")]
+
+
+@pytest.fixture
+def read_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files of other programs are read without a process for each, where nothing of that process is tested."""
+
+    def run(reader: str, path: Path, _bounds: object, *more: str) -> Ended:
+        output = BytesIO()
+        send(output, reading(reader, str(path), *more))
+        return Ended(0, output.getvalue())
+
+    monkeypatch.setattr(apart, "run", run)

@@ -14,6 +14,7 @@ import numpy as np
 import toolkit as ffrf
 from toolkit.responses.shape_error import shape_error_history
 from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
+from toolkit.validity.bodies.cut.places import node_places
 
 WING = Path(__file__).parents[1] / "models" / "morphing_wing" / "scene.toml"
 VARIABLES = ["t_w", "M_t", "x_A", "y_A"]
@@ -71,10 +72,18 @@ for name in VARIABLES:
 print("wrong signs:", ", ".join(" by ".join(pair) for pair in whole.wrong_signs()))
 
 # %% [markdown]
-# 5. The picture: how far every node is from the wanted shape, and the gradient over the number of frames.
+# 5. The picture: both shapes, the difference of one frame ten times as large; how far every node is from the wanted shape; and the
+# gradient over the number of frames.
 
 # %%
-figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
+figure, (shape, left, right) = plt.subplots(1, 3, figsize=(13, 3.2), layout="constrained")
+true, linear = (node_places(run.solution, "skin")[-1] for run in (whole.corotational, one))
+rest = wing(1).statics({"M_t": 0.0}).solution
+shape.plot(*node_places(rest, "skin")[-1].T, ":", color="grey", label="without torque")
+shape.plot(*(true + 10 * (linear - true)).T, label="frames: 1, its error times ten")
+shape.plot(*true.T, label="frames: 30")
+shape.set(xlabel="x, mm", ylabel="y, mm", aspect="equal")
+shape.legend()
 for run, label, style in ((one, "1", "-"), (whole.corotational, "30", "-"), (auto, str(chosen["frames"]), "k--")):
     left.plot(shape_error_history(run.solution, "skin")[0][-1], style, label=f"frames: {label}")
 left.set(xlabel="node along the skin", ylabel="distance to the target, mm")

@@ -8,6 +8,7 @@ import io
 import re
 import textwrap
 import tokenize
+from functools import cache
 
 SECTION = re.compile(r"\n\nAttributes\n-+\n(.*?)(?=\n\n|\Z)", re.DOTALL)
 ENTRY = re.compile(r"^(\w+)[^\n]*\n((?:[ \t]+[^\n]*\n?)+)", re.MULTILINE)
@@ -37,6 +38,7 @@ def meanings(kind: type) -> dict[str, str]:
     return found
 
 
+@cache
 def _commented(kind: type) -> dict[str, str]:
     source = textwrap.dedent(inspect.getsource(kind))
     lines = source.splitlines()

@@ -7,16 +7,16 @@ from typing import Any
 
 from docs.generators.comments import meanings, words
 from docs.generators.key_tables import cell
-from toolkit.reduced_model.file import MAPS, ORIGIN, PARTS, SCHEMA, SCHEMA_VERSION, SPATIAL_PARTS
+from toolkit.reduced_model.file import MAPS, OPTIONAL, PARTS, SCHEMA, SCHEMA_VERSION, SPATIAL_PARTS
 from toolkit.reduced_model.model import ReducedModel
 
 
 def layout() -> str:
     """Attributes, then one section per group."""
     meaning = meanings(ReducedModel)
-    single = [item.name for item in fields(ReducedModel) if item.compare and item.name not in (*PARTS, *MAPS, *ORIGIN)]
+    single = [item.name for item in fields(ReducedModel) if item.compare and item.name not in (*PARTS, *MAPS, *OPTIONAL)]
     attributes = {"schema": f'"{SCHEMA}"', "schema_version": str(SCHEMA_VERSION)} | {n: meaning.get(n, "") for n in single}
-    groups = {f"{name}/": meaning.get(name, "") for name in (*MAPS, *ORIGIN)}
+    groups = {f"{name}/": meaning.get(name, "") for name in (*MAPS, *OPTIONAL)}
     return "\n\n".join(
         [
             f"### Attributes of the file\n\n{_table(attributes)}",

@@ -47,10 +47,10 @@ from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.responses.catalogue import Response
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
+from toolkit.studies.distributions.uncertain_numbers import Correlation, Uncertain, Uncertainty
 from toolkit.studies.study.search_options import Search
 from toolkit.studies.study.study_file import Limit, Objective, Study, StudyVariable
 from toolkit.studies.study.sweep_options import Sweep
-from toolkit.studies.study.uncertain_numbers import Correlation, Uncertain, Uncertainty
 
 PAGE = Path(__file__).parents[1] / "formats.md"
 PLACE = re.compile(r"^<!-- table: ([\w-]+) -->\n(?:.*?^<!-- end of table -->\n)?", re.MULTILINE | re.DOTALL)

@@ -9,7 +9,7 @@ from typing import Any
 import gmsh
 
 LONG, HIGH, WIDE, THICK = 90.0, 60.0, 24.0, 8.0  # mm, of the arms from bore to bore, and of their plates
-FILLET, BORE, SIZE = 8.0, 6.0, 15.0  # radii of the inner corner and of both bores; size of the elements
+FILLET, BORE, SIZE = 8.0, 6.0, 6.0  # radii of the inner corner and of both bores; size of the elements
 
 
 def bracket(occ: Any) -> int:
@@ -27,7 +27,7 @@ def bracket(occ: Any) -> int:
     return volume
 
 
-def main(path: Path, size: float = SIZE, around: int = 5) -> None:
+def main(path: Path, size: float = SIZE, around: int = 12) -> None:
     """Draw, name the walls of the two bores, and mesh with elements of a size, and so many round a bore."""
     gmsh.initialize(readConfigFiles=False, interruptible=False)
     try:

@@ -98,6 +98,15 @@ def read_airfoil(path: str | Path, units: str | None = None, chord: float | None
     return Airfoil(loop.name or path.stem, loop.points, loop.format, loop.repairs, warnings)
 
 
+def largest_x(path: str | Path) -> float:
+    """Largest x in a file of coordinates, in whatever it is in; raises as `read_airfoil`."""
+    path = Path(path)
+    try:
+        return float(recognise(split_table(read_text(path))).points[:, 0].max())
+    except InputError as error:
+        raise InputError(f"airfoil {path.name}: {error}") from error
+
+
 def _divisor(units: str | None, chord: float | None) -> float:
     """What makes fractions of the chord of the file's numbers."""
     if units is not None and units not in UNITS:

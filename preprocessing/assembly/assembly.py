@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from functools import reduce
+from functools import cached_property, reduce
 from operator import add
 from typing import Any, NamedTuple
 
-import numpy as np
-from scipy import sparse
-
+from preprocessing.elements.blocks import weighted_sum
 from preprocessing.elements.element import Contribution, Coordinates, Element
 from preprocessing.elements.section import Monomial, monomial, monomial_derivative
 from preprocessing.elements.space import Pair, Space
@@ -51,7 +49,7 @@ class Root(NamedTuple):
     """Rows F with weight F^T F = K: of shapes psi that hardly strain stiff elements, F psi keeps the digits that K psi loses."""
 
     weight: float
-    rows: Any  # sparse (n_rows, n)
+    rows: Any  # (n_rows, n), blocks or sparse
 
 
 class Part(NamedTuple):
@@ -59,7 +57,7 @@ class Part(NamedTuple):
 
     factors: Monomial
     name: str | Pair  # stiffness, damping or stress, or the pair (a, b) of M_ab
-    matrix: Any  # sparse
+    matrix: Any  # blocks, or sparse
     root: Root | None = None  # of a stiffness, where it is known
 
 
@@ -78,15 +76,26 @@ class Parts:
 
     def derivative(self, values: Mapping[str, Any], parameter: str) -> Matrices:
         """Analytical derivative of the matrices by one parameter."""
-        concerned = [part for part in self.parts if parameter in dict(part.factors)]
+        concerned = self._concerned.get(parameter, [])
         return self._sum([(part, monomial_derivative(values, part.factors, parameter)) for part in concerned])
 
+    @cached_property
+    def _concerned(self) -> dict[str, list[Part]]:
+        """Parameter -> the parts whose monomials hold it."""
+        found: dict[str, list[Part]] = {}
+        for part in self.parts:
+            for parameter in dict(part.factors):
+                found.setdefault(parameter, []).append(part)
+        return found
+
     def _sum(self, weighted: list[tuple[Part, Any]]) -> Matrices:
-        n = self.coordinates.n
+        n, terms = self.coordinates.n, dict[str | Pair, list[tuple[Any, Any]]]()
+        for part, weight in weighted:
+            if weight != 0:
+                terms.setdefault(part.name, []).append((weight, part.matrix))
 
         def one(name: str | Pair) -> Any:
-            terms = [weight * part.matrix for part, weight in weighted if part.name == name and weight != 0]
-            return _added(terms, self.n_stress if name == "stress" else n, n)
+            return weighted_sum(terms.get(name, []), (self.n_stress if name == "stress" else n, n))
 
         masses = tuple(one(pair) for pair in self.coordinates.space.pairs)
         return Matrices(self.coordinates, self.components, masses, one("stiffness"), one("damping"), one("stress"))
@@ -125,14 +134,3 @@ def _summands(each: Contribution, name: str | Pair, matrix: Any, **powers: int) 
     for number, dimensions in each.terms:
         root = None if each.rows is None else Root(number, each.rows)
         yield Part(each.patch.monomial(**powers, **dimensions), name, matrix if number == 1 else number * matrix, root)
-
-
-def _added(terms: list[Any], n_rows: int, n: int) -> Any:
-    """Sum of sparse matrices, by one conversion instead of one per term."""
-    if not terms:
-        return sparse.csr_array((n_rows, n))
-    if len(terms) == 1:
-        return terms[0].tocsr()
-    every = [term.tocoo() for term in terms]
-    row, column, value = (np.concatenate([getattr(term, name) for term in every]) for name in ("row", "col", "data"))
-    return sparse.coo_array((value, (row, column)), shape=(n_rows, n)).tocsr()

@@ -21,6 +21,7 @@ from scipy.sparse import coo_array, csr_array, issparse, vstack
 
 from preprocessing.assembly.assembly import Matrices, Part, Parts
 from preprocessing.assembly.energies import PARTS, energies, energy, symmetric
+from preprocessing.elements.blocks import sparse_of, without_cancelled
 from preprocessing.elements.element import Coordinates
 from preprocessing.elements.section import Monomial
 from preprocessing.elements.space import Form
@@ -159,13 +160,13 @@ def whole(matrix: Any) -> Any:
 
 def _contractions(part: Part, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
     """What one part of one matrix adds to the invariants, for unit parameters and sparse or dense Z."""
-    psi, matrix = z[:, 1:], part.matrix
+    psi = z[:, 1:]
     if part.name == "stress":
-        yield "stress_operator", matrix @ psi
+        yield "stress_operator", part.matrix @ psi
     elif isinstance(part.name, str):
         yield part.name, energy(part, psi)
     else:
-        yield from _of_mass(part.name, matrix, z, coordinates)
+        yield from _of_mass(part.name, sparse_of(part.matrix), z, coordinates)
 
 
 def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinates) -> Iterator[tuple[str, Any]]:
@@ -175,10 +176,12 @@ def _of_mass(pair: tuple[int, int], matrix: Any, z: Any, coordinates: Coordinate
         moment = _moment(form, matrix, lambda each: z.T @ (each @ z))
         yield form.item, moment if form.place is None else _at_place(moment, form.place, len(space.pairs))
     if pair[0] == pair[1]:
-        axis, row = pair[0], z.T @ (matrix.T @ t[pair[0]])
+        axis = pair[0]
+        inertia = without_cancelled(matrix.T @ t[axis], abs(matrix).T @ t[axis])  # nothing of what only turns
+        row = z.T @ inertia
         yield "first_moment", coo_array((row, (np.full(width, axis), np.arange(width))), shape=(space.dimension, width))
-    if pair == (0, 0):
-        yield "mass", np.atleast_2d(t[0] @ (matrix @ t[0]))
+        if axis == 0:
+            yield "mass", np.atleast_2d(inertia @ t[0])
 
 
 def _at_place(moment: Any, place: int, places: int) -> Any:

@@ -7,20 +7,31 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from preprocessing.input.output_file import refuse_output
 from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
-from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json
+from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.reduced_model.file import load, save
-from toolkit.reduced_model.material_questions import material_questions
 from toolkit.reduced_model.model import ReducedModel
+from toolkit.reduced_model.questions.material_questions import material_questions
+from toolkit.reduced_model.questions.mesh_questions import mesh_questions, told_mesh
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
 
-@app.command()
+class Command(TyperCommand):
+    """The command: what cannot be meant is told as JSON too, if that was asked for."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read the command line."""
+        with usage_in_json("--json" in args):
+            return super().parse_args(ctx, args)
+
+
+@app.command(cls=Command)
 def preprocess(
     skin: Annotated[
         Path, typer.Argument(metavar="BODY.toml", help="Description of a skin, of a body with a mesh or matrices, or of a frame.")
@@ -106,14 +117,18 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
             remarks(elsewhere)
         model = recipe.at(values).build(remarks)
         save(model, output)
-    warnings = [caution.text for caution in material_questions(model.nominal, model.units, path.stem)]
+    asked = (*material_questions(model.nominal, model.units, path.stem), *mesh_questions(model, path.stem))
+    warnings = [caution.text for caution in asked]
     for text in warnings:
         remarks.only_say(f"warning: {text}")
     interfaces = list(model.interfaces or {})
     told = f"{output} written: {model.n_f} elastic coordinates, interface points {', '.join(interfaces) or 'none'}."
     if found is not None:
         told = f"{output} is up to date: its inputs are unchanged. Use --force to build it again."
+    if stress := told_mesh(model):
+        told += f"\nEstimated: {stress}."
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
+    record["stress_error"] = {"cases": model.stress_errors, "place": model.stress_error_at} if model.stress_errors else None
     return Done(told, record, warnings)
 
 

@@ -7,6 +7,7 @@ in a parameter of the shape carries exact derivatives through. Only the choice o
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,6 +18,8 @@ from preprocessing.curve.interpolant import Interpolant
 Number = Any
 """A float, or a complex number where a complex step is taken."""
 
+_SETTLED = 1e-9
+"""Step of Newton's iteration, in parts of the whole curve, whose square is below round-off."""
 _PASSES = 3  # arc-length passes: they even out the speed |r'(u)|; exact arc length comes from `parameter`
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 
@@ -24,7 +27,7 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
 class Parametric(Protocol):
     """A curve r(u) and its derivatives; an `Interpolant`, or one with bumps."""
 
-    def __call__(self, u: np.ndarray, order: int = 0) -> np.ndarray: ...
+    def __call__(self, u: Any, order: int = 0) -> np.ndarray: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +94,7 @@ class ArcLengthSpline:
         """Angle of the tangent to the x axis, continuous along the curve, in [0, 2 pi) at its start; shape (...)."""
         u = self.parameter(s)
         principal = _angle(self.spline(u, 1))
-        turns = np.round((np.interp(np.real(u), *self._continuous_angles()) - np.real(principal)) / (2 * np.pi))
+        turns = np.round((np.interp(np.real(u), *self._continuous_angles) - np.real(principal)) / (2 * np.pi))
         return principal + 2 * np.pi * turns
 
     def direction(self, s) -> np.ndarray:
@@ -106,7 +109,7 @@ class ArcLengthSpline:
         cross = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
         return cross / norm(first) ** 3
 
-    def arc_length(self, u: np.ndarray) -> np.ndarray:
+    def arc_length(self, u: Any) -> Any:
         """Arc lengths (...) at parameters u (...)."""
         i = self._interval(self.break_u, u)
         return self.break_s[i] + _arc_between(self.spline, self.break_u[i], u)
@@ -118,12 +121,15 @@ class ArcLengthSpline:
         start, excess = self.break_u[i], s - self.break_s[i]
         rise = self.break_s[i + 1] - self.break_s[i]
         u = start + excess * np.divide(self.break_u[i + 1] - start, rise, out=np.ones_like(rise), where=rise != 0)
+        settled, last = _SETTLED * abs(self.break_u[-1]), np.inf
         for _ in range(8):  # quadratic from an error of some percent of one interval: 4 do, 8 are safe
-            before, u = u, u - (_arc_between(self.spline, start, u) - excess) / _speed(self.spline, u)
-            if np.array_equal(u, before):
+            step = (_arc_between(self.spline, start, u) - excess) / _speed(self.spline, u)
+            before, last, u = last, float(np.abs(step).max(initial=0)), u - step
+            if before < settled:  # the step after it is round-off, and what a complex step adds, which lags behind, is right too
                 break
         return u
 
+    @cached_property
     def _continuous_angles(self) -> tuple[np.ndarray, np.ndarray]:
         """Unwrapped tangent angles at eight samples per interval, from which the branch of any angle is chosen."""
         u = np.interp(np.arange(8 * (len(self.point_u) - 1) + 1) / 8, np.arange(len(self.point_u)), self.point_u)

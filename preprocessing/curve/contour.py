@@ -87,7 +87,7 @@ class Contour:
     @cached_property
     def outline(self) -> np.ndarray:
         """Points (n, 2) to draw the contour by: the rows, and three between any two, for a nose of few rows is round too."""
-        return np.real(self.position(self._samples()))
+        return np.real(self.position(self._between_rows(np.real(self.curve.point_s))))
 
     @cached_property
     def leading_edge(self) -> float:
@@ -95,19 +95,24 @@ class Contour:
 
         It only tells the two sides apart, so its real part is enough even where a complex step is taken.
         """
+        return float(np.real(self.curve.arc_length(self._nose)))
+
+    @cached_property
+    def _nose(self) -> float:
+        """Parameter of the leading edge."""
         rows = np.real(self.curve.spline(self.curve.point_u))
         tail = (rows[0] + rows[-1]) / 2
-        return self._foot(tail, int(np.argmax(norm(self.outline - tail))))
+        return self._foot(tail, int(np.argmax(norm(self._samples[1] - tail))))
 
     def nearest(self, point: np.ndarray) -> Number:
         """Arc length of the point of the contour nearest to `point` (2,); an end of the loop, if that is nearest."""
-        place = np.real(point)
-        s = self._foot(place, int(np.argmin(norm(self.outline - place))))
-        if not (self.is_complex or np.iscomplexobj(point)):
-            return s
-        if s in (0.0, self.length.real):
-            return 0.0 if s == 0.0 else self.length
-        return polished(lambda t: self._distance_along(point, t), s)
+        place, ends = np.real(point), self.curve.point_u[[0, -1]]
+        u: Number = self._foot(place, int(np.argmin(norm(self._samples[1] - place))))
+        if u in ends:
+            return 0.0 if u == ends[0] else self.length
+        if self.is_complex or np.iscomplexobj(point):
+            u = polished(lambda t: self._distance_along(point, t), u)
+        return self.curve.arc_length(u).item()
 
     def at_x(self, x: float, side: str) -> Number:
         """Arc length where the upper or lower side, split at the leading edge, has abscissa x.
@@ -120,29 +125,30 @@ class Contour:
         """
         if side not in SIDES:
             raise InputError(f"side {side!r} is unknown; available: {', '.join(SIDES)}.")
-        s = self._found(x, side)
+        spline, u = self.curve.spline, self._found(x, side)
         if not self.is_complex:
-            return s
-        slope = self.curve.direction(s)[0].real
+            return self.curve.arc_length(u).item()
+        along = np.real(spline(u, 1))
+        slope = along[0] / norm(along)
         if abs(slope) < UPRIGHT:
             raise InputError(
                 f"the {side} side is upright at x = {x:g} (dx/ds = {slope:.1e}), so that the place has no derivative by the shape. "
                 "Name the point by its arc length, or choose x away from the nose."
             )
-        return polished(lambda t: (self.position(t)[0] - x, self.curve.direction(t)[0]), s)
+        return self.curve.arc_length(polished(lambda t: (spline(t)[0] - x, spline(t, 1)[0]), u)).item()
 
     def _found(self, x: float, side: str) -> float:
-        """`at_x` of the real part."""
-        first, last = (0.0, self.leading_edge) if side == "upper" else (self.leading_edge, self.length.real)
-        samples = self._samples()
-        between = (samples > first) & (samples < last)
-        s = np.concatenate([[first], samples[between], [last]])
-        beginning, end = np.real(self.position([first, last])[:, 0])
-        reached = np.concatenate([[beginning], self.outline[between, 0], [end]])
+        """The parameter of `at_x`, its real part."""
+        parameters, points = self._samples
+        first, last = (parameters[0], self._nose) if side == "upper" else (self._nose, parameters[-1])
+        between = (parameters > first) & (parameters < last)
+        u = np.concatenate([[first], parameters[between], [last]])
+        beginning, end = np.real(self.curve.spline(u[[0, -1]])[:, 0])
+        reached = np.concatenate([[beginning], points[between, 0], [end]])
         f = reached - x
         for i in (0, -1):
             if abs(f[i]) < 1e-12 * self.length.real:
-                return float(s[i])
+                return float(u[i])
         hits = np.flatnonzero((f[:-1] > 0) != (f[1:] > 0))
         if len(hits) != 1:
             how = "does not reach" if len(hits) == 0 else f"meets {len(hits)} times"
@@ -150,27 +156,36 @@ class Contour:
                 f"the {side} side {how} x = {x:g}; it runs from x = {reached.min():g} to {reached.max():g}. "
                 "Choose x in this range, or name the point by its arc length."
             )
-        return root(lambda t: float(np.real(self.position(t)[0])) - x, s[hits[0]], s[hits[0] + 1], self.length.real)
+        return root(lambda t: float(np.real(self.curve.spline(t)[0])) - x, u[hits[0]], u[hits[0] + 1], self.length.real)
 
-    def _samples(self) -> np.ndarray:
-        """Four arc lengths per interval between rows, the rows among them."""
-        n = len(self.curve.point_s)
-        return np.interp(np.arange(4 * (n - 1) + 1) / 4, np.arange(n), np.real(self.curve.point_s))
+    @cached_property
+    def _samples(self) -> tuple[np.ndarray, np.ndarray]:
+        """Four parameters per interval between rows, the rows among them, and the real points (n, 2) there.
+
+        Places are searched by the parameter, which needs no inverse of the arc length.
+        """
+        u = self._between_rows(self.curve.point_u)
+        return u, np.real(self.curve.spline(u))
+
+    @staticmethod
+    def _between_rows(at_rows: np.ndarray) -> np.ndarray:
+        """Four numbers per interval between rows."""
+        n = len(at_rows)
+        return np.interp(np.arange(4 * (n - 1) + 1) / 4, np.arange(n), at_rows)
 
     def _foot(self, point: np.ndarray, i: int) -> float:
-        """Root of (r(s) - point) . r'(s), real parts, next to sample i; the sample itself at an end of the loop."""
-        s = self._samples()
+        """Root of (r(u) - point) . r'(u), real parts, next to sample i; the sample itself at an end of the loop."""
+        u, spline = self._samples[0], self.curve.spline
 
         def along(t: float) -> float:
-            angle = np.real(self.tangent_angle(t))
-            return float((np.real(self.position(t)) - point) @ np.array([np.cos(angle), np.sin(angle)]))
+            return float((np.real(spline(t)) - point) @ np.real(spline(t, 1)))
 
-        low, high = s[max(i - 1, 0)], s[min(i + 1, len(s) - 1)]
+        low, high = u[max(i - 1, 0)], u[min(i + 1, len(u) - 1)]
         if along(low) * along(high) > 0:
-            return float(s[i])
+            return float(u[i])
         return root(along, low, high, self.length.real)
 
-    def _distance_along(self, point: np.ndarray, s: Number) -> tuple[Number, Number]:
-        """(r - point) . t and its derivative by s, 1 + (r - point) . dt/ds, with dt/ds = curvature times t turned by +90 degrees."""
-        miss, (x, y) = self.position(s) - point, self.curve.direction(s)
-        return miss @ np.array([x, y]), 1 + self.curvature(s) * (miss @ np.array([-y, x]))
+    def _distance_along(self, point: np.ndarray, u: Number) -> tuple[Number, Number]:
+        """(r - point) . r' and its derivative by u, r' . r' + (r - point) . r''."""
+        place, first, second = (self.curve.spline(u, order) for order in (0, 1, 2))
+        return (place - point) @ first, first @ first + (place - point) @ second

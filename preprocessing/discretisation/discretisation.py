@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.assembly import Parts
+from preprocessing.assembly.assembly import Parts, assemble
 from preprocessing.assembly.interface import interface_point, node_point
 from preprocessing.basis.basis import DesignRates
 from preprocessing.basis.reduction import per_node, undeformed
@@ -27,10 +28,19 @@ class Discretisation:
     """
 
     element: LineElement
-    parts: Parts
     places: Mapping[str, Any]  # interface point -> its arc length, or of a frame its node
     arc_lengths: np.ndarray | None = None  # (n_nodes,) of a chain
     target: np.ndarray | None = None  # (n_nodes, 2)
+
+    @cached_property
+    def parts(self) -> Parts:
+        """Of the matrices."""
+        return assemble(self.element)
+
+    @cached_property
+    def changing_parts(self) -> Parts:
+        """The same of those elements that a complex step changes; what it leaves alone has no derivative."""
+        return assemble(self.element.changing())
 
     @property
     def nodes(self) -> np.ndarray:
@@ -107,7 +117,8 @@ class DesignSpace:
             return _change(d_matrices, np.zeros(per_node(nominal.nodes) * len(nominal.nodes)), {}, nominal)
         stepped = self.stepped(parameter)
         d_xi, d_rows = derivative_of(undeformed(stepped.nodes)), stepped.interface_rows()
-        d_matrices = stepped.parts.at(self.values).changed(lambda matrix: matrix.imag / STEP)
+        d_parts = replace(stepped.changing_parts, n_stress=nominal.parts.n_stress)
+        d_matrices = d_parts.at(self.values).changed(lambda matrix: matrix.imag / STEP)
         return _change(d_matrices, d_xi, {name: derivative_of(rows) for name, rows in d_rows.items()}, stepped)
 
 

@@ -1,15 +1,17 @@
-"""Elements whose matrices are made as dense blocks of all elements at once, and placed in the sparse matrices of the body."""
+"""Elements whose matrices are made as dense blocks of all elements at once."""
 
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import ClassVar, Self
 
 import numpy as np
-from scipy import sparse
 
+from preprocessing.elements.blocks import Blocks, Places
 from preprocessing.elements.element import Coordinates, Element
+from preprocessing.elements.section import Patch
 from preprocessing.elements.space import Pair, Space
 from toolkit.reduced_model.model import StressPoints
 
@@ -29,36 +31,30 @@ class BlockElement(Element):
     def coordinates(self) -> Coordinates:
         return Coordinates(self.space, len(self.nodes), self.per_node, self.hidden)
 
-    @property
+    @cached_property
     def ends(self) -> np.ndarray:
         """Positions of the nodes of every element, (n_e, nodes of one element, d)."""
         return self.nodes[self.connectivity]
 
-    @property
+    @cached_property
     def dofs(self) -> np.ndarray:
         """Numbers of the coordinates of every element, the hidden ones last, (n_e, n_local)."""
         own = (self.per_node * self.connectivity[:, :, None] + np.arange(self.per_node)).reshape(len(self.connectivity), -1)
         hidden = self.coordinates.nodal + np.arange(self.hidden)
         return np.column_stack([own, np.broadcast_to(hidden, (len(own), self.hidden))])
 
-    def component_masses(self, elements: np.ndarray, blocks: np.ndarray) -> dict[Pair, Any]:
-        """Sparse M_ab from the blocks (n_e, d, d, p, p) of some elements on their first p coordinates."""
+    def component_masses(self, elements: np.ndarray, blocks: np.ndarray) -> dict[Pair, Blocks]:
+        """M_ab from the blocks (n_e, d, d, p, p) of some elements on their first p coordinates."""
         dofs, n = self.dofs[elements, : blocks.shape[-1]], self.coordinates.n
-        rows, columns = (each.ravel() for each in np.broadcast_arrays(dofs[:, :, None], dofs[:, None, :]))
-        return {
-            (a, b): sparse.coo_array((blocks[:, a, b].ravel(), (rows, columns)), shape=(n, n)).tocsr()
-            for a, b in self.space.pairs
-        }
+        places = Places(elements, dofs, dofs, (n, n))
+        return {(a, b): Blocks(places, blocks[:, a, b]) for a, b in self.space.pairs}
 
-    def placed_rows(self, elements: np.ndarray, blocks: np.ndarray, numbers: np.ndarray | None = None, n_rows: int = 0) -> Any:
-        """Rows (n_e, k, p) of some elements as a sparse matrix: one after the other, or at the numbers (n_e, k) of `n_rows`."""
+    def placed_rows(self, elements: np.ndarray, blocks: np.ndarray, numbers: np.ndarray | None = None, n_rows: int = 0) -> Blocks:
+        """Rows (n_e, k, p) of some elements: one after the other, or at the numbers (n_e, k) of `n_rows`."""
         if numbers is None:
-            numbers, n_rows = (
-                np.arange(blocks.shape[0] * blocks.shape[1]).reshape(blocks.shape[:2]),
-                blocks.shape[0] * blocks.shape[1],
-            )
-        rows, columns = np.broadcast_arrays(numbers[:, :, None], self.dofs[elements, None, : blocks.shape[2]])
-        return sparse.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(n_rows, self.coordinates.n)).tocsr()
+            n_rows = blocks.shape[0] * blocks.shape[1]
+            numbers = np.arange(n_rows).reshape(blocks.shape[:2])
+        return Blocks(Places(elements, numbers, self.dofs[elements, : blocks.shape[2]], (n_rows, self.coordinates.n)), blocks)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,10 +64,29 @@ class LineElement(BlockElement):
     The nodes turn too: their coordinates are x, y and a rotation, in space the displacements along and the rotations about x, y and z.
     """
 
-    def apart(self) -> Self:
-        """The same elements, no two of which share a coordinate: the nodes of the first element, then those of the second, and so on."""
-        nodes = self.ends.reshape(-1, self.nodes.shape[1])
-        return replace(self, nodes=nodes, connectivity=np.arange(len(nodes)).reshape(-1, 2))
+    wanted: np.ndarray | None = field(default=None, kw_only=True)
+    """Numbers of the elements that contribute; None: all of them."""
+
+    @property
+    def contributing(self) -> np.ndarray:
+        """These numbers in any case."""
+        return np.arange(len(self.connectivity)) if self.wanted is None else self.wanted
+
+    def of_patch(self, patch: Patch) -> tuple[np.ndarray, np.ndarray]:
+        """Numbers of a patch's elements that contribute, and their places among all that do."""
+        if self.wanted is None:
+            return patch.elements, patch.elements
+        here = np.flatnonzero(np.isin(self.wanted, patch.elements))
+        return self.wanted[here], here
+
+    @property
+    def stepped(self) -> np.ndarray:
+        """Which elements have a node that a complex step moves, (n_e,) truth values."""
+        return np.any(np.imag(self.ends) != 0, axis=(1, 2))
+
+    def changing(self) -> Self:
+        """The same, where only elements that a complex step changes contribute; a kind that leaves all of them in is right, but slow."""
+        return self
 
     @property
     @abstractmethod

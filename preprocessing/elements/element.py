@@ -10,6 +10,7 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from scipy import sparse
 
+from preprocessing.elements.blocks import Blocks
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import Terms
 from preprocessing.elements.space import Space
@@ -24,15 +25,13 @@ class Contribution(NamedTuple):
     kind: Literal["mass", "stiffness", "stress"]
     patch: Patch  # whose parameters they are
     terms: Terms  # of quantities of the patch
-    matrix: Any  # (a, b) -> sparse M_ab (n, n), for all pairs of the space; sparse K (n, n); sparse rows (n_stress, n)
-    rows: Any = (
-        None  # F of K = F^T F, sparse; of shapes that hardly strain stiff elements F psi keeps the digits that K psi loses
-    )
+    matrix: Any  # (a, b) -> M_ab (n, n), for all pairs of the space; K (n, n); rows (n_stress, n): blocks, or sparse
+    rows: Any = None  # F of K = F^T F; of shapes that hardly strain stiff elements F psi keeps the digits that K psi loses
 
 
-def squared(patch: Patch, terms: Terms, rows: Any) -> Contribution:
+def squared(patch: Patch, terms: Terms, rows: Blocks) -> Contribution:
     """A stiffness F^T F by its rows F."""
-    return Contribution("stiffness", patch, terms, (rows.T @ rows).tocsr(), rows)
+    return Contribution("stiffness", patch, terms, rows.squared(), rows)
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,7 @@ class Patch:
 
 def monomial(values: Mapping[str, Any], factors: Monomial) -> Any:
     """Value of prod_j p_j ** e_j; real or complex, as the values are."""
-    return np.prod([values[name] ** power for name, power in factors])
+    return prod(values[name] ** power for name, power in factors)
 
 
 def monomial_derivative(values: Mapping[str, Any], factors: Monomial, parameter: str) -> Any:

@@ -8,13 +8,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from preprocessing.assembly.assembly import Part, assemble
+from preprocessing.assembly.assembly import Part, Parts
 from preprocessing.assembly.invariants import Term, polynomial_of
 from preprocessing.basis.reduction import undeformed
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation, derivative_of
 from preprocessing.elements.block_element import LineElement
+from preprocessing.elements.blocks import without_cancelled
 from preprocessing.elements.section import Monomial, monomial
-from preprocessing.elements.space import Form
+from preprocessing.elements.space import Form, Pair
 from preprocessing.reduction.stored_entries import ROUND_OFF, joined_rates
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
@@ -27,6 +28,13 @@ PLACES = ("nodes", "connectivity", "held")
 Arrays = dict[str, np.ndarray]
 
 
+class Rows(NamedTuple):
+    """Some rows of an array: numbers along its first axis, and what stands there."""
+
+    numbers: np.ndarray  # (n,), of elements or of stress rows, in their order
+    values: np.ndarray  # (n, ...)
+
+
 class ElementSums(NamedTuple):
     """Elements of a body, and their dependence on the parameters as in `ReducedModel`."""
 
@@ -37,32 +45,46 @@ class ElementSums(NamedTuple):
 
 def element_sums(space: DesignSpace, nominal: Discretisation, held: Sequence[int]) -> ElementSums:
     """All elements at the nominal design of a body, whose frame is tied to the nodes `held`, or to none."""
-    every = _by_monomial(nominal.element)
-    mass = _sum(every, space.values)["mass"]
+    every, lengths = _by_monomial(nominal.element, nominal.parts), _lengths(nominal)
+    mass = _sum(every, space.values, lengths)["mass"]
     units = {factors: monomial(space.values, factors) if "mass" in arrays else 1.0 for factors, arrays in every.items()}
     summands = {factors: _significant(arrays, mass / units[factors]) for factors, arrays in every.items()}
-    arrays = {"nodes": nominal.nodes, **_sum(summands, space.values)}
+    arrays = {"nodes": nominal.nodes, **_sum(summands, space.values, lengths)}
     kind = KINDS[nominal.nodes.shape[1]]
     found_by_place = {"connectivity": nominal.element.connectivity, "held": np.array(held, np.int64)}
     places = {f.name: found_by_place[f.name] for f in fields(kind) if f.name in found_by_place}
     elements = kind(**places, **arrays)
-    names = list(space.values)
+    names, scales = list(space.values), {"nodes": np.abs(arrays["nodes"]).max(), **_scales(arrays, arrays["mass"])}
+    rates = {name: _rates(space, name, lengths, scales) for name in names if name not in space.in_monomials}
+    polynomials = {item: polynomial_of(each, names) for item, each in _terms(summands).items()}
+    return ElementSums(elements, joined_rates(rates, names), polynomials)
+
+
+def _lengths(nominal: Discretisation) -> dict[str, int]:
+    """Lengths of the arrays: of the stress that of its rows, of all others the number of elements."""
+    return {"stress_operator": nominal.parts.n_stress, "": len(nominal.element.connectivity)}
+
+
+def _terms(summands: Mapping[Monomial, Mapping[str, Rows]]) -> dict[str, list[Term]]:
+    """Item -> the coefficients that are not zero, monomial by monomial."""
     terms: dict[str, list[Term]] = {}
     for factors, found in summands.items():
-        for item, array in found.items():
-            if np.any(array):
-                entry = np.flatnonzero(array)
-                terms.setdefault(f"elements.{item}", []).append((factors, entry, array.ravel()[entry]))
-    rates = {name: _rates(space, name, arrays) for name in names if name not in space.in_monomials}
-    return ElementSums(elements, joined_rates(rates, names), {item: polynomial_of(each, names) for item, each in terms.items()})
+        for item, (numbers, values) in found.items():
+            flat = values.reshape(len(numbers), -1)
+            if np.any(flat):
+                row, column = np.nonzero(flat)
+                terms.setdefault(f"elements.{item}", []).append(
+                    (factors, numbers[row] * flat.shape[1] + column, flat[row, column])
+                )
+    return terms
 
 
-def _rates(space: DesignSpace, parameter: str, nominal: Arrays) -> Arrays:
+def _rates(space: DesignSpace, parameter: str, lengths: Mapping[str, int], scales: Mapping[str, Any]) -> Arrays:
     """Derivatives by a parameter of the geometry, without round-off."""
     stepped = space.stepped(parameter)
     found = {"nodes": derivative_of(stepped.nodes + 0j)}
-    found |= {name: derivative_of(each + 0j) for name, each in _sum(_by_monomial(stepped.element), space.values).items()}
-    scales = {"nodes": np.abs(nominal["nodes"]).max(), **_scales(nominal, nominal["mass"])}
+    arrays = _sum(_by_monomial(stepped.element, stepped.changing_parts), space.values, lengths)
+    found |= {name: derivative_of(each + 0j) for name, each in arrays.items()}
     return {f"elements.{name}": _counting(rate, scales[name]) for name, rate in found.items()}
 
 
@@ -72,63 +94,79 @@ def _counting(rate: np.ndarray, scale: Any) -> np.ndarray:
     return np.where(parts > ROUND_OFF * parts.max(initial=0), rate, 0.0)
 
 
-def _sum(summands: Mapping[Monomial, Arrays], values: Mapping[str, Any]) -> Arrays:
+def _sum(summands: Mapping[Monomial, Mapping[str, Rows]], values: Mapping[str, Any], lengths: Mapping[str, int]) -> Arrays:
     """The arrays at values of the parameters."""
-    names = list(dict.fromkeys(name for arrays in summands.values() for name in arrays))
-    return {
-        name: sum(monomial(values, factors) * arrays[name] for factors, arrays in summands.items() if name in arrays)
-        for name in names
-    }
+    found: Arrays = {}
+    kind = np.result_type(float, *(rows.values for arrays in summands.values() for rows in arrays.values()))
+    for factors, arrays in summands.items():
+        unit = monomial(values, factors)
+        for name, (numbers, rows) in arrays.items():
+            if name not in found:
+                found[name] = np.zeros((lengths.get(name, lengths[""]), *rows.shape[1:]), kind)
+            found[name][numbers] += unit * rows
+    return found
 
 
-def _by_monomial(element: LineElement) -> dict[Monomial, Arrays]:
+def _by_monomial(element: LineElement, parts: Parts) -> dict[Monomial, dict[str, Rows]]:
     """Monomial of the parameters -> what it multiplies in every array."""
-    apart = element.apart()
-    count, local = len(element.connectivity), 2 * element.per_node
-    if apart.coordinates.hidden != element.hidden * count:
-        raise TypeError(
-            f"{type(element).__name__} has hidden coordinates: its `apart` has to give one to every element, as SpatialBeam does."
-        )
-    xi = undeformed(apart.nodes).reshape(count, local, 1)
+    count, local = element.connectivity.shape[0], 2 * element.per_node
+    xi = undeformed(element.ends.reshape(-1, element.nodes.shape[1])).reshape(count, local, 1)
     z = np.concatenate([xi, np.broadcast_to(np.eye(local), (count, local, local))], axis=2)
     hidden = np.zeros((count, element.hidden, 1 + local))
     hidden[:, :, 0] = 1
     z = np.concatenate([z, hidden], axis=1)
-    found: dict[Monomial, Arrays] = {}
-    for part in assemble(apart).parts:
+    found: dict[Monomial, dict[str, list[Rows]]] = {}
+    for part in parts.parts:
         own = found.setdefault(part.factors, {})
-        for name, array in _summands(part, apart, z):
-            own[name] = own[name] + array if name in own else array
-    return found
+        for name, rows in _summands(part, element, z):
+            own.setdefault(name, []).append(rows)
+    return {factors: {name: _joined(rows) for name, rows in arrays.items()} for factors, arrays in found.items()}
 
 
-def _summands(part: Part, apart: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+def _joined(every: list[Rows]) -> Rows:
+    """The sum of rows at the same numbers."""
+    added = np.concatenate([each.values for each in every])
+    numbers, where = np.unique(np.concatenate([each.numbers for each in every]), return_inverse=True)
+    found = np.zeros((len(numbers), *added.shape[1:]), added.dtype)
+    np.add.at(found, where, added)
+    return Rows(numbers, found)
+
+
+def _summands(part: Part, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, Rows]]:
     """What one part of one matrix adds."""
-    local = 2 * apart.per_node
+    local, blocks = 2 * element.per_node, part.matrix
+    elements = blocks.places.elements
     if part.name == "stress":
-        yield "stress_operator", _rows(part.matrix, local)
-        return
-    blocks = _blocks(part.matrix, apart, z.shape[1])
-    if isinstance(part.name, str):
-        yield part.name, _symmetric(blocks[:, :local, :local])
+        rows = np.zeros((blocks.places.rows.size, local), blocks.values.dtype)
+        rows[:, : blocks.values.shape[2]] = blocks.values.reshape(len(rows), -1)
+        yield "stress_operator", Rows(blocks.places.rows.ravel(), rows)
+    elif isinstance(part.name, str):
+        whole = np.zeros((len(elements), local, local), blocks.values.dtype)
+        width = min(local, blocks.values.shape[1])
+        whole[:, :width, :width] = blocks.values[:, :width, :width]
+        yield part.name, Rows(elements, _symmetric(whole))
     else:
-        yield from _of_mass(part.name, blocks, apart, z)
+        for name, values in _of_mass(part.name, blocks.values, element, z[elements, : blocks.values.shape[1]]):
+            yield name, Rows(elements, values)
 
 
-def _of_mass(pair: tuple[int, int], blocks: np.ndarray, apart: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """What one component mass matrix adds."""
-    space = apart.space
+def _of_mass(pair: Pair, blocks: np.ndarray, element: LineElement, z: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """What one component mass matrix adds, its blocks (n_e, p, p) on the first p rows of the elements' Z."""
+    space = element.space
     for form in (form for form in space.forms if pair in form.pairs):
         yield form.item, _placed(form, _form(form, blocks, z), len(space.pairs))
     if pair[0] == pair[1]:
         axis = np.zeros(z.shape[1])
-        axis[pair[0] : 2 * apart.per_node : apart.per_node] = 1
-        row = np.einsum("i,eij,ejz->ez", axis, blocks, z)
+        axis[pair[0] : 2 * element.per_node : element.per_node] = 1
+        inertia = axis @ blocks
+        if np.isrealobj(blocks):
+            inertia = without_cancelled(inertia, axis @ np.abs(blocks))  # nothing of what only turns
+        row = inertia[:, None] @ z
         moment = np.zeros((len(z), space.dimension, z.shape[2]), row.dtype)
-        moment[:, pair[0]] = row
+        moment[:, pair[0]] = row[:, 0]
         yield "first_moment", moment
         if pair[0] == 0:
-            yield "mass", np.einsum("i,eij,j->e", axis, blocks, axis)
+            yield "mass", inertia @ axis
 
 
 def _form(form: Form, blocks: np.ndarray, z: np.ndarray) -> np.ndarray:
@@ -156,28 +194,14 @@ def _symmetric(blocks: np.ndarray) -> np.ndarray:
     return (blocks + np.swapaxes(blocks, 1, 2)) / 2
 
 
-def _blocks(matrix: Any, apart: LineElement, size: int) -> np.ndarray:
-    """The blocks (n_e, size, size) of a sparse matrix that has no entries between elements; hidden coordinates are the last."""
-    entries, local, nodal = matrix.tocoo(), 2 * apart.per_node, apart.coordinates.nodal
-    owner = np.where(entries.row < nodal, entries.row // local, entries.row - nodal)
-    row, column = (np.where(each < nodal, each % local, local) for each in (entries.row, entries.col))
-    found = np.zeros((len(apart.connectivity), size, size), entries.dtype)
-    np.add.at(found, (owner, row, column), entries.data)
-    return found
-
-
-def _rows(matrix: Any, local: int) -> np.ndarray:
-    """Rows (n_s, local), each on the coordinates of its own element."""
-    entries = matrix.tocoo()
-    found = np.zeros((matrix.shape[0], local), entries.dtype)
-    np.add.at(found, (entries.row, entries.col % local), entries.data)
-    return found
-
-
-def _significant(arrays: Arrays, mass: np.ndarray) -> Arrays:
+def _significant(arrays: Mapping[str, Rows], mass: np.ndarray) -> dict[str, Rows]:
     """With zeros in the place of round-off; `mass` of whole elements: what only turns has none of its own."""
-    scales = _scales(arrays, mass)
-    return {name: np.where(np.abs(array) > ROUND_OFF * scales[name], array, 0.0) for name, array in arrays.items()}
+    own = {name: rows.values for name, rows in arrays.items()}
+    scales = _scales(own, mass[arrays["mass"].numbers] if "mass" in arrays else mass)
+    return {
+        name: Rows(numbers, np.where(np.abs(values) > ROUND_OFF * scales[name], values, 0.0))
+        for name, (numbers, values) in arrays.items()
+    }
 
 
 def _scales(arrays: Arrays, mass: np.ndarray) -> Arrays:

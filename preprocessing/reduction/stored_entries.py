@@ -68,7 +68,7 @@ def derivatives(
         fastest = max(_fastest(items[item], scales[item]) for item in scales if item != "stress_operator")  # of small scales
         for item, rate in items.items():
             if item in scales and not computed:
-                entry, value = _of_invariant(rate, scales[item])
+                entry, value = _of_invariant(rate, scales[item], fastest)
             elif item in scales:
                 entry, value = _told(rate, np.full(rate.shape, bool(np.any(rate))))
             else:
@@ -100,10 +100,11 @@ def _told(rate: np.ndarray, stored: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     return entry, rate.ravel()[entry]
 
 
-def _of_invariant(rate: Any, scale: EntryScale) -> tuple[np.ndarray, np.ndarray]:
-    """Entries that are more than round-off, where the entry that changes most in parts of its scale sets the measure."""
+def _of_invariant(rate: Any, scale: EntryScale, fastest: float) -> tuple[np.ndarray, np.ndarray]:
+    """Entries that are more than round-off, where the entry of all invariants that changes most in parts of its scale sets the
+    measure: the mass, whose one entry does not change where a node moves across a straight beam, is none for itself."""
     entry, value = listed(rate)
-    more = np.abs(value) > ROUND_OFF * _fastest(rate, scale) * scale.at(entry)
+    more = np.abs(value) > ROUND_OFF * max(fastest, _fastest(rate, scale)) * scale.at(entry)
     return entry[more], value[more]
 
 
@@ -157,8 +158,9 @@ def polynomials_without_round_off(
             scale = _scale(item, shape, polynomial, here, of_inertia.get(monomial), inv, _value(monomial, nominal))
             kept[here] = np.abs(polynomial.value[here]) > ROUND_OFF * scale
         if kept.any():
-            parts = (polynomial.term[kept], polynomial.entry[kept], polynomial.value[kept])
-            found[item] = Polynomial(polynomial.factor, polynomial.power, *parts)
+            terms, number = np.unique(polynomial.term[kept], return_inverse=True)  # without those of which nothing is left
+            parts = (polynomial.factor[terms], polynomial.power[terms], number, polynomial.entry[kept], polynomial.value[kept])
+            found[item] = Polynomial(*parts)
     return found
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.studies.designs.design_work import Asked, DesignWork
-from toolkit.studies.study.solved_design import solved
+from toolkit.studies.evaluation.solved_design import solved
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.uncertainty.find_uncertainty import found_uncertainty
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study

@@ -149,6 +149,7 @@ def test_set_changes_numbers_of_scene_model_and_solver():
         ("bodies.body2.area=-3", "bodies.body2.area: .* greater than 0"),
         ("loads.drive.torque=much", "loads.drive.torque: .* number"),
         ("solver.stepp=0.1", "solver.stepp: unknown key, did you mean 'step'"),
+        ("points.Dd.x=1", "there is no 'Dd', did you mean 'D'; possible here: A, B"),
         ("solver.step=5", "solver.step = 5 is larger than solver.end_time"),
     ],
 )
@@ -182,6 +183,23 @@ def test_an_error_is_a_json_object_too_where_json_is_asked_for():
     done = run("sensitivity", SCENE, "--variables", "t_ww", "--json")
     assert done.exit_code == 1
     assert json.loads(done.stdout) == {"error": done.stderr.removesuffix("\n")}
+
+
+@pytest.mark.parametrize(
+    ("program", "arguments", "message"),
+    [
+        (app, ["statics", SCENE, "--nope"], "No such option: --nope"),
+        (app, ["sensitivity", SCENE, "--method", "foo"], "'foo' is not one of"),
+        (app, ["statics", SCENE, "--set", "nothing"], "is not of the form path=value"),
+        (app, ["nosuch"], "No such command 'nosuch'"),
+        (app, ["new", "solid"], "Missing argument"),
+        (preprocess, ["--nope"], "No such option: --nope"),
+    ],
+)
+def test_a_command_line_that_cannot_be_meant_is_a_json_object_too(program, arguments, message):
+    done = CliRunner().invoke(program, [*map(str, arguments), "--json"])
+    assert done.exit_code == 2
+    assert message in json.loads(done.stdout)["error"]
 
 
 def test_a_wrong_key_is_told_with_its_line_but_not_one_that_the_file_does_not_hold(tmp_path):
@@ -463,3 +481,13 @@ def test_a_command_takes_one_thread_for_its_small_matrices_unless_told(monkeypat
     monkeypatch.setattr(cli, "app", lambda: seen.append(environment["OPENBLAS_NUM_THREADS"]))
     cli.main()
     assert seen == [taken]
+
+
+@pytest.mark.parametrize("options", [("--static", "--film"), ("--static", "--time", "0.5"), ("--free-motions", "--static")])
+def test_pictures_of_no_motion_and_options_of_a_motion_are_refused_together(options, tmp_path):
+    done = CliRunner().invoke(
+        app, ["render", str(MODELS / "morphing_wing" / "scene.toml"), "--output", str(tmp_path / "out"), *options]
+    )
+    assert done.exit_code == 1
+    assert "out, or --static" in done.stderr
+    assert not (tmp_path / "out").exists()

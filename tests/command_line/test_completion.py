@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
+SCENE = "models/slider_crank/scene.toml"
 
 
 def completed(program: str, module: str, line: str) -> list[str]:
@@ -27,9 +28,12 @@ def completed(program: str, module: str, line: str) -> list[str]:
     ("line", "offered"),
     [
         ("ffrf stat", ["statics"]),
-        ("ffrf new ", ["wing"]),
+        ("ffrf new ", ["wing", "linkage", "solid"]),
         ("ffrf sensitivity --method c", ["complex-step", "central-difference"]),
         ("ffrf new wing --air", ["--airfoil"]),
+        (f"ffrf sensitivity {SCENE} --variables k,points.M.", ["k,points.M.x", "k,points.M.y"]),
+        (f"ffrf statics {SCENE} --set solver.st", ["solver.step=", "solver.start="]),
+        ("ffrf statics nowhere.toml --set solver.st", []),
     ],
 )
 def test_commands_options_and_their_values_are_completed(line, offered):

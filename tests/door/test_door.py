@@ -332,7 +332,10 @@ WRONG = {
     "a list": (lambda m: m.statics([1.6]), "numbers are given by name"),
     "a method": (lambda m: m.statics(gradients="exact"), "no method 'exact'.*auto, direct, adjoint"),
     "an analysis": (lambda m: m.map([{}], "static analysis"), "no analysis 'static analysis'.*transient, static"),
-    "a variable": (lambda m: ffrf.compile(m.scene, ["thickness"]), "unknown design variable 'thickness'; short names.*t_w"),
+    "a variable": (
+        lambda m: ffrf.compile(m.scene, ["thickness"]),
+        "unknown design variable 'thickness', did you mean 'bodies.skin.thickness'; short names.*t_w",
+    ),
     "variables as a text": (lambda m: ffrf.compile(m.scene, "t_w"), r"list of names, not the text 't_w'. Write \['t_w'\]"),
     "no variables": (lambda m: ffrf.compile(m.scene).statics(gradients=True), r"no design variables.*compile\(scene, variables="),
     "a start that is no run": (lambda m: m.statics(start={"q": 1}), "start must be a run"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import runpy
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -16,6 +17,8 @@ from tests.models.any_scene import (  # noqa: F401  (they run on the scenes of t
     test_state_derivatives_are_the_complex_step_of_the_residual,
 )
 from tests.models.cases import CASES, Case, write_models
+from tests.models.four_bars import four_bars
+from tests.models.scenes import WING
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.body import Body
 from toolkit.bodies.planar.rigid import Rigid
@@ -31,6 +34,7 @@ from toolkit.foundation.errors import ConformanceError, InputError
 from toolkit.foundation.kernel import kernel
 from toolkit.joints.both.driver import PositionDriver
 from toolkit.joints.joint import Joint
+from toolkit.joints.kernels.records import PINNED
 from toolkit.joints.planar.joint import PlanarJoint, PointJoint
 from toolkit.joints.planar.slider import Slider
 from toolkit.joints.rows import Row
@@ -42,6 +46,7 @@ from toolkit.loads.planar.torque import Torque
 from toolkit.markers.component import Skeleton
 from toolkit.scene.kinds import kinds_of
 from toolkit.scene.scene import Scene
+from toolkit.scene_file.reader import read_scene
 from toolkit.system.system import System, compile_scene
 
 
@@ -276,3 +281,27 @@ def test_two_components_of_one_kind_share_one_formula(directory):
     twice = scene.model_copy(update={"joints": {**scene.joints, "again": again}})
     assert laws_of(list(twice.joints.values())) == [parabola]
     check_state_derivatives(twice)
+
+
+def test_pins_are_what_the_formulas_of_all_joints_make_of_them():
+    """Of rigid and of elastic bodies, with and without a frame: the short formulas and the general ones differ by round-off."""
+    scene = read_scene(WING)
+    system = compile_scene(scene, list(scene.design))
+    assert system.plan.joints.of[:, PINNED].any()
+    of = system.plan.joints.of.copy()
+    of[:, PINNED] = 0
+    general = replace(system, plan=system.plan._replace(joints=system.plan.joints._replace(of=of)))
+    state = random_state(system)
+    for ours, theirs in zip(*(each.evaluate(inputs(each), *state, design=True) for each in (system, general)), strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=0, atol=1e-14 * np.abs(theirs).max())
+
+
+def test_rows_that_feel_no_translation_have_no_entry_there():
+    """A pin's row along x feels x and the angle of a bar: every entry more costs each factorisation."""
+    system = compile_scene(four_bars(1))
+    names, pattern = system.numbering.names, system.matrix(np.ones(len(system.plan.indices)))
+    for row in range(system.n_q, system.n):
+        other = {"x": "y of body", "y": "x of body"}[names[row][0]]
+        felt = [names[column] for column in pattern[[row]].indices if column < system.n_q]
+        assert felt
+        assert not any(name.startswith(other) for name in felt)

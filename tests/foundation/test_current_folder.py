@@ -10,6 +10,7 @@ from contextlib import suppress
 from pathlib import Path
 
 import pytest
+from PIL import Image
 from typer.testing import CliRunner
 
 from toolkit.command_line.cli import app
@@ -18,6 +19,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.foundation.processes import preprocessing_process
 from toolkit.foundation.processes.own_process import HOME, safe_path
 from toolkit.reduced_model.file import load
+from toolkit.render.animation import mp4
 from toolkit.render.packages import RenderError
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
@@ -113,6 +115,15 @@ def test_settings_of_figures_in_the_current_folder_start_no_latex(tmp_path):
     assert not (tmp_path / "executed").exists()
 
 
+def test_a_film_is_made_by_the_packages_own_program(tmp_path, monkeypatch):
+    mine = tmp_path / "ffmpeg"
+    mine.write_text(f"#!/bin/sh\n: > '{tmp_path}/executed'\nexit 1\n")
+    mine.chmod(0o755)
+    monkeypatch.chdir(tmp_path)
+    assert mp4([Image.new("RGB", (64, 48), "white")] * 2)[4:8] == b"ftyp"
+    assert not (tmp_path / "executed").exists()
+
+
 def test_no_other_code_starts_processes_than_what_is_tested_here():
     starts = re.compile(r"\b(subprocess|multiprocessing|ProcessPoolExecutor|Popen|os\.(system|exec|spawn|posix_spawn|fork)\w*)\b")
     files = [file for half in ("toolkit", "preprocessing") for file in (ROOT / half).rglob("*.py")]
@@ -121,6 +132,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     assert found == {
         *(
             "toolkit/foundation/processes/preprocessing_process.py",
+            "toolkit/render/animation.py",
             "toolkit/render/space/probe.py",
             "toolkit/studies/places/processes.py",
         ),
@@ -140,7 +152,7 @@ def namesake(tmp_path, monkeypatch):
 def test_a_package_with_the_name_of_one_of_ours_is_named(namesake):
     message = re.escape(f"'{namesake}' has the name of a part of this program, '{HOME / 'preprocessing'}', and comes before it")
     with pytest.raises(InputError, match=message):
-        preprocessing_process.run("preprocessing.wings.command", [])
+        preprocessing_process.run("preprocessing.projects.command", [])
     with pytest.raises(InputError, match=message):
         list(done_at(Place(processes=2), os.path.basename, {1: "a", 2: "b"}))
 

@@ -20,6 +20,8 @@ from toolkit.reduced_model.file import load
 from toolkit.results.results_file import load_results
 from toolkit.scene_file.reader import read_scene
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 MODELS = Path(__file__).parents[2] / "models"
 WING = MODELS / "morphing_wing"
 

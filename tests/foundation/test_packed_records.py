@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from toolkit.foundation.compiled.calls import by_value, call, compiled_for, in_memory
-from toolkit.foundation.compiled.packed import Packed
+from toolkit.foundation.compiled.packed import Packed, address_of
 from toolkit.foundation.kernel import first_class, inner, kernel, plain
 
 
@@ -134,3 +134,12 @@ def test_arrays_of_other_types_get_code_of_their_own():
 def test_an_inner_formula_has_no_entrance_from_python_here_either():
     with pytest.raises(TypeError, match="only other kernels call"):
         call(row, Deep(np.zeros((1, 1)), None, 1.0), 0)
+
+
+def test_the_address_of_an_array_is_what_numpy_tells():
+    """Of parts, of nothing, of single numbers and of what nobody may write to."""
+    whole = np.zeros((4, 3))
+    frozen = whole.view()
+    frozen.flags.writeable = False
+    for array in (whole, whole[1:, 1:], whole[::-1], whole.T, np.zeros((0, 3)), np.array(1.0), frozen, np.zeros(2, complex)):
+        assert address_of(array) == array.__array_interface__["data"][0]

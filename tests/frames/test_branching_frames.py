@@ -19,7 +19,10 @@ from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.scene.cut_scene import with_parts
 from toolkit.scene.scene import Scene
+from toolkit.sensitivity.certificate.whole_mechanism import compare_mechanism
+from toolkit.studies.tradeoff.settings.axes import read_axes
 from toolkit.system.system import compile_scene
+from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
 
 FORK = {"A": (0.0, 0.0), "B": (0.5, 0.0), "C": (0.9, 0.3), "D": (0.9, -0.3)}
 BEAMS = (("A", "B"), ("B", "C"), ("D", "B"))
@@ -150,12 +153,29 @@ def test_its_picture_has_no_steps(fork):
     np.testing.assert_allclose(ends, [ends[0]] * 3, atol=1e-9)  # the ties close to 1e-10 of the size
 
 
-def test_a_number_is_not_chosen_for_what_branches(fork):
-    scene = scene_of(fork, '"auto"')
-    with pytest.raises(
-        InputError, match=r"is chosen for chains of beams, and the elements .* branch, .* Write a number, at least 3"
-    ):
-        ffrf.compile(scene).statics()
+def test_a_number_is_chosen_for_what_branches(fork):
+    """Every member has a frame at least; the error that is seen against a frame to every element is the one that is wanted."""
+    run = ffrf.compile(scene_of(fork, '"auto", geometric_error = 0.02')).statics()
+    said = run.verdict.measures["frames"]["fork"]
+    assert said["tried"] == [1, 4, 8]
+    exact = ffrf.compile(scene_of(fork, 9)).statics().solution
+    true = largest_distance(node_places(run.solution, "fork"), node_places(exact, "fork")) / largest_displacement(exact, "fork")
+    assert true < said["estimated_error"] < 0.02
+    assert read_axes(scene_of(fork, 3), "frames")["frames"][-1].label == "every"
+    with pytest.raises(InputError, match="give 1, or whole numbers from 3 to 9, the elements of the body, or every"):
+        read_axes(scene_of(fork, 3), "frames=2")
+
+
+def test_a_fork_is_judged_by_the_whole_mechanism_and_by_twice_the_frames(fork):
+    run = ffrf.compile(scene_of(fork, 3), variables=["t"]).statics(gradients=True)
+    found = compare_mechanism(run.solution, ["t"])
+    assert found is not None
+    assert found.corotational is not None
+    exact = found.corotational.gradients["y"]["t"]
+    assert found.quotients["y"]["t"] == pytest.approx(exact, rel=1e-5)  # truncation of the quotient
+    said = run.verdict.measures["geometric_error"]
+    assert said["how"] == "the same run with 6 frames instead of 3 in fork"
+    assert said["gradients"]["y"]["t"] == pytest.approx(exact - run.gradients["y"]["t"], rel=0.5)
 
 
 @pytest.mark.parametrize(

@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import toolkit as ffrf
 from preprocessing.basis.basis_choice import BasisChoice
-from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever
+from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.frames.places import largest_displacement, largest_distance, node_places
 from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.studies.tradeoff.runs.worker import Case
 from toolkit.studies.tradeoff.settings.axes import read_axes
 from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.setting import Setting
+from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
+from toolkit.validity.bodies.deformation import deformations
 
 
 def automatic(scene: Scene, body: str, **keys: object) -> Scene:
@@ -45,6 +47,20 @@ def test_the_number_that_is_chosen_reaches_the_error(wanted, analysis, tmp_path)
     kept = ffrf.load(run.save(tmp_path / "run.h5"), models=WING)
     assert kept.solution.q.shape == run.solution.q.shape
     assert kept.verdict.measures["frames"]["skin"]["frames"] == said["frames"]
+
+
+@pytest.mark.parametrize("frames", [2, 4])
+def test_the_meter_of_a_cut_body_estimates_the_error_of_the_whole(frames, tmp_path):
+    """It divides by what the whole is displaced, and adds up what the parts lose: of a strongly bent beam twice too much at most."""
+    force = in_space((0.0, 4 * EI))
+    exact = solve(prepare(cantilever(tmp_path, STRAIGHT, len(STRAIGHT) - 1, force)), "static")
+    solution = solve(prepare(cantilever(tmp_path, STRAIGHT, frames, force)), "static")
+    found, size = deformations(solution)["beam"], largest_displacement(exact, "beam")
+    assert found is not None
+    true = largest_distance(node_places(solution, "beam"), node_places(exact, "beam")) / size
+    assert 0.02 * (2 / frames) ** 2 < true < found.relative < 2.2 * true
+    assert found.displacement == pytest.approx(size, rel=0.05)
+    assert found.size == pytest.approx(np.ptp(STRAIGHT, axis=0).max())  # undeformed
 
 
 def test_one_frame_stays_where_it_is_enough():

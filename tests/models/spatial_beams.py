@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract_at
 from preprocessing.basis.reduction import spatial_motions, undeformed
 from preprocessing.discretisation.discretisation import Discretisation
@@ -38,7 +37,7 @@ class Beams:
         patch = Patch(np.arange(len(self.connectivity)), {name: name for name in self.values})
         patches = [SpatialPatch(patch, self.shape, 1 / (2 * (1 + NU)))]
         beams = SpatialBeam(self.nodes, self.connectivity, self.orientation, patches)
-        return Discretisation(beams, assemble(beams), {})
+        return Discretisation(beams, {})
 
     @property
     def matrices(self) -> Any:

@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.assembly.invariants import contract, contract_derivative, polynomials
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
@@ -179,7 +178,7 @@ def test_a_new_line_element_becomes_a_reduced_model_with_the_deflection_of_timos
     names = {name: name for name in VALUES if name not in ("poisson_ratio", "reach")}
     x = np.linspace(0, length, n + 1)
     beams = ShearBeam(np.column_stack([x, 0 * x]), chain, [Patch(np.arange(n), names)], shear)
-    found = Discretisation(beams, assemble(beams), {"tip": length, "inside": 0.9}, x)
+    found = Discretisation(beams, {"tip": length, "inside": 0.9}, x)
     values = {name: VALUES[name] for name in names}
     space = DesignSpace(values, dict.fromkeys(names, "none"), frozenset(names), lambda _: found)
     model = reduce(space, BasisChoice("static"), 0, "the root")

@@ -19,6 +19,8 @@ from tests.models.solid_bodies import moves
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.model import ReducedModel
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 WING = Path(__file__).parents[2] / "models" / "morphing_wing"
 STATIC = {"basis": {"kind": "static"}}
 

@@ -310,3 +310,37 @@ basis = {{ kind = {kind.replace(chr(10), ", ")} }}
     for item, entries in model.derivatives.items():
         if item.startswith("interfaces.A"):  # its place follows its coordinates, and nothing else
             assert not (entries.entry % held.position.shape[-1]).any(), item
+
+
+ROOF = """units = "m-kg-s"
+clamp = ["A"]
+nodes = { A = [0, 0, 0], B = [0.37, 0.41, 0.13], C = [0.74, 0, 0] }
+beams = [{ from = "A", to = "B", section = "rod", elements = 3 }, { from = "C", to = "B", section = "rod", elements = 3 }]
+sections = { rod = { kind = "circle", diameter = 0.02, material = "steel" } }
+materials = { steel = { youngs_modulus = 2e11, poisson_ratio = 0.25, density = 7800.0 } }
+interface_points = { tip = { node = "C" } }
+"""
+
+
+def test_round_off_is_neither_a_derivative_of_the_mass_nor_a_term_of_it(path):
+    """Moved along x, the ridge makes one half of a roof as much longer as the other shorter; and what a section's points add to the mass
+    when they turn is none of a translation's."""
+    path.with_name("roof.toml").write_text(ROOF)
+    roof = build(path.with_name("roof.toml"))
+    changing = {list(roof.nominal)[k] for k in roof.derivatives["mass"].parameter}
+    assert changing == {f"{axis}_{node}" for axis in "xyz" for node in "ABC"} - {"x_B"}
+    areas = 2 + 1 + 1 + 1  # terms of those of a tube, a rectangle, a circle, and an area given
+    assert len(build(path).affine["mass"].factor) == areas
+
+
+def test_a_step_of_one_node_is_assembled_from_the_elements_it_moves(path):
+    """So that many named nodes cost as many elements as there are, not their product; and nothing is lost."""
+    file = FrameRecipe.read(path).file
+    space = frame_space(file)
+    for parameter in ("y_C", "poisson_ratio_alloy", "x_D"):
+        stepped = space.stepped(parameter)
+        few, all_parts = stepped.changing_parts, stepped.parts
+        assert 0 < len(few.parts) < len(all_parts.parts)
+        for name in ("mass", "stiffness", "damping", "stress"):
+            ours, whole = (getattr(parts.at(space.values), name) for parts in (few, all_parts))
+            close(ours.imag.toarray(), whole.imag.toarray(), 1e-14)

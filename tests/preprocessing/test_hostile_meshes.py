@@ -154,16 +154,19 @@ def test_a_matrix_that_is_not_what_it_says_is_refused(tmp_path, kind):
 
 
 def bomb(path: Path) -> None:
-    """An archive of 3 MB that unpacks to 3 GB."""
+    """An archive of 14 MB that unpacks to 3 GB; packed better it would be smaller, and take twice as long."""
     zeros = bytes(2**20)
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as packed, packed.open("a.npy", "w", force_zip64=True) as member:
+    with (
+        zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as packed,
+        packed.open("a.npy", "w", force_zip64=True) as member,
+    ):
         np.lib.format.write_array_header_1_0(member, {"descr": "<f8", "fortran_order": False, "shape": (3 * 2**27,)})
         for _ in range(3 * 2**10):
             member.write(zeros)
 
 
 @pytest.mark.robustness
-def test_an_archive_that_unpacks_to_a_thousand_times_its_size_is_not_unpacked(tmp_path):
+def test_an_archive_that_unpacks_to_two_hundred_times_its_size_is_not_unpacked(tmp_path):
     bomb(tmp_path / "nodes.npz")
     with pytest.raises(InputError, match=r"nodes\.npz' cannot be read as .*bytes unpack to 3221225\d+, and no more than"):
         read_nodes(tmp_path / "nodes.npz")

@@ -15,6 +15,8 @@ from preprocessing.mesh.solid_mesh import SolidMesh
 from tests.models.solid_bodies import KINDS, SPATIAL_KINDS, box, rectangle, write_body
 from toolkit.foundation.errors import InputError
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 MODELS = Path(__file__).parents[2] / "models"
 TWICE = "lie in one another, so that their mass would count twice"
 

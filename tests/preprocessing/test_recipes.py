@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from preprocessing import build
-from preprocessing.assembly.assembly import assemble
 from preprocessing.commands.cli import main
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
@@ -29,6 +28,8 @@ from preprocessing.reduction.reduced import reduce
 from tests.models.processors import FRAME, MODELS
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import SCHEMA_VERSION, load
+
+pytestmark = pytest.mark.usefixtures("read_here")
 
 SKIN, BODY = MODELS / "morphing_wing" / "skin.toml", MODELS / "bracket" / "body.toml"
 
@@ -173,7 +174,7 @@ class BladeRecipe(Recipe[BladeFile]):
         parameters = distribute({**STEEL, "thickness": self.file.thickness}, {}, (), 4)
         chain = np.column_stack([np.arange(4), np.arange(1, 5)])
         beams = PlanarBeam(np.column_stack([x, 0 * x]), chain, parameters.patches)
-        elements = Discretisation(beams, assemble(beams), {"tip": self.file.length}, x)
+        elements = Discretisation(beams, {"tip": self.file.length}, x)
         return DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: elements)
 
     def _fields(self, designs: DesignSpace) -> dict[str, Any]:

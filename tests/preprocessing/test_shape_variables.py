@@ -17,6 +17,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 STEP = 1e-30
 SHAPE = '\n[shape_variables.bulge]\nfield = "bulge.npy"\n'
 

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 from scipy import sparse
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.basis.constrained_pencil import ConstrainedPencil
 from preprocessing.basis.normal_modes import normal_modes
@@ -303,7 +302,7 @@ def test_shapes_follow_the_place_of_a_point_in_the_direction_in_which_it_moves(c
     places = {"near": 0.42, "far": 0.87}
     parameters, chain = distribute(asdict(SECTION), {}, (), 4), np.column_stack([np.arange(4), np.arange(1, 5)])
     beams = PlanarBeam(np.column_stack([NODES, 0 * NODES]), chain, parameters.patches)
-    discrete = Discretisation(beams, assemble(beams), places, NODES)
+    discrete = Discretisation(beams, places, NODES)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, choice, 0, "the first node")
     change = found.space.change(found.space.nominal(), place_parameter(moved))

@@ -16,6 +16,8 @@ from toolkit.reduced_model.chord_condition import Chord, chord_of
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 LENGTH, HEIGHT = 1.0, 0.04
 ON_CHORD = 'kind = "craig-bampton"\ncount = 2\nchord = ["hub", "tip"]'
 MESHES = {

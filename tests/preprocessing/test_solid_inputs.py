@@ -22,6 +22,8 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.model import ReducedModel
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 MESH = rectangle("quad8", (6, 2), 1.0, 0.2)
 LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()
 BASIS = 'kind = "craig-bampton"\ncount = 3'

@@ -32,6 +32,8 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.render.plane.configuration import lines_of
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 BASES = {
     "full": 'kind = "full"',
     "craig-bampton": 'kind = "craig-bampton"\ncount = 5',

@@ -18,6 +18,8 @@ from tests.preprocessing.test_solid_inputs import same
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.file import load, save
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 LENGTHS = (1.0, 0.3, 0.2)
 MESH = box("hexahedron20", (3, 1, 1), LENGTHS)
 LEFT, RIGHT = MESH.groups["left"].tolist(), MESH.groups["right"].tolist()

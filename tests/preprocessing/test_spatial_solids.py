@@ -34,6 +34,8 @@ from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.spatial_model import all_second_moments
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 BASES = {
     "full": 'kind = "full"',
     "craig-bampton": 'kind = "craig-bampton"\ncount = 4',

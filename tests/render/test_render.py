@@ -1,5 +1,6 @@
 """Pictures: what is drawn has the numbers of the solution and covers nothing; a machine that cannot draw gets a message, not a crash."""
 
+import re
 import subprocess
 import sys
 from dataclasses import replace
@@ -9,8 +10,10 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import to_rgba
+from PIL import Image
 
 import toolkit.render.space.probe as probe
 from tests.models.cases import CASES, write_models
@@ -35,6 +38,7 @@ from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.names import drawn_lines
 from toolkit.render.plane.scene_picture import instant_figure, instant_windows, meanings, overview_figure
 from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.plane.symbols import symbols
 from toolkit.render.plane.window import window
 from toolkit.render.readable_units import readable
@@ -43,7 +47,7 @@ from toolkit.render.sheet import NARROW, WIDE, write_figure
 from toolkit.render.space.probe import drawing, drawing_environment
 from toolkit.render.view import View
 from toolkit.responses.shape_error import ShapeRMS
-from toolkit.responses.stress.stress import MaxStress, stress_field
+from toolkit.responses.stress.stress import MaxStress, stress_field, stress_operator
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 
@@ -347,6 +351,56 @@ def of_kind(moment, kind):
 def test_only_a_revolute_on_the_ground_has_a_triangle(wing):
     (support,) = of_kind(Configuration(wing, 4), "support")
     np.testing.assert_allclose(support.point, [72.5, 1.3], rtol=1e-12)  # A, round-off
+
+
+@pytest.fixture(scope="module")
+def bracket():
+    """The meshed bracket, turned and bent in made-up states."""
+    solution = rest(read_scene(SCENE.parents[1] / "bracket" / "scene.toml"), 2)
+    where = solution.coordinates("rod")
+    solution.q[:, where.start + 2] = solution.times / solution.times[-1]
+    solution.q[:, where.start + 3] = 1e-2 * solution.times / solution.times[-1]
+    return solution
+
+
+def test_a_meshed_body_is_drawn_with_its_stress_along_its_boundary(bracket):
+    look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
+    shape = solid_shape(moment, "rod")
+    known = np.real(stress_operator(bracket.system.scene, "rod")[:, 0]) @ moment.elastic("rod")
+    np.testing.assert_array_equal(shape.stress, known)
+    assert look.stress_limit >= np.abs(known).max() > 0
+    model = bracket.system.scene.model("body.h5", "outline")
+    middles = moment.place("rod", model.outline.position[model.outline.edges[:, 1]] @ np.append(1.0, moment.elastic("rod")))
+    np.testing.assert_allclose(shape.edges[:, 2], middles, atol=1e-12)  # round-off of some 100 mm
+    figure = instant_figure(moment, look)
+    (panel, *_) = figure.axes
+    colored = [each for each in panel.collections if isinstance(each, LineCollection) and each.get_array() is not None]
+    np.testing.assert_array_equal(colored[0].get_array(), known)
+    assert "stress" in panel.get_title("left")
+    assert [each.get_label() for each in meanings([window(look.points)], look, moment)] == [
+        "stress along the boundary of meshed bodies"
+    ]
+
+
+def test_a_meshed_body_without_stress_along_its_boundary_is_drawn_without_colours(bracket, monkeypatch):
+    monkeypatch.setattr("toolkit.render.plane.solid_shape.stress_components", lambda *_: np.zeros((7, 1)))
+    look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
+    assert np.isnan(solid_shape(moment, "rod").stress).all()
+    assert look.stress_limit == 0
+    assert instant_figure(moment, look).axes[0].patches
+
+
+def test_a_film_has_the_frames_and_the_width_that_were_asked_for(tmp_path, monkeypatch):
+    files = render_solution(pendulum(3), tmp_path, width=WIDTH, animate=True, film=True)
+    assert [file.name for file in files[-2:]] == ["animation.gif", "animation.mp4"]
+    with Image.open(files[-2]) as moving:
+        assert (moving.width, moving.n_frames) == (WIDTH, 4)
+    told = subprocess.run([get_ffmpeg_exe(), "-i", files[-1]], capture_output=True, text=True, check=False).stderr
+    assert re.search(rf"Video: h264.* {WIDTH}x\d+", told)
+    assert count_frames_and_secs(str(files[-1])) == (6, 6.0)  # one per second, and the last one stands still for 1.5 s
+    monkeypatch.setattr("toolkit.render.packages.find_spec", lambda name: None if name == "imageio_ffmpeg" else name)
+    with pytest.raises(RenderError, match=r"ffrf-toolkit\[film\]"):
+        render_solution(pendulum(3), tmp_path, film=True)
 
 
 def test_the_symbol_of_a_slider_follows_its_point_and_shows_whether_it_turns(wing):

@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from html.parser import HTMLParser
+from types import SimpleNamespace
 from xml.etree import ElementTree
 
 import numpy as np
@@ -27,6 +28,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.report.material import Material
 from toolkit.report.motion.viewer import viewer_data
+from toolkit.report.own_folder import begin, refuse_foreign_files
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect
 from toolkit.results.restore import restore_scene, restore_solution
@@ -232,6 +234,28 @@ def test_every_kind_of_run_has_a_report_of_what_it_has(scene, design, kind, show
     assert all(name in drawn for name in shown)
     assert not any(name in drawn for name in absent)
     assert "Not in this report" in page.words
+    refuse_foreign_files(tmp_path)  # its own folder: the next report may take it
+
+
+@pytest.mark.parametrize("name", ["report.html", "numbers.json", "figures/mine.svg", "results.h5"])
+def test_a_report_never_overwrites_what_no_report_has_written(name, tmp_path):
+    mine = tmp_path / name
+    mine.parent.mkdir(exist_ok=True)
+    mine.write_text("mine")
+    done = CliRunner().invoke(app, ["report", str(WING), "--output", str(tmp_path)])  # refused before anything runs
+    assert (done.exit_code, "no report has written it" in done.stderr) == (1, True)
+    with pytest.raises(InputError, match="no report has written it"):
+        write_report(SimpleNamespace(results=SimpleNamespace(path=None)), tmp_path, "title")
+    assert mine.read_text() == "mine"
+    assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
+
+
+def test_a_report_goes_beside_its_results_and_into_the_folder_of_one_that_was_interrupted(tmp_path):
+    (tmp_path / "results.h5").write_text("kept")
+    refuse_foreign_files(tmp_path, tmp_path / "results.h5")
+    begin(tmp_path)
+    (tmp_path / "numbers.json").write_text("{}")
+    refuse_foreign_files(tmp_path)
 
 
 FORBIDDEN = """

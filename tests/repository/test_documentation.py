@@ -21,7 +21,7 @@ import pytest
 from docs.generators.comments import meanings, trailing_comment
 from docs.generators.formats import PAGE, PLACE, TABLES, fill, for_the_site, kinds
 from docs.generators.formulas import FENCE, REFERENCE, TAG, hide_formulas
-from docs.generators.house import about, modules, ordered
+from docs.generators.house import about, modules, ordered, tree
 from docs.generators.house_picture import WIDE, house, layers, needed, picture, places, ways
 from docs.generators.rooms import page, rooms
 from docs.generators.worked_pages import GALLERY
@@ -39,12 +39,8 @@ TARGET = re.compile(r"\]\[((?:toolkit|preprocessing)[\w.]*)\]")
 MODULES = [*modules("toolkit"), *modules("preprocessing")]
 
 
-def trees() -> dict[str, ast.Module]:
-    """Syntax of every module by its dotted name."""
-    return {name: ast.parse((ROOT / (name.replace(".", "/") + ".py")).read_text(encoding="utf-8")) for name in MODULES}
-
-
-TREES = trees()
+TREES = {name: tree(path) for half in ("toolkit", "preprocessing") for name, path in modules(half).items()}
+"""Syntax of every module by its dotted name."""
 
 
 def find(name: str) -> Any:
@@ -108,8 +104,8 @@ def test_every_module_stands_in_the_reference_once():
 def declared_kinds() -> set[str]:
     """Values of `kind = "..."` of classes, and of `type: Literal["..."]` of curves, as they stand in the source."""
     found = set()
-    for name, tree in TREES.items():
-        for node in ast.walk(tree) if name.startswith("toolkit") else ():
+    for name, module in TREES.items():
+        for node in ast.walk(module) if name.startswith("toolkit") else ():
             for item in node.body if isinstance(node, ast.ClassDef) else ():
                 target = item.targets[0] if isinstance(item, ast.Assign) else getattr(item, "target", None)
                 if isinstance(target, ast.Name) and target.id in ("kind", "type") and isinstance(item.value, ast.Constant):
@@ -225,8 +221,8 @@ SECTIONS = ("Parameters", "Returns", "Yields", "Raises", "Attributes", "Notes", 
 
 def docstrings(*kinds: type[ast.AST]) -> Iterator[tuple[str, list[str]]]:
     """Where every docstring stands, and its lines."""
-    for name, tree in TREES.items():
-        for node in ast.walk(tree):
+    for name, module in TREES.items():
+        for node in ast.walk(module):
             if isinstance(node, kinds or (ast.Module, ast.ClassDef, ast.FunctionDef)):
                 yield f"{name}:{getattr(node, 'name', '')}", (ast.get_docstring(node) or "").splitlines()
 

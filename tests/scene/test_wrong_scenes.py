@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from toolkit.analyses.free_motion import free_motion_states
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
@@ -317,6 +318,30 @@ def test_a_joint_that_is_open_at_the_start_is_named_with_its_gap():
 def test_a_free_mechanism_has_no_static_state_and_the_free_body_is_named():
     with pytest.raises(SingularSystemError, match=r"nothing determines .*rotation of body 'rod'.*free to move.*Add a joint"):
         solve_statics(compile_scene(pendulum(loads={"gravity": Gravity(acceleration=(0.0, 0.0))})))
+
+
+@pytest.mark.parametrize(
+    ("removed", "moving", "ways"),
+    [  # Gruebler: of n bodies in the plane with j pins 3 n - 2 j ways; the skin is held by its clamp, and counts as the ground
+        ("A", "'body2', 'body3', 'body4' and 'body5'", "1 way,"),
+        ("AE", "'body2', 'body3', 'body4' and 'body5'", "3 ways,"),
+        ("ACE", "'body2', 'body3', 'body4' and 'body5'", "5 ways,"),
+    ],
+)
+def test_bodies_that_a_removed_support_sets_free_are_counted_and_named(removed, moving, ways):
+    scene = read_scene(Path(__file__).parents[2] / "models" / "morphing_wing" / "scene.toml")
+    joints = {name: joint for name, joint in scene.joints.items() if name not in removed}
+    system = compile_scene(scene.model_copy(update={"joints": joints}))
+    with pytest.raises((ConvergenceError, SingularSystemError), match=f"{moving} can move freely in {ways} which no joint"):
+        solve_statics(system)
+    drawn = free_motion_states(system)
+    assert len(drawn.names) == 1 + int(ways[0])
+    padded = np.hstack([drawn.q, np.zeros((len(drawn.q), system.n - system.n_q))])
+    terms = [system.evaluate(system.inputs(0.0, np.array([0, 0, 1.0])), q, 0 * q, 0 * q) for q in padded]
+    gaps = [np.abs(each.applied[system.n_q :] * system.weights[system.n_q :]).max() for each in terms]
+    assert max(gaps) < 0.1**2  # joints hold to first order of the tenth that is drawn
+    with pytest.raises(InputError, match="nothing can move freely"):
+        free_motion_states(compile_scene(scene))
 
 
 # --- points and models of flexible bodies --------------------------------------------------------------------------------------

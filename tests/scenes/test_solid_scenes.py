@@ -21,6 +21,8 @@ from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.preparation import prepare
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 LENGTH, HEIGHT = 0.5, 0.02
 CRAIG_BAMPTON = 'kind = "craig-bampton"\ncount = 4'
 
@@ -92,7 +94,7 @@ def test_gradients_of_a_motion_are_those_of_the_complex_step(basis, tmp_path):
         assert along(ours[response], factors) == pytest.approx(judge, rel=0, abs=1e-7 * largest), response
 
 
-@pytest.mark.parametrize("basis", [CRAIG_BAMPTON, 'kind = "eigenmodes"\ncount = 4'])
+@pytest.mark.parametrize("basis", [CRAIG_BAMPTON, pytest.param('kind = "eigenmodes"\ncount = 4', marks=pytest.mark.processors)])
 def test_gradients_of_a_motion_are_those_of_models_built_afresh(basis, tmp_path):
     """As `ffrf certify` compares them, from the body.toml beside the model."""
     body = write_body(tmp_path, rectangle("quad8", (5, 1), LENGTH, HEIGHT), basis)

@@ -25,7 +25,8 @@ from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.solvers.transient.extrapolation import AWAY, EXPECTED, ORDER, guess, learn_trend
-from toolkit.solvers.transient.run import Run, allocate_history, prepare_run, take_steps
+from toolkit.solvers.transient.newton import SINGULAR
+from toolkit.solvers.transient.run import Run, allocate_history, failure, prepare_run, take_steps
 from toolkit.solvers.transient.scheme import generalized_alpha
 from toolkit.solvers.transient.step_memory import LAST
 from toolkit.system.solution import Solution
@@ -178,3 +179,15 @@ def test_a_flexible_body_in_space_makes_one_jacobian_a_step_and_loses_nothing(wi
         take_steps(steps, history, run.system.curves(steps.times), step == 0, step, step + 1)
         ways.append(steps.memory.learnt[AWAY] > 10 * steps.outcome.correction[LAST])
     assert np.mean(ways) > 0.9  # of the last correction alone it would be if that had factors of its own
+
+
+@pytest.mark.parametrize(
+    ("step", "iterations", "said"), [(0, 1, "redundant joints, or"), (0, 3, "Try a tenth"), (3, 1, "Try a tenth")]
+)
+def test_a_singular_step_is_blamed_on_the_joints_at_the_start_alone(step, iterations, said):
+    times, scene = 0.1 * np.arange(6), SimpleNamespace(names=["x of body 'rod'"])
+    outcome = SimpleNamespace(counts=[SINGULAR, step, iterations, 0, 0])
+    run = SimpleNamespace(
+        outcome=outcome, times=times, lengths=np.diff(times), system=SimpleNamespace(numbering=scene), options=RunOptions()
+    )
+    assert said in str(failure(run))  # type: ignore[arg-type]

@@ -69,6 +69,44 @@ def test_a_killed_process_is_an_error_that_says_what_to_do():
         list(done_at(Place(processes=2), end_this_process, {1: 1, 2: 2}))
 
 
+SLEEPING = """
+import time
+from toolkit.studies.places.place import Place, done_at
+if __name__ == "__main__":
+    list(done_at(Place(processes=2), time.sleep, {1: 60, 2: 60}))
+"""
+
+
+@pytest.mark.skipif(not Path("/proc/self").exists(), reason="children are found by what Linux tells")
+def test_processes_of_a_killed_study_end_too(tmp_path):
+    """They are at their tasks, which would go on for a minute."""
+    (tmp_path / "sleeping.py").write_text(SLEEPING)
+    parent = subprocess.Popen(
+        [sys.executable, str(tmp_path / "sleeping.py")], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}
+    )
+    children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
+    until = time.monotonic() + 60
+    while (
+        len(workers := children.read_text().split()) < 3 and time.monotonic() < until
+    ):  # both, and the one that cleans up after them
+        time.sleep(0.05)
+    assert len(workers) == 3
+    time.sleep(2)  # they begin to listen
+    parent.kill()
+    parent.wait()
+    until = time.monotonic() + 20
+    while any(_works(pid) for pid in workers) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not [pid for pid in workers if _works(pid)]
+
+
+def _works(pid: str) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
 def kept(folder: Path) -> np.ndarray:
     """Designs of a store; it can be read at any time."""
     with reading(folder / "sweep.h5", lambda reason: InputError(reason)) as content:

@@ -21,17 +21,18 @@ import toolkit as ffrf
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
+from toolkit.studies.evaluation.evaluation import Evaluation, State
+from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.evaluation.fingerprint import fingerprint
+from toolkit.studies.evaluation.store import Store, StudyFileError
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.optimality import optimality_of
 from toolkit.studies.optimization.optimize import STORE, _other_optima, _rank, optimized
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.program import Program, Values
 from toolkit.studies.optimization.verification import solved_again
-from toolkit.studies.study.evaluation import Evaluation, State
-from toolkit.studies.study.evaluator import Evaluator
-from toolkit.studies.study.fingerprint import fingerprint
-from toolkit.studies.study.problem import Problem, problem_of
-from toolkit.studies.study.store import Store, StudyFileError
+from toolkit.studies.study.checked_problem import problem_of
+from toolkit.studies.study.problem import Problem
 from toolkit.studies.study.study_reader import read_study
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
@@ -300,6 +301,20 @@ def test_a_symmetric_start_is_no_optimum_because_its_slopes_vanish(tmp_path, wis
     assert "depends on shift" not in str(found.verdict)
 
 
+def test_a_load_margin_that_is_cut_off_decides_nothing_and_that_is_said(tmp_path):
+    """From a tenth of the limit load on nothing is seen of it: the largest margin is at least 10."""
+    variables = f'scene = "scene.toml"\n[variables]\n{LOAD} = {{ between = [-12.0, -2.0] }}\n'
+    wishes = {
+        '[objective]\nmaximize = "load_margin"\n': (True, "up to 10 times the load: load_margin is at least that"),
+        '[objective]\nminimize = "rise"\n[constraints]\nload_margin = { above = 1.1 }\n': (False, "limits on it are not active"),
+    }
+    for wish, (doubt, words) in wishes.items():
+        found = optimized(study(tmp_path, variables + wish + "[search]\ncertify = false\n", **{"-30.0": "-8.0"}))
+        (said,) = [each for each in found.verdict.warnings if each.code == "margin-cut-off"]
+        assert said.doubt == doubt
+        assert words in said.text
+
+
 def test_a_study_may_stop_at_the_first_failed_design(tmp_path):
     found = optimized(only_load(tmp_path, '[search]\ncertify = false\nfailures = "stop"\n'))
     assert found.failed == 1
@@ -424,7 +439,7 @@ WRONG = {
     "contradiction": (PLAIN + "[constraints]\nrise = { above = 1.0, below = 0.5 }", "contradict each other", 7),
     "no limit": (PLAIN + "[constraints]\nrise = { scale = 1.0 }", "needs a limit", 7),
     "two objectives": (PLAIN + 'maximize = "rise"', "one of `minimize` and `maximize`", 4),
-    "modes": ('analysis = "modes"\n' + PLAIN, "frequencies are responses of statics", 1),
+    "analysis": ('analysis = "buckling"\n' + PLAIN, "'statics', 'motion' or 'modes'", 1),
     "margin of a motion": (
         'analysis = "motion"\n' + PLAIN + "[constraints]\nload_margin = { above = 1.1 }",
         'Write analysis = "statics"',

@@ -39,6 +39,7 @@ from toolkit.studies.stability.limits_found import breakdowns, stable_where
 from toolkit.studies.stability.map import Axis, Map, with_options
 from toolkit.studies.stability.measure import Measured, Run, created_energy, measure
 from toolkit.studies.stability.physics_maps import load_map, mass_map, speed_map, stiffness_map, thickness_map
+from toolkit.studies.stability.record import record_of
 from toolkit.studies.stability.solver_maps import baumgarte_map, refined
 from toolkit.studies.stability.study import stability
 from toolkit.studies.stability.verdict import CLASSES, Limits, Verdict, of_gradient, of_run
@@ -211,6 +212,36 @@ def test_a_mass_that_cancels_changes_nothing():
     found = mass_map(read_scene(PENDULUM, QUICK))
     ends = [measure(scene, []).values["move_y"] for scene in found.scenes.values()]
     assert ends == pytest.approx([ends[0]] * len(ends), rel=1e-7)  # Newton's tolerance, over some 100 iterations
+
+
+def test_slopes_that_are_zero_but_for_round_off_do_not_make_a_gradient_inaccurate():
+    """The pendulum's motion does not know its mass: what both methods give, 1e-14, is round-off; the rod's force goes with it."""
+    found = measure(read_scene(PENDULUM, QUICK), ["m"])
+    assert max(abs(found.slopes[name]["m"]) for name in ("move_x", "move_y")) < 1e-12
+    assert found.slopes["rod_force"]["m"] == pytest.approx(found.values["rod_force"], rel=1e-9)
+    assert found.disagreement < 1e-9
+    assert of_gradient(found, found, LIMITS).name == "stable"
+
+
+def test_runs_that_a_folder_holds_do_not_run_again(tmp_path):
+    """To the bit, the seconds that they took too; a file that is lost or damaged is made anew, and a changed scene knows none of them."""
+    scene, folder = read_scene(PENDULUM, QUICK), tmp_path / "runs"
+
+    def ran(scene: Scene) -> tuple[str, list[int]]:
+        """What is found, and what was told while it ran."""
+        told: list[int] = []
+        found = stability(scene, ["m"], ["step"], progress=lambda done, total: told.append(done), kept=folder)
+        return json.dumps(record_of(found)), told
+
+    first, told = ran(scene)
+    files = sorted(folder.iterdir())
+    assert told == list(range(1, len(files) + 1))
+    assert len(files) > 3
+    assert ran(scene) == (first, [])
+    files[0].unlink()
+    files[1].write_bytes(files[1].read_bytes()[:20])
+    assert ran(scene)[1] == told[-2:]
+    assert ran(scene.with_number("loads.gravity.acceleration.y", -5.0))[1] == told
 
 
 def test_a_scene_names_the_maps_that_it_does_not_have(tmp_path):

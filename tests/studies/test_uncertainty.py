@@ -16,13 +16,13 @@ from tests.models.studies import LEFT, LOAD, RIGHT, UNCERTAIN, sweep_file
 from tests.models.truss import STIFFNESS, force, force_slope, height
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
+from toolkit.studies.designs.failed_designs import NoDesignError
+from toolkit.studies.distributions.basis import basis_of
+from toolkit.studies.distributions.joint import joint_of
+from toolkit.studies.distributions.marginal import HALF, Marginal, marginal_of
+from toolkit.studies.distributions.uncertain_numbers import Correlation, Uncertain
 from toolkit.studies.study.study_reader import read_study
-from toolkit.studies.study.uncertain_numbers import Correlation, Uncertain
-from toolkit.studies.sweep.sweep import NoDesignError
-from toolkit.studies.uncertainty.basis import basis_of
 from toolkit.studies.uncertainty.expansion import _fit, fitted
-from toolkit.studies.uncertainty.joint import joint_of
-from toolkit.studies.uncertainty.marginal import HALF, Marginal, marginal_of
 from toolkit.studies.uncertainty.uncertain_study import uncertain_study
 
 NORMAL, UNIFORM, CUT = (
@@ -160,13 +160,13 @@ y = { type = "displacement", body = "rod", point = "P", component = "y" }
 """Its end rises by the sine of torque over stiffness."""
 
 
-def turned(folder, width: float, runs: int = 20, seed: int = 0):
+def turned(folder, width: float, runs: int = 20, seed: int = 0, more: str = ""):
     """The rod whose angle has a standard deviation."""
     (folder / "scene.toml").write_text(ROD)
     text = (
         f'scene = "scene.toml"\n[uncertain]\n"loads.t.torque" = {{ distribution = "normal", sigma = {10 * width}, mean = 0.0 }}\n'
     )
-    (folder / "study.toml").write_text(text + f"[uncertainty]\nruns = {runs}\nseed = {seed}\n")
+    (folder / "study.toml").write_text(text + f"[uncertainty]\nruns = {runs}\nseed = {seed}\n{more}")
     return ffrf.uncertainty(folder / "study.toml")
 
 
@@ -182,6 +182,17 @@ def test_the_sine_of_a_wide_angle_is_trusted_only_where_its_sigma_is_right(tmp_p
         assert found.verdict.trusted or width > 1
     assert {"polynomials", "degree", "extrapolated"} <= codes
     assert wrong >= 4
+
+
+def test_quantiles_on_which_polynomials_of_two_degrees_differ_are_doubted_where_mean_and_sigma_are_not(tmp_path):
+    """The sine of a normal number whose standard deviation is 1 is above 1 / sqrt(2) ... 1 in one of a thousand: few designs see that."""
+    shares = (0.0005, 0.9995)
+    few, many = (turned(tmp_path, 1.0, runs, 3, f"quantiles = {list(shares)}\n") for runs in (5, 20))
+    assert few.verdict.codes == ("tail-quantiles",)
+    assert not few.verdict.trusted
+    assert many.verdict.trusted
+    ends = [-1.0, 1.0]  # 3.3 is more than pi/2: a quantile of the angle, not of its sine
+    assert [many.responses["y"].quantiles[share] for share in shares] == pytest.approx(ends, abs=2e-3)
 
 
 def test_the_error_left_out_is_measured_by_the_values_and_not_by_an_exploding_fit():

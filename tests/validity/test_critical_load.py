@@ -15,11 +15,12 @@ from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
 from toolkit.scene_file.reader import read_scene
+from toolkit.solvers.static.stability import static_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
-from toolkit.validity.bodies import critical_load
+from toolkit.validity.bodies.compressed import critical_load, geometric_stiffness, missed_deflections
+from toolkit.validity.bodies.compressed.critical_load import compression
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
-from toolkit.validity.bodies.critical_load import compression
 
 MODELS = Path(__file__).parents[2] / "models"
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
@@ -162,6 +163,18 @@ def test_a_long_row_of_fine_bodies_keeps_its_softest_motion(tmp_path, monkeypatc
     monkeypatch.setattr("tests.validity.test_critical_load.ELEMENTS", 400)
     found = compression(at_rest(beams(tmp_path, PINNED, -0.3 * COLUMN * AXIS, n=20)))
     assert found.load == pytest.approx(0.3, rel=1e-6 + shortened(0.3 * COLUMN))
+
+
+@pytest.mark.parametrize(("held", "n", "part"), [(CLAMPED, 1, 0.6), (PINNED, 3, 0.9), (CLAMPED, 1, 1.5)])
+def test_sparse_matrices_of_many_coordinates_say_what_dense_ones_do(held, n, part, tmp_path, monkeypatch):
+    solution = at_rest(beams(tmp_path, held, -part * COLUMN / (4 if held == CLAMPED else 1) * AXIS, n=n))
+    dense = compression(solution)
+    for module in (static_array, geometric_stiffness):
+        monkeypatch.setattr(module, "MANY", 10)
+    monkeypatch.delattr(missed_deflections, "_of_few")
+    sparse = compression(solution)
+    assert sparse.body == dense.body
+    assert sparse[2:] == pytest.approx(dense[2:], rel=1e-6)  # the dense ones lose six digits
 
 
 def test_the_missed_part_is_what_corotational_elements_add(tmp_path):

@@ -18,6 +18,8 @@ from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.description.stale_models import stale_models
 
+pytestmark = pytest.mark.usefixtures("read_here")
+
 ROOT = Path(__file__).parents[2]
 MODELS = ROOT / "models"
 WING = MODELS / "morphing_wing"

@@ -18,7 +18,7 @@ from toolkit.joints.planar.revolute import Revolute
 from toolkit.joints.spatial.spherical import Spherical
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.reduced_model.material_questions import material_questions
+from toolkit.reduced_model.questions.material_questions import material_questions
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.validity.description.scene_cautions import cautions_of_scene

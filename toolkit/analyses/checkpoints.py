@@ -30,7 +30,7 @@ class Checkpoint(NamedTuple):
     aux: np.ndarray  # auxiliary acceleration w
     carried: np.ndarray  # part of the next residual
     trend: np.ndarray  # (2, n) what the first guess of the next step is made of
-    learnt: np.ndarray  # (6,) and what Newton knows of the equations
+    learnt: np.ndarray  # (8,) and what Newton knows of the equations
 
 
 def window_bounds(n_t: int) -> list[int]:

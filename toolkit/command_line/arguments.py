@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from toolkit.command_line import completion
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.outside_files import told_outside
 from toolkit.foundation.listed_names import listed
@@ -22,11 +23,18 @@ EVERY = "all"
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE.toml", help="The scene.")]
 Changes = Annotated[
-    list[str] | None, typer.Option("--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.")
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="PATH=VALUE", help="Replace a value of the scene, e.g. points.A.x=73.", autocompletion=completion.changes
+    ),
 ]
 Variables = Annotated[
     str | None,
-    typer.Option(metavar="t_w,x_A,...", help="Short names or paths, or `all` numbers of the scene; by default all it declares."),
+    typer.Option(
+        metavar="t_w,x_A,...",
+        help="Short names or paths, or `all` numbers of the scene; by default all it declares.",
+        autocompletion=completion.variables,
+    ),
 ]
 Static = Annotated[bool, typer.Option("--static", help="Of the static end state instead of the motion.")]
 KeepAll = Annotated[

@@ -26,13 +26,23 @@ from toolkit.command_line.commands.sweep_command import sweep
 from toolkit.command_line.commands.tradeoff import tradeoff
 from toolkit.command_line.commands.uncertainty_command import uncertainty
 from toolkit.command_line.commands.warm_up import warm_up
-from toolkit.command_line.keeping import Models, Output, SceneOrResults, check_output, keep, motion_of, text_of
+from toolkit.command_line.keeping import (
+    Models,
+    Output,
+    SceneOrResults,
+    check_output,
+    free_motions_of,
+    keep,
+    motion_of,
+    refuse_contrary,
+    text_of,
+)
 from toolkit.command_line.printed.printing import print_files, print_verdict, warn
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
 from toolkit.foundation.processes.one_thread import SINGLE
 from toolkit.foundation.rare_collections import rare_collections
-from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json
+from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.sensitivity.method_names import Method
 
 
@@ -51,10 +61,15 @@ def in_words(shown: Callable[..., None]) -> Callable[..., None]:
 class Commands(TyperGroup):
     """All commands: an error of the toolkit becomes one plain message and exit code 1."""
 
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Read what stands before the name of a command."""
+        with usage_in_json("--json" in args):
+            return super().parse_args(ctx, args)
+
     def invoke(self, ctx: Any) -> Any:
         """Run the command that was asked for."""
         as_json = "--json" in ctx.args  # the group's arguments are gone once its command runs
-        with errors_in_words(as_json), warnings.catch_warnings():
+        with errors_in_words(as_json), usage_in_json(as_json), warnings.catch_warnings():
             warnings.showwarning = in_words(warnings.showwarning)
             return super().invoke(ctx)
 
@@ -209,6 +224,13 @@ def render(
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
     kind: Annotated[str, typer.Option("--format", help="Of the pictures: png, or of planar scenes svg or pdf.")] = "png",
     animate: Annotated[bool, typer.Option("--animate", help="Draw the motion as a moving picture (GIF) too.")] = False,
+    film: Annotated[bool, typer.Option("--film", help="Draw the motion as a film (MP4) too.")] = False,
+    static: Annotated[
+        bool, typer.Option("--static", help="Draw the equilibrium under the loads at the end, not the motion.")
+    ] = False,
+    free_motions: Annotated[
+        bool, typer.Option("--free-motions", help="Draw what neither joints nor stiffness hold, not the motion.")
+    ] = False,
     perspective: Annotated[bool, typer.Option("--perspective", help="In space: what is nearer is larger.")] = False,
     triads: Annotated[bool, typer.Option("--triads", help="In space: draw the axes of the bodies' frames.")] = False,
     changes: Changes = None,
@@ -216,15 +238,20 @@ def render(
     as_json: AsJson = False,
     quiet: Quiet = False,
 ) -> None:
-    """Simulate the scene, or read its results, and draw it at several instants."""
+    """Simulate the scene, or read its results, and draw it at several instants, or its equilibrium."""
     from toolkit.render.pictures import refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
+    refuse_contrary(static, free_motions, animate, film, times)
     view = View(perspective, triads, kind)
-    solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view))
+    solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view, film), static)
+    if free_motions:
+        solve, times = free_motions_of(file, changes, times), None
     folder = prepare_folder(output)
     solution = solve()
-    print_files(render_solution(solution, folder, times, width, view, animate), solution.verdict, as_json, quiet)
+    if free_motions:
+        times = list(solution.times)
+    print_files(render_solution(solution, folder, times, width, view, animate, film), solution.verdict, as_json, quiet)
 
 
 app.command()(campbell)

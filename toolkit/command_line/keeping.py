@@ -80,12 +80,15 @@ def motion_of(
     models: Path | None,
     quiet: bool = False,
     check: Callable[[Scene], None] = lambda _: None,
+    static: bool = False,
 ) -> Callable[[], Solution]:
     """What gives the motion of a file that was just checked: results that are read now, or a scene that is solved when asked.
 
-    `check` refuses a scene that cannot be used, before it is solved.
+    `check` refuses a scene that cannot be used, before it is solved; `static` asks for its equilibrium instead of its motion.
     """
     check_options(file, changes, models)
+    if static and is_results(file):
+        raise InputError(f"{str(file)!r} holds the results of a finished run: leave --static out, or give the scene.")
     if is_results(file):
         from toolkit.results.restore import restore_solution
         from toolkit.results.results_file import load_results
@@ -95,7 +98,37 @@ def motion_of(
         return lambda: solution
     scene = read(file, changes, quiet)
     check(scene)
-    return lambda: solved(scene, "transient", quiet)
+    return lambda: solved(scene, "static" if static else "transient", quiet)
+
+
+def refuse_contrary(static: bool, free_motions: bool, animate: bool, film: bool, times: list[float] | None) -> None:
+    """Refuse options of a motion beside those that draw none, which would be taken and do nothing.
+
+    Raises
+    ------
+    InputError
+        They contradict each other.
+    """
+    if static and (animate or film or times or free_motions):
+        raise InputError("--static draws one equilibrium: leave --animate, --film, --time and --free-motions out, or --static.")
+    if free_motions and film:
+        raise InputError("--free-motions are drawn one by one: leave --film out.")
+
+
+def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | None) -> Callable[[], Solution]:
+    """What gives the free motions of a scene."""
+    if is_results(file) or times:
+        raise InputError(
+            "--free-motions are those of a scene as it is given, without times. Give a scene (.toml), and leave --time out."
+        )
+
+    def found() -> Solution:
+        from toolkit.analyses.free_motion import free_motion_states
+        from toolkit.sensitivity.preparation import prepare
+
+        return free_motion_states(prepare(read(file, changes, True), []))
+
+    return found
 
 
 def solved(scene: Scene, kind: Kind, quiet: bool) -> Solution:

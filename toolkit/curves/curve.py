@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +15,7 @@ from pydantic_core import core_schema
 
 from toolkit.description.description import Registered
 from toolkit.description.validation_messages import SHORT
+from toolkit.foundation.listed_names import meant
 
 PLACEHOLDER = "any time curve"
 """What stands in a JSON schema of one class for a curve of any kind."""
@@ -36,9 +36,8 @@ def _any_curve(value: Any) -> Curve:
     wanted = value["type"]
     kind = Curve.kinds.get(wanted) if isinstance(wanted, str) else None
     if kind is None:
-        close = get_close_matches(wanted, Curve.kinds, n=1) if isinstance(wanted, str) else []
         raise ValueError(
-            f"type = {SHORT.repr(wanted)} is no kind of time curve{f', did you mean {close[0]!r}' if close else ''}; "
+            f"type = {SHORT.repr(wanted)} is no kind of time curve{meant(str(wanted), Curve.kinds)}; "
             f"available: {', '.join(sorted(Curve.kinds))}"
         )
     found = kind.model_validate({key: item for key, item in value.items() if key != "type"})

@@ -40,8 +40,12 @@ class CommonVariable(Description):
         return (1.0,) * len(self.of) if self.factors is None else self.factors
 
 
-def check_shares(of: tuple[str, ...], factors: tuple[float, ...] | None) -> None:
-    """Refuse numbers of a variable that are named twice, or whose factors are too few, too many, or zero."""
+def check_shares(of: tuple[str, ...] | None, factors: tuple[float, ...] | None) -> None:
+    """Refuse numbers of a variable that are named twice, or whose factors are too few, too many, zero, or of no numbers."""
+    if of is None:
+        if factors is not None:
+            raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
+        return
     if len(set(of)) < len(of):
         twice = next(path for path in of if of.count(path) > 1)
         raise ValueError(f"`of` names {twice} twice; name each number once, with the factor that it shall have")

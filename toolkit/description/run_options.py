@@ -11,6 +11,7 @@ from toolkit.description.option_checks import START_SCHEMA, STARTS, contradictio
 from toolkit.description.quantity import Quantity
 
 Count = Annotated[int, Field(strict=True, ge=1, le=1_000_000)]
+Seed = Annotated[int, Field(strict=True, ge=0)]
 Formulation = Literal["index-1", "index-3", "ggl"]
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from difflib import get_close_matches
 from reprlib import Repr
 from typing import Any, get_args
 
 from pydantic import BaseModel, ValidationError
+
+from toolkit.foundation.listed_names import meant
 
 SHORT = Repr()
 SHORT.maxstring = SHORT.maxother = 60
@@ -75,8 +76,7 @@ def _classes(annotation: Any) -> Iterator[type[BaseModel]]:
 def _said(error: Any, owner: type[BaseModel]) -> str:
     possible = ", ".join(name for name in owner.model_fields if name != "directory")
     if error["type"] == "extra_forbidden":
-        close = get_close_matches(str(error["loc"][-1]), owner.model_fields, n=1)
-        return f"unknown key{f', did you mean {close[0]!r}' if close else ''}; possible here: {possible}."
+        return f"unknown key{meant(str(error['loc'][-1]), owner.model_fields)}; possible here: {possible}."
     if error["type"] == "missing":
         if isinstance(error["loc"][-1], int):
             return "this entry is missing, the list is too short."

@@ -9,7 +9,7 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.clock import Progress
 from toolkit.studies.optimization.optimize import optimized
 from toolkit.studies.optimization.optimum import Optimum
-from toolkit.studies.study.problem import problem_of
+from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.study_file import Study
 
 

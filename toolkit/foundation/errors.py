@@ -28,6 +28,14 @@ class InputError(ToolkitError, ValueError):
     """What the user wrote cannot be meant: a scene, a path, a number, an option."""
 
 
+class NoDerivativeError(InputError):
+    """The motion has no derivative by some design variables, whose names are `variables`, because the joints do not allow it."""
+
+    def __init__(self, message: str, variables: tuple[str, ...]) -> None:
+        super().__init__(message)
+        self.variables = variables
+
+
 class NeedsDirectError(InputError):
     """The adjoint lacks derivatives of the states that direct differentiation has; `why` says which."""
 

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from difflib import get_close_matches
 from itertools import groupby
 
+ALIKE = 0.6
+"""How alike two names are, by difflib's measure, of which one is taken for the other."""
 NUMBERED = re.compile(r"(.*?)(\d+)$")
 
 
@@ -16,6 +19,12 @@ def listed(names: Iterable[str]) -> str:
         members = list(family)
         shown += members if len(members) < 4 else [f"{members[0]} ... {members[-1]}"]
     return ", ".join(shown) or "none"
+
+
+def meant(name: str, names: Iterable[str]) -> str:
+    """What was probably meant by a name that is none of these, as a part of a sentence; empty if nothing is like it."""
+    close = get_close_matches(name, list(names), n=1, cutoff=ALIKE)
+    return f", did you mean {close[0]!r}" if close else ""
 
 
 def quoted(names: Iterable[str]) -> str:

@@ -34,6 +34,21 @@ def print_json(record: dict[str, Any]) -> None:
     typer.echo(json.dumps(record, indent=2, allow_nan=False))
 
 
+UsageError: Any = typer.BadParameter.__base__
+"""What typer raises where a command line cannot be meant."""
+
+
+@contextmanager
+def usage_in_json(as_json: bool) -> Iterator[None]:
+    """A command line that cannot be meant is told as JSON too, where that was asked for; the exit code stays typer's, 2."""
+    try:
+        yield
+    except UsageError as error:
+        if as_json:
+            print_json({"error": error.format_message()})
+        raise
+
+
 @contextmanager
 def errors_in_words(as_json: bool) -> Iterator[None]:
     """An error of the toolkit becomes one plain message on standard error and exit code 1, where JSON was asked for an object too."""

@@ -155,11 +155,13 @@ def solve_refined_block(solver, indptr, indices, values, fresh, block, solution)
     if fresh and solver.quality[0] <= UNREFINED:
         return
     for i in range(len(block)):
+        given, row = block[i], solver.residual_block[i]
         for x in range(n_x):
-            solver.residual_block[i, x] = block[i, x]
+            row[x] = given[x]
         for e in range(indptr[i], indptr[i + 1]):
+            value, known = values[e], solution[indices[e]]
             for x in range(n_x):
-                solver.residual_block[i, x] -= values[e] * solution[indices[e], x]
+                row[x] -= value * known[x]
     apply_inverse_block(solver, solver.residual_block)
     for i in range(len(block)):
         for x in range(n_x):

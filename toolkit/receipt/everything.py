@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.description.point import BodyPoint
+from toolkit.foundation.errors import NoDerivativeError
 from toolkit.reduced_model.file import PARTS
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare
+from toolkit.solvers.start.initial_conditions import closed_positions
 from toolkit.system.system import System
 
 
@@ -36,8 +38,20 @@ def with_frames(scene: Scene) -> Scene:
 
 
 def prepare_everything(scene: Scene) -> System:
-    """Compile a scene with all frames, all groups of its files, and the derivative blocks of all its numbers."""
+    """Compile a scene with all frames, all groups of its files, and the derivative blocks of all its numbers.
+
+    Of these the joints exclude some: axes of a universal joint that have to stay at right angles, points of joints that repeat each other.
+    By them the motion has no derivative, so that no program could keep it.
+    """
     for body in scene.bodies.values():
         if isinstance(body, ModelBody):
             scene.model(body.model, *PARTS)
-    return prepare(with_frames(scene), scene.available_paths())
+    whole, paths = with_frames(scene), scene.available_paths()
+    while True:
+        try:
+            system = prepare(whole, paths)
+            closed_positions(system, None, 0.0)
+        except NoDerivativeError as error:
+            paths = [path for path in paths if path not in error.variables]
+        else:
+            return system

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from pathlib import Path
 from typing import Any
 
@@ -82,8 +83,12 @@ def letters_of(part: Any) -> dict[str, str]:
 Sizes = dict[str, int]
 
 
-def check(model: ReducedModel, path: Path) -> None:
+def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
     """Refuse a model whose parts disagree or whose matrices are not physical.
+
+    Parameters
+    ----------
+    before : parts that were checked by themselves when they were read before
 
     Raises
     ------
@@ -93,7 +98,8 @@ def check(model: ReducedModel, path: Path) -> None:
     _check_attributes(model, path)
     sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
-    _check_matrices(model.invariants, path)
+    if "invariants" not in before:
+        _check_matrices(model.invariants, path)
     _check_derivatives(model, path, sizes)
     _check_affine(model, path, sizes)
     for name, point in (model.interfaces or {}).items():
@@ -122,9 +128,10 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
             _refuse(path, name, f"is {value!r} instead of a text")
     if foreign := set(model.source) - set(model.inputs):
         _refuse(path, f"source/{min(foreign)}", "is not among its inputs")
-    for name, value in model.changes.items():
-        if not isinstance(value, (int, float)):
-            _refuse(path, f"changes/{name}", f"is {value!r} instead of a number")
+    for group in ("changes", "stress_errors", "stress_error_at"):
+        for name, value in getattr(model, group).items():
+            if not isinstance(value, (int, float)):
+                _refuse(path, f"{group}/{name}", f"is {value!r} instead of a number")
     for name, value in model.nominal.items():
         if not isinstance(value, (int, float)) or not (value == 0 or SMALLEST <= abs(value) <= LARGEST):
             _refuse(path, f"nominal/{name}", f"is {value!r} instead of a number that is zero or from {SMALLEST:g} to {LARGEST:g}")

@@ -61,7 +61,7 @@ class Polynomial:
 
     def __call__(self, p: np.ndarray, size: int) -> np.ndarray:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
-        return self.at(p, np.arange(size))
+        return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
 
     def at(self, p: np.ndarray, places: np.ndarray) -> np.ndarray:
         """The same at some places in their order, among which are all that are not zero."""

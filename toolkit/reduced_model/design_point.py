@@ -140,14 +140,17 @@ class DesignPoint:
         tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
         reached = () if polynomial is None else (polynomial.entry,)
         here = places(nominal, *reached, *(entry for entry, _ in tangents.values()))
-        own = nominal.ravel()[here]
-        flat = own if polynomial is None else polynomial.at(self._p, here)
+        whole = len(here) == nominal.size
+        own = nominal.ravel() if whole else nominal.ravel()[here]
+        flat = own
+        if polynomial is not None:
+            flat = polynomial(self._p, nominal.size) if whole else polynomial.at(self._p, here)
         for k, (entry, slope) in tangents.items():
-            flat = flat + scattered(np.searchsorted(here, entry), self._steps[k] * slope, len(here))
+            flat = flat + scattered(entry if whole else np.searchsorted(here, entry), self._steps[k] * slope, len(here))
         if not any(np.real(step) for step in self._steps.values()):
             # the nominal body itself, whose last digits a thin skin feels
             flat = own + 1j * np.imag(flat)
-        if len(here) == nominal.size:
+        if whole:
             return flat.reshape(nominal.shape)
         found = np.zeros(nominal.size, flat.dtype)
         found[here] = flat

@@ -38,6 +38,10 @@ class Elements:
         moved: np.ndarray = mesh.recovery[:, 1:].reshape(len(mesh.nodes), -1)
         return np.flatnonzero(np.all(moved == 0, axis=1))
 
+    def shapes(self, mesh: Any) -> np.ndarray | None:
+        """Nodal coordinates per elastic coordinate of the whole body, (3 n_nodes, n_f); None if nobody has kept them."""
+        return None if mesh is None else mesh.recovery[:, 1:]
+
 
 @dataclass(frozen=True)
 class SpatialElements:
@@ -56,3 +60,12 @@ class SpatialElements:
     def held_nodes(self, _mesh: Any) -> np.ndarray:
         """As kept."""
         return self.held
+
+    def shapes(self, _mesh: Any) -> np.ndarray | None:
+        """All coordinates of the nodes that are not held, (6 n_nodes, n_f); None of a frame that is tied to none of them."""
+        if not len(self.held):
+            return None
+        count = len(self.nodes)
+        free = np.repeat(~np.isin(np.arange(count), self.held), SPATIAL_LOCAL // 2)
+        found: np.ndarray = np.eye(len(free))[:, free]
+        return found

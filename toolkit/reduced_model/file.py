@@ -30,6 +30,9 @@ MAPS = ("nominal", "nominal_units", "writers")
 """Groups that hold their content as attributes."""
 ORIGIN = ("inputs", "source", "changes")
 """The same, which a model has that was built from files."""
+JUDGED = ("stress_errors", "stress_error_at")
+"""The same, which a model has whose mesh was judged."""
+OPTIONAL = (*ORIGIN, *JUDGED)
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,
@@ -74,7 +77,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
             raise ValueError(f"it lacks {', '.join(lacking)}")
         own = {name: attributes[name] for name in ATTRIBUTES}
         head: dict[str, Any] = own | {name: content.attributes(name) for name in MAPS}
-        head |= {name: content.attributes(name) for name in ORIGIN if content.has(name)}
+        head |= {name: content.attributes(name) for name in OPTIONAL if content.has(name)}
         if known and any(getattr(known, name) != value for name, value in head.items()):
             known = None
         before = known.bytes_read if known else {}
@@ -84,7 +87,7 @@ def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: Reduced
         _check_complete(str(attributes.get("contents", "")), found)
         read = before | {name: content.bytes_read.get(name, 0) for name in wanted}
     model = ReducedModel(**head, **found, inputs_from=path.parent, path=path, bytes_read=read)
-    check(model, path)
+    check(model, path, before)
     return model
 
 
@@ -210,7 +213,7 @@ def save(model: ReducedModel, path: str | Path) -> None:
         file.attrs.update({"schema": np.bytes_(SCHEMA.encode()), "schema_version": SCHEMA_VERSION})
         file.attrs["contents"] = np.bytes_("\n".join(_contents(vars(model))).encode())
         for item in fields(model):
-            if item.compare and not (item.name in ORIGIN and not getattr(model, item.name)):
+            if item.compare and not (item.name in OPTIONAL and not getattr(model, item.name)):
                 _write(file, item.name, getattr(model, item.name))
 
 

@@ -156,6 +156,9 @@ class ReducedModel:
     inputs, source, changes
         Each of these files by its place relative to the model's own file; the text of the TOML file among them; and what the command
         changed in it. Empty for a model that was built from no files.
+    stress_errors, stress_error_at
+        Of a meshed body: load cases of its own with the error of their stress in the energy norm, as it is estimated from the mesh, and
+        where most of the largest is made. Empty where nobody has estimated it.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -184,6 +187,12 @@ class ReducedModel:
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
+    stress_errors: dict[str, float] = field(
+        default_factory=dict
+    )  # load case -> estimated error of the mesh, in parts of the stress
+    stress_error_at: dict[str, float] = field(
+        default_factory=dict
+    )  # axis -> coordinate of the place where the largest of them is made
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)

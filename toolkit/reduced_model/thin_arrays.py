@@ -13,15 +13,15 @@ SPARSE = 0.05
 """Part of them that is not zero, below which an array is thin."""
 
 
-def is_thin(array: np.ndarray) -> bool:
-    """Whether it is large and zero nearly everywhere."""
-    return array.size >= LARGE and bool(np.count_nonzero(array) < SPARSE * array.size)
+def is_thin(array: np.ndarray, large: int | None = None) -> bool:
+    """Whether it has as many numbers as are large, unless others are, and is zero nearly everywhere."""
+    return array.size >= (LARGE if large is None else large) and bool(np.count_nonzero(array) < SPARSE * array.size)
 
 
-def sparing(array: np.ndarray) -> Any:
+def sparing(array: np.ndarray, large: int | None = None) -> Any:
     """An array as a matrix with all axes but the last one in one; sparse if it is thin."""
     rows = array.reshape(-1, array.shape[-1])
-    return csr_array(rows) if is_thin(array) else rows
+    return csr_array(rows) if is_thin(array, large) else rows
 
 
 def listed(array: Any) -> tuple[np.ndarray, np.ndarray]:

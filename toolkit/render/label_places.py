@@ -1,4 +1,4 @@
-"""Where names of points cover nothing: at the freest of the places round their point."""
+"""Where names of points cover nothing, and lines to them cross no other name: at the freest of the places round their point."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ _ENOUGH = 0.4  # of a letter's height: more clearance than this is not better
 _NEARNESS = 0.1  # clearance that a label gives up to be one length nearer to its point
 _SPACING = 0.3  # letters between points that stand for a line
 _FINE = 2  # places per length at which what is drawn is seen
+_STEPS = 9  # places at which the line from a point to its name is looked at
 _SAME = 4  # decimals up to which places are told apart: round-off decides nothing
 Reaches = tuple[float, ...]
 _NEAR: Reaches = (0.4, 0.7, 1.1, 1.6, 2.2)
@@ -67,7 +68,12 @@ def label_places(
     for name in names:
         candidates = np.concatenate([_around(name, reach * letter) for reach in reaches])
         clearances = [_clearance(candidates, name.half, obstacles)]
-        clearances += [_clearance(candidates, name.half + other.half, at[None]) for at, other in zip(places, names, strict=False)]
+        placed = list(zip(places, names, strict=False))
+        clearances += [_clearance(candidates, name.half + other.half, at[None]) for at, other in placed]
+        clearances += [_clearance(candidates, name.half, _way(other.point, at)) for at, other in placed]
+        ways = np.array([_way(name.point, candidate) for candidate in candidates]).reshape(-1, 2)
+        for at, other in placed:  # a line that may lead to the name crosses no other
+            clearances.append(_clearance(ways, other.half, at[None]).reshape(len(candidates), -1).min(axis=1))
         free = (
             np.minimum(np.min(clearances, axis=0), _ENOUGH * letter)
             - 100 * _outside(candidates, name.half, size)
@@ -87,6 +93,11 @@ def _dense(points: np.ndarray, spacing: float) -> np.ndarray:
         np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts),
     )
     return np.vstack([np.repeat(points[:-1], counts, axis=0) + within[:, None] * np.repeat(steps, counts, axis=0), points[-1:]])
+
+
+def _way(point: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """Points on the line from a point to its name."""
+    return point + np.linspace(0, 1, _STEPS)[:, None] * (place - point)
 
 
 def _around(name: Name, gap: float) -> np.ndarray:

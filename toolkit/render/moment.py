@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from toolkit.bodies.model_body import ModelBody
+from toolkit.foundation.units import unit
 from toolkit.joints.both.tie import Tie
 from toolkit.joints.joint import Joint
 from toolkit.joints.places import AtPoint, AtPoints, BetweenPoints
@@ -36,6 +37,12 @@ class Moment(ABC):
     def time(self) -> float:
         """Time of the step."""
         return float(self.solution.times[self.step])
+
+    @property
+    def told(self) -> str:
+        """The time of the step, or the name of a state that belongs to no time."""
+        names = self.solution.names
+        return names[self.step] if names else f"t = {self.time:.4g} {unit(self.scene.units, 'time')}"
 
     def coordinates(self, body: str) -> np.ndarray:
         """Coordinates of one body; the ground has none."""

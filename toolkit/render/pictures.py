@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.spread import spread
-from toolkit.render.gif import MOST_FRAMES, write_animation
+from toolkit.render.animation import ENCODED, MOST_FRAMES, drawn_frames
 from toolkit.render.instants import telling_steps
 from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
@@ -24,8 +25,6 @@ _INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
 NARROWEST, WIDEST = 200, 10_000
 """Pixels of a picture."""
-_SMALL = 800
-"""Width of a moving picture at most, in pixels."""
 _PLAIN = View()
 
 
@@ -36,6 +35,7 @@ def render_solution(
     width: int = 1600,
     view: View = _PLAIN,
     animate: bool = False,
+    film: bool = False,
 ) -> list[Path]:
     """Draw a solution into files of a directory, which is made if it does not exist.
 
@@ -45,17 +45,19 @@ def render_solution(
         Times, in the scene's unit; each is drawn at the nearest step. By default four up to the end whose
         pictures differ (`telling_steps`).
     width : int
-        Width of every picture in pixels; an animation has at most 800.
+        Width of every picture in pixels.
     view : View
         The format of the files, and how a scene in space is looked at.
     animate : bool
-        Whether a motion is drawn as a moving picture too.
+        Whether a motion is drawn as a moving picture (GIF) too.
+    film : bool
+        The same as a film (MP4).
 
     Returns
     -------
     files : list of Path
         `step-<number>.png` (or what the format is) per instant; `overview.png` with up to four of them; `curves.png` and, on request,
-        `animation.gif` if there is more than one step.
+        `animation.gif` and `animation.mp4` if there is more than one step.
 
     Raises
     ------
@@ -67,12 +69,13 @@ def render_solution(
     view.check(solution.system.scene)
     _check(directory, instants, width)
     directory = Path(directory)
-    require("matplotlib")
+    require("matplotlib", *["imageio_ffmpeg"] * film)
+    endings = [ending for ending, wanted in zip((".gif", ".mp4"), (animate, film), strict=True) if wanted]
     with drawing() if solution.system.scene.space.camera else nullcontext():
         artist = _ARTISTS[solution.system.scene.space](solution, view)
         steps = chosen_steps(solution, artist.points, instants)
         directory.mkdir(parents=True, exist_ok=True)
-        shown = spread(solution.steps, MOST_FRAMES) if animate else []
+        shown = spread(solution.steps, MOST_FRAMES) if endings else []
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
         files = [directory / f"step-{moment.step:0{digits}}.{view.format}" for moment in moments]
@@ -82,13 +85,14 @@ def render_solution(
             few = [moments[k] for k in spread(len(moments) - 1, _INSTANTS)]
             files.append(directory / f"overview.{view.format}")
             artist.overview(few, look, files[-1], width)
-        if solution.steps:
+        if solution.steps and not solution.names:
             files.append(directory / f"curves.{view.format}")
             artist.curves(solution, files[-1], width)
         if len(shown) > 1:
-            files.append(directory / "animation.gif")
-            frames = [artist.moment(step) for step in shown]
-            write_animation(frames, artist.instant, look, files[-1], min(width, _SMALL))
+            frames = drawn_frames([artist.moment(step) for step in shown], artist.instant, look, width)
+            for ending in endings:
+                files.append(directory / f"animation{ending}")
+                write_whole(files[-1], ENCODED[ending](frames))
     return files
 
 
@@ -102,10 +106,10 @@ def _check(directory: str | Path, instants: Any, width: Any) -> None:
         raise InputError(f"{str(directory)!r} is a file. Give a folder for the pictures.")
 
 
-def refuse_what_cannot_be_drawn(scene: Scene, view: View) -> None:
+def refuse_what_cannot_be_drawn(scene: Scene, view: View, film: bool = False) -> None:
     """Refuse a scene or a machine that has no such pictures, before the long work begins; raises as `render_solution`."""
     view.check(scene)
-    require("matplotlib")
+    require("matplotlib", *["imageio_ffmpeg"] * film)
     if scene.space.camera:
         drawing_environment()
 

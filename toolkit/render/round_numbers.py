@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+MINUS = "\N{MINUS SIGN}"
+"""As axes write it."""
+
 
 def round_up(value: float) -> float:
     """The next number with a short decimal form that can be halved; zero stays zero."""

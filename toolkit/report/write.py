@@ -12,6 +12,7 @@ from toolkit.report.drawing import Drawing
 from toolkit.report.figures.catalogue import FIGURES_IN
 from toolkit.report.material import Material, Progress
 from toolkit.report.motion.sections import motion_sections
+from toolkit.report.own_folder import PAGE, begin, refuse_foreign_files
 from toolkit.report.page import Section
 from toolkit.report.tables import Table, all_tables
 from toolkit.results.results_file import save_results
@@ -23,14 +24,21 @@ ANSWERS = ("responses", "gradients")
 def write_report(material: Material, folder: str | Path, title: str, progress: Progress = lambda *_: None) -> Path:
     """Write everything into a folder, which is made if it does not exist; the page last, when all that it shows is there.
 
+    Raises
+    ------
+    InputError
+        The folder cannot be written, or holds files of these names that no report has written.
+
     Returns
     -------
     path of `report.html`; beside it `figures/` (PNG, SVG), `tables/` (CSV), `numbers.json`, `animation.gif`, `results.h5`
     """
     folder = Path(folder)
+    refuse_foreign_files(folder, material.results.path)
     try:
         for name in ("figures", "tables"):
             (folder / name).mkdir(parents=True, exist_ok=True)
+        begin(folder)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot hold a report ({error.strerror}). Give a writable folder.") from error
     tables = all_tables(material)
@@ -47,7 +55,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     sections = [_trust(material), *answers, *motion_sections(material, folder, progress)]
     sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
-    path = folder / "report.html"
+    path = folder / PAGE
     _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
     return path
 

@@ -9,11 +9,11 @@ from itertools import pairwise
 from typing import Any
 
 from toolkit.bodies.body import Body
+from toolkit.bodies.cut.chosen_frames import ChosenFrames
 from toolkit.bodies.cut.cut_body import CutBody, part_name, part_number
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.framed_part import NODE
 from toolkit.bodies.model_body import ModelBody
-from toolkit.bodies.planar.chosen_frames import ChosenFrames
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.joints.both.tie import Tie
@@ -21,6 +21,9 @@ from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, pl
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.cuts import cuts_of
 from toolkit.scene.scene import Scene
+
+FRAMES = ("moving", "grounded")
+"""What the frame of a body can be that is cut."""
 
 
 class CutScene(Scene):
@@ -62,13 +65,7 @@ class CutScene(Scene):
 
 
 def _uncut(body: Body) -> Body:
-    if isinstance(body, CutBody):
-        return body.uncut()
-    if isinstance(body, ChosenFrames):
-        chosen = {**dict(body), **body.model_values()}
-        del chosen["choice"]
-        return Flexible.model_construct(**chosen)
-    return body
+    return body.uncut() if isinstance(body, CutBody | ChosenFrames) else body
 
 
 def written(scene: Scene) -> Scene:
@@ -154,23 +151,29 @@ def _ties(scene: Scene, tied: Mapping[str, tuple[int, list[str]]]) -> Iterator[t
 
 
 def most_frames(scene: Scene, name: str) -> int:
-    """How many frames a chain of beams can have at most: one for every element.
+    """How many frames a body of beams can have at most: one for every element.
 
     Raises
     ------
     InputError
-        It cannot be cut, or is no chain; says why.
+        It cannot be cut; says why.
     """
-    body = scene.bodies[name]
-    assert isinstance(body, Flexible)
-    elements = _model(scene, name, body).elements
+    elements = _model(scene, name, scene.bodies[name]).elements
     assert elements is not None
-    if chain_nodes(elements.connectivity) is None:
-        raise InputError(
-            f'bodies.{name}.frames = "auto" is chosen for chains of beams, and the elements of reduced model {body.model!r} branch, close '
-            f"or turn round. Write a number, at least {len(breaks(elements.connectivity)) + 1}."
-        )
     return len(elements.connectivity)
+
+
+def fewest_cut(scene: Scene, name: str) -> int:
+    """How many frames a body has at least that has more than one: two, or one to every chain where its elements branch."""
+    elements = _model(scene, name, scene.bodies[name]).elements
+    assert elements is not None
+    return max(2, len(breaks(elements.connectivity)) + 1)
+
+
+def branches(scene: Scene, name: str) -> bool:
+    """Whether the elements of a body of beams are no chain, because they branch, close or turn round."""
+    elements = _model(scene, name, scene.bodies[name]).elements
+    return elements is not None and chain_nodes(elements.connectivity) is None
 
 
 def cuttable(scene: Scene) -> list[str]:
@@ -178,13 +181,16 @@ def cuttable(scene: Scene) -> list[str]:
     return [
         name
         for name, body in scene.bodies.items()
-        if isinstance(body, Flexible) and not any(body.deflected.values()) and can_be_cut(scene.model(body.model, "elements"))
+        if isinstance(body, CuttableBody)
+        and body.frame in FRAMES  # type: ignore[attr-defined]
+        and not any(body.deflected.values())
+        and can_be_cut(scene.model(body.model, "elements"))
     ]
 
 
 def can_be_cut(model: ReducedModel) -> bool:
-    """Whether a reduced model, loaded with its elements, is a chain of beams with all nodal coordinates."""
-    return model.elements is not None and chain_nodes(model.elements.connectivity) is not None
+    """Whether a reduced model, loaded with its elements, is made of beams with all nodal coordinates."""
+    return model.elements is not None
 
 
 def tie_name(body: str, model: ReducedModel, node: int) -> str:
@@ -206,7 +212,7 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
                 else 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
             )
         )
-    if body.frame not in ("moving", "grounded"):
+    if body.frame not in FRAMES:
         raise InputError(
             f'bodies.{name}.frame = "{body.frame}" belongs to a body with one frame, and frames = {body.frames}. Write frame = "moving" '
             "and hold the body by a joint, or leave `frames` out."

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from typing import Any
 
 from toolkit.description.design import Design, DesignVariable
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.scene.measures import number_measure
 
 NOT_DESIGN = {
@@ -50,10 +49,9 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
     which = (
         f"the path {path!r} of design variable {name!r} leads nowhere" if path != name else f"unknown design variable {name!r}"
     )
-    close = get_close_matches(path, [*scene.design, *available], n=1, cutoff=0.75)
-    meant = f", did you mean {close[0]!r}" if close else ""
     raise InputError(
-        f"{which}{meant}; short names of the scene: {', '.join(scene.design) or 'none'}; paths: {listed(list(available))}."
+        f"{which}{meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
+        f"paths: {listed(list(available))}."
     )
 
 

@@ -16,6 +16,7 @@ from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
 from toolkit.foundation.files.toml_lines import naming_lines
+from toolkit.foundation.listed_names import meant
 from toolkit.responses.catalogue import Response
 from toolkit.responses.instant import Instant
 from toolkit.scene.changed_numbers import with_numbers
@@ -221,6 +222,6 @@ def _index(owner: Any, name: str, axes: str) -> Any:
 
 
 def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path) -> str:
-    letters = ", ".join(axes)
+    letters, close = ", ".join(axes), list(owner) if isinstance(owner, dict) else []
     possible = ", ".join(owner) if isinstance(owner, dict) else letters if len(owner) == len(axes) else f"0 to {len(owner) - 1}"
-    return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}; possible here: {possible}."
+    return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}{meant(name, close)}; possible here: {possible}."

@@ -15,7 +15,7 @@ from toolkit.system.system import System
 NULL, ALIKE = 1e-12, 10.0
 """Singular values, in parts of the largest, that are zero but for round-off; if none is, those that are like the smallest."""
 MANY = 400
-"""Unknowns from which sparse factors with pivoting come first."""
+"""Unknowns from which sparse factors come first: dense ones take as long there, and eight times as long for twice as many."""
 TAKES_PART = 0.0931
 """Part of the largest from which an unknown takes part in a motion or in forces; no ratio of lengths that people choose."""
 

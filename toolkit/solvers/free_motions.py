@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.linalg import null_space
+from scipy.sparse import csr_array
 
 ROUND_OFF = 1e-14
 """Part of the largest squared frequency, or of the stiffnesses that a mode's own is the sum of, below which it cannot be told
@@ -33,6 +34,6 @@ def free_motions(phi_q: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return null_space(phi_q / weights).reshape(len(weights), -1) / weights[:, None]
 
 
-def is_symmetric(stiffness: np.ndarray, terms: float) -> bool:
+def is_symmetric(stiffness: np.ndarray | csr_array, terms: float = 0.0) -> bool:
     """Whether a stiffness is symmetric but for round-off; `terms` is the largest of what its entries are sums of."""
-    return bool(np.abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * np.abs(stiffness).max() + 10 * ROUND_OFF * terms)
+    return bool(abs(stiffness - stiffness.T).max() <= UNSYMMETRIC * abs(stiffness).max() + 10 * ROUND_OFF * terms)

@@ -11,7 +11,7 @@ from scipy.linalg import null_space
 from toolkit.compilation.frame_hints import hint_of_grounded
 from toolkit.compilation.redundant_rows import Rows, independent_rows, null_vectors
 from toolkit.equations.equations import Terms
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, NoDerivativeError
 
 if TYPE_CHECKING:
     from toolkit.system.system import System
@@ -78,7 +78,8 @@ def _refuse_variables_that_jam(system: System, q: np.ndarray, jacobian: np.ndarr
     for motion in null_space(np.real(jacobian)[rows.kept]).T:
         jams = np.flatnonzero(np.abs(N.T @ change(motion)[0]).max(axis=0) > JAMS * size)
         if len(jams):
-            raise InputError(
+            raise NoDerivativeError(
                 f"design variable {system.design.names[jams[0]]!r} would make joints that repeat each other fit no more, and jam the "
-                "mechanism: its motion has no derivative by it. Leave it out, or remove the joint that is too much."
+                "mechanism: its motion has no derivative by it. Leave it out, or remove the joint that is too much.",
+                tuple(system.design.names[each] for each in jams),
             )

@@ -25,8 +25,8 @@ class Solution:
     largest error that a step is estimated to have made, all relative to the scene's size (or rad); `load_steps` of a static solution.
     `options` are those of the run; `own_start` says that it did not begin at the scene's start, and `start_moved`
     by how much of the scene's size (or rad) a given start was moved to close its joints; `run_times` are all times of the run,
-    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state. `judge` finds out
-    what speaks against the solution, when it is asked for its `verdict`.
+    where the solution holds the states of some alone; `path` is the way of a static solution from the unloaded state; `names` are those
+    of states that are no times of a run. `judge` finds out what speaks against the solution, when it is asked for its `verdict`.
     """
 
     system: System
@@ -50,6 +50,7 @@ class Solution:
     newton_iterations: int = 0
     wall: dict[str, float] = field(default_factory=dict)
     path: StaticPath | None = None
+    names: tuple[str, ...] = ()
     judge: Callable[[Solution], Verdict] | None = field(default=None, compare=False)
 
     @classmethod

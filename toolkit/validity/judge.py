@@ -9,6 +9,7 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
+from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
@@ -84,6 +85,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from large_deformations(solution)
     yield from bent_surfaces(solution)
     yield from critical_loads(solution)
+    yield from unseen_tension(scene)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(

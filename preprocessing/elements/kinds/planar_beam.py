@@ -12,7 +12,7 @@ undeformed shape, which is free of stress.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -41,16 +41,23 @@ class PlanarBeam(LineElement):
     space, per_node = PLANE, 3
 
     def contributions(self) -> Iterator[Contribution]:
+        ends = self.ends[self.contributing]
+        mass, root = beam.component_mass(ends), np.sqrt(self.modulus_factor)
+        stiff = ((AREA, root * beam.stretching(ends)), (SECOND_MOMENT, root * beam.bending(ends)))
+        stressed = ((ONE, self.modulus_factor * strain_rows(ends)), (THICKNESS, self.modulus_factor * curvature_rows(ends)))
         for patch in self.patches:
-            elements, ends = patch.elements, self.ends[patch.elements]
-            yield Contribution("mass", patch, AREA, self.component_masses(elements, beam.component_mass(ends)))
-            for terms, rows in ((AREA, beam.stretching(ends)), (SECOND_MOMENT, beam.bending(ends))):
-                yield squared(patch, terms, self.placed_rows(elements, np.sqrt(self.modulus_factor) * rows))
+            elements, here = self.of_patch(patch)
+            if not len(elements):
+                continue
+            yield Contribution("mass", patch, AREA, self.component_masses(elements, mass[here]))
+            for terms, rows in stiff:
+                yield squared(patch, terms, self.placed_rows(elements, rows[here]))
             numbers, n_rows = 4 * elements[:, None] + np.arange(4), 4 * len(self.connectivity)
-            for terms, rows in ((ONE, strain_rows(ends)), (THICKNESS, curvature_rows(ends))):
-                yield Contribution(
-                    "stress", patch, terms, self.placed_rows(elements, self.modulus_factor * rows, numbers, n_rows)
-                )
+            for terms, rows in stressed:
+                yield Contribution("stress", patch, terms, self.placed_rows(elements, rows[here], numbers, n_rows))
+
+    def changing(self) -> PlanarBeam:
+        return self if np.imag(self.modulus_factor) else replace(self, wanted=np.flatnonzero(self.stepped))
 
     @property
     def stress_points(self) -> StressPoints:

@@ -9,14 +9,15 @@ The offset is the one hidden coordinate: it has no stiffness and belongs to no d
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from preprocessing.elements import spatial_beam
 from preprocessing.elements.block_element import LineElement
-from preprocessing.elements.element import Contribution, Coordinates, squared
+from preprocessing.elements.element import Contribution, squared
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, SectionShape
 from preprocessing.elements.space import SPACE
@@ -43,15 +44,12 @@ class SpatialBeam(LineElement):
 
     space, per_node, hidden = SPACE, 6, 1
 
-    def apart(self) -> SpatialBeam:
-        return SpatialBeamsApart(**vars(super().apart()))
-
-    @property
+    @cached_property
     def axes(self) -> np.ndarray:
         """Unit vectors e_1, e_2, e_3 of every element as rows, (n_e, 3, 3)."""
         return spatial_beam.axes(self.ends, self.orientation)
 
-    @property
+    @cached_property
     def first_rows(self) -> np.ndarray:
         """Number of the first stress row of every element, and of all rows: fibre by fibre, of each its two ends, (n_e + 1,)."""
         count = np.zeros(len(self.connectivity), int)
@@ -71,56 +69,75 @@ class SpatialBeam(LineElement):
         return self.dofs[element, :-1], spatial_beam.shape(ends, triad)[0], spatial_beam.rotation(ends, triad)[0]
 
     def contributions(self) -> Iterator[Contribution]:
-        first = self.first_rows
+        formulas = _formulas(self.ends[self.contributing], self.axes[self.contributing])
         for each in self.patches:
-            ends, triad = self.ends[each.patch.elements], self.axes[each.patch.elements]
-            yield from self._inertial(each, ends, triad)
-            yield from self._elastic(each, ends, triad)
-            yield from self._stress(each, ends, triad, first)
+            elements, here = self.of_patch(each.patch)
+            if len(elements):
+                own = _Formulas(*(values[here] for values in formulas))
+                yield from self._inertial(each, elements, own)
+                yield from self._elastic(each, elements, own)
+                yield from self._stress(each, elements, own)
 
-    def _inertial(self, each: SpatialPatch, ends: np.ndarray, triad: np.ndarray) -> Iterator[Contribution]:
-        shape, patch = each.shape, each.patch
-        yield Contribution(
-            "mass", patch, shape.area, self.component_masses(patch.elements, spatial_beam.component_mass(ends, triad))
-        )
-        for terms, axis in ((shape.spread_2, SECOND), (shape.spread_3, THIRD)):
+    def _inertial(self, each: SpatialPatch, elements: np.ndarray, own: _Formulas) -> Iterator[Contribution]:
+        shape = each.shape
+        for terms, blocks in ((shape.area, own.mass), (shape.spread_2, own.spread_2), (shape.spread_3, own.spread_3)):
             if terms:
-                blocks = spatial_beam.rotary_mass(ends, triad, axis)
-                yield Contribution("mass", patch, terms, self.component_masses(patch.elements, blocks))
+                yield Contribution("mass", each.patch, terms, self.component_masses(elements, blocks))
 
-    def _elastic(self, each: SpatialPatch, ends: np.ndarray, triad: np.ndarray) -> Iterator[Contribution]:
+    def _elastic(self, each: SpatialPatch, elements: np.ndarray, own: _Formulas) -> Iterator[Contribution]:
         shape = each.shape
         stiff = [
-            (shape.area, each.modulus_factor, spatial_beam.stretching(ends, triad)),
-            (shape.bending_2, each.modulus_factor, spatial_beam.bending(ends, triad, SECOND)),
-            (shape.bending_3, each.modulus_factor, spatial_beam.bending(ends, triad, THIRD)),
-            (shape.torsion, each.shear_factor, spatial_beam.torsion(ends, triad)),
+            (shape.area, each.modulus_factor, own.stretching),
+            (shape.bending_2, each.modulus_factor, own.bending_2),
+            (shape.bending_3, each.modulus_factor, own.bending_3),
+            (shape.torsion, each.shear_factor, own.torsion),
         ]
         for terms, factor, rows in stiff:
-            yield squared(each.patch, terms, self.placed_rows(each.patch.elements, np.sqrt(factor) * rows))
+            yield squared(each.patch, terms, self.placed_rows(elements, np.sqrt(factor) * rows))
 
-    def _stress(self, each: SpatialPatch, ends: np.ndarray, triad: np.ndarray, first: np.ndarray) -> Iterator[Contribution]:
+    def _stress(self, each: SpatialPatch, elements: np.ndarray, own: _Formulas) -> Iterator[Contribution]:
         """Strain and both curvatures at the ends of every fibre."""
-        elements = each.patch.elements
-        stretched = np.repeat(spatial_beam.strain(ends, triad)[:, None, :], 2, axis=1)
-        bent = [spatial_beam.curvature(ends, triad, axis) for axis in (SECOND, THIRD)]
+        first = self.first_rows
+        rows = [each.modulus_factor * values for values in (own.strain, -own.curvature_2, -own.curvature_3)]
         for number, fibre in enumerate(each.shape.fibres):
             numbers = first[elements, None] + 2 * number + np.arange(2)
-            for terms, rows in ((ONE, stretched), (fibre.second, -bent[0]), (fibre.third, -bent[1])):
+            for terms, blocks in zip((ONE, fibre.second, fibre.third), rows, strict=True):
                 if terms:
-                    placed = self.placed_rows(elements, each.modulus_factor * rows, numbers, int(first[-1]))
-                    yield Contribution("stress", each.patch, terms, placed)
+                    yield Contribution("stress", each.patch, terms, self.placed_rows(elements, blocks, numbers, int(first[-1])))
+
+    def changing(self) -> SpatialBeam:
+        found = self.stepped
+        for each in self.patches:
+            if np.imag(each.shear_factor) or np.imag(each.modulus_factor):
+                found[each.patch.elements] = True
+        return replace(self, wanted=np.flatnonzero(found))
 
 
-@dataclass(frozen=True, eq=False)
-class SpatialBeamsApart(SpatialBeam):
-    """Beams that share no node, each with an offset of its own; the offsets follow one another as the elements do."""
+class _Formulas(NamedTuple):
+    """What `elements.spatial_beam` says of some elements, for unit parameters; their number is the first axis."""
 
-    @property
-    def coordinates(self) -> Coordinates:
-        return Coordinates(self.space, len(self.nodes), self.per_node, len(self.connectivity))
+    mass: np.ndarray
+    spread_2: np.ndarray
+    spread_3: np.ndarray
+    stretching: np.ndarray
+    bending_2: np.ndarray
+    bending_3: np.ndarray
+    torsion: np.ndarray
+    strain: np.ndarray  # at both ends
+    curvature_2: np.ndarray
+    curvature_3: np.ndarray
 
-    @property
-    def dofs(self) -> np.ndarray:
-        own = super().dofs[:, :-1]
-        return np.column_stack([own, self.coordinates.nodal + np.arange(len(own))])
+
+def _formulas(ends: np.ndarray, triad: np.ndarray) -> _Formulas:
+    return _Formulas(
+        mass=spatial_beam.component_mass(ends, triad),
+        spread_2=spatial_beam.rotary_mass(ends, triad, SECOND),
+        spread_3=spatial_beam.rotary_mass(ends, triad, THIRD),
+        stretching=spatial_beam.stretching(ends, triad),
+        bending_2=spatial_beam.bending(ends, triad, SECOND),
+        bending_3=spatial_beam.bending(ends, triad, THIRD),
+        torsion=spatial_beam.torsion(ends, triad),
+        strain=np.repeat(spatial_beam.strain(ends, triad)[:, None, :], 2, axis=1),
+        curvature_2=spatial_beam.curvature(ends, triad, SECOND),
+        curvature_3=spatial_beam.curvature(ends, triad, THIRD),
+    )

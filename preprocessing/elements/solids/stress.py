@@ -110,7 +110,7 @@ def surface_rows(blocks: Sequence[ElementBlock], nodes: np.ndarray, points: np.n
     where = np.full(len(nodes), -1)
     where[points] = np.arange(len(points))
     meeting = np.bincount(np.concatenate([block.connectivity.ravel() for block in blocks]), minlength=len(nodes))
-    first, shear = (sparse.csr_array((6 * len(points), nodes.size)) for _ in range(2))
+    found: list[Any] = [sparse.csr_array((6 * len(points), nodes.size)) for _ in range(2)]
     for block in blocks:
         touching = np.flatnonzero((where[block.connectivity] >= 0).any(axis=1))
         every = _gradients_at_nodes(block, touching, nodes, motion)
@@ -118,10 +118,13 @@ def surface_rows(blocks: Sequence[ElementBlock], nodes: np.ndarray, points: np.n
             on = where[block.connectivity[touching, k]] >= 0
             members = block.connectivity[touching[on]]
             here = members[:, k]
-            mean = sparse.coo_array((1 / meeting[here], (where[here], np.arange(len(here)))), shape=(len(points), len(here)))
-            by_lambda, by_mu = _six_rows(every[..., k][:, on], members, nodes.size)
-            first, shear = (total + sparse.kron(mean, np.eye(6)) @ part for total, part in ((first, by_lambda), (shear, by_mu)))
-    return first.tocsr(), shear.tocsr()
+            shares = (every[..., k][:, on] / meeting[here][:, None]).transpose(1, 2, 0)
+            entries = (_normal_rows(shares, members, where[here]), _shear_rows(shares, members, where[here]))
+            found = [
+                total + sparse.coo_array((value, (row, column)), shape=total.shape).tocsr()
+                for total, (value, row, column) in zip(found, entries, strict=True)
+            ]
+    return found[0], found[1]
 
 
 def _gradients_at_nodes(block: ElementBlock, elements: np.ndarray, nodes: np.ndarray, motion: np.ndarray | None) -> np.ndarray:
@@ -134,12 +137,22 @@ def _gradients_at_nodes(block: ElementBlock, elements: np.ndarray, nodes: np.nda
     return -np.einsum("caek,ceik->aeik", slope, gradients)
 
 
-def _six_rows(gradients: np.ndarray, members: np.ndarray, n: int) -> Rows:
-    """The rows of `COMPONENTS` of every element after each other, (6 n_e, n)."""
-    unit = np.eye(3)
-    pairs = [_rows(gradients, members, unit[[a]], unit[[b]], n) for a, b in COMPONENTS]
-    order = np.arange(6 * len(members)).reshape(6, -1).T.ravel()
-    return tuple(sparse.vstack(parts, format="csr")[order] for parts in zip(*pairs, strict=True))  # type: ignore[return-value]
+def _normal_rows(gradients: np.ndarray, members: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Values, rows and columns of tr eps in the first three rows of points, one point for each element, by gradients (n_e, i, 3)."""
+    row = 6 * points[:, None, None, None] + np.arange(3)[:, None, None]
+    return _flat(gradients[:, None], row, 3 * members[:, None, :, None] + np.arange(3))
+
+
+def _shear_rows(gradients: np.ndarray, members: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, ...]:
+    """The same of 2 a . eps b in all six rows: the derivative along b of the displacement along a, and the other way round."""
+    axes = np.array(COMPONENTS)
+    values = np.moveaxis(gradients[:, :, axes[:, ::-1]], 2, 1)
+    row = 6 * points[:, None, None, None] + np.arange(6)[:, None, None]
+    return _flat(values, row, 3 * members[:, None, :, None] + axes[:, None])
+
+
+def _flat(*each: np.ndarray) -> tuple[np.ndarray, ...]:
+    return tuple(every.ravel() for every in np.broadcast_arrays(*each))
 
 
 def _gradients(functions: Any) -> np.ndarray:

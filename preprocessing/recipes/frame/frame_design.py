@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
 from preprocessing.elements.kinds.spatial_beam import SpatialBeam, SpatialPatch
@@ -69,7 +68,7 @@ def frame_elements(file: FrameFile, design: Mapping[str, Any]) -> Discretisation
     """The finite elements at one design, which gives every parameter a value, real or complex."""
     beams = frame_beams(file, design)
     at_nodes = {name: node_number(file, point.node) for name, point in file.interface_points.items()}
-    return Discretisation(beams, assemble(beams), at_nodes)
+    return Discretisation(beams, at_nodes)
 
 
 def node_number(file: FrameFile, name: str) -> int:
@@ -92,15 +91,16 @@ def frame_beams(file: FrameFile, design: Mapping[str, Any]) -> SpatialBeam | Pla
     mesh = np.vstack(nodes), np.vstack(connectivity)
     if file.dimension == 2:
         return PlanarBeam(*mesh, [patch for _, patch in _sections(file)])
-    orientation = np.repeat([_orientation(file, beam) for beam in file.beams], [beam.elements for beam in file.beams], axis=0)
+    given = file.places
+    directions = [_orientation(beam, given[beam.end] - given[beam.start]) for beam in file.beams]
+    orientation = np.repeat(directions, [beam.elements for beam in file.beams], axis=0)
     return SpatialBeam(*mesh, orientation, _patches(file, design))
 
 
-def _orientation(file: FrameFile, beam: BeamTable) -> np.ndarray:
+def _orientation(beam: BeamTable, along: np.ndarray) -> np.ndarray:
     """As given, or else z; x of beams along z."""
     if beam.orientation is not None:
         return np.array(beam.orientation)
-    along = file.places[beam.end] - file.places[beam.start]
     return np.roll(_ABOVE, 1) if np.linalg.norm(np.cross(along, _ABOVE)) <= ALONG * np.linalg.norm(along) else _ABOVE
 
 

@@ -8,7 +8,6 @@ from dataclasses import asdict
 
 import numpy as np
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
@@ -55,7 +54,7 @@ def polygon_beam(
     mesh, arc_lengths = _mesh(nodes)
     parameters = distribute(asdict(section), {}, separate, len(mesh.connectivity))
     beams = PlanarBeam(mesh.nodes, mesh.connectivity, parameters.patches)
-    discrete = Discretisation(beams, assemble(beams), interfaces, arc_lengths)
+    discrete = Discretisation(beams, interfaces, arc_lengths)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, basis, 0, "the first node")
     chosen = {

@@ -92,9 +92,9 @@ def read_geometry(path: Path, file: SkinFile, remark: Remark | None = None) -> G
         the key.
     """
     with at_key(path, "airfoil.file"):
-        contour = _contour(path.parent / file.airfoil.file, file, remark)
+        contour = _contour(path.parent / file.airfoil.file, file, file.airfoil.units, remark)
     with at_key(path, "airfoil.target"):
-        target = _contour(path.parent / file.airfoil.target, file, remark)
+        target = _contour(path.parent / file.airfoil.target, file, file.airfoil.target_units or file.airfoil.units, remark)
     geometry = _constructed(Source(path, file, Contours(contour, target)), {}, mesh_curve)
     with at_key(path, "section.thickness"):
         for text in slenderness(geometry.skin, geometry.arc_lengths, file.section.thickness):
@@ -120,8 +120,8 @@ def _design(source: Source, values: Mapping[str, complex]) -> dict[str, complex]
     nominal = shape_parameters(source.file)
     for name, value in values.items():
         if name not in nominal:
-            lengths = source.file.airfoil.units in ("mm", "m") and name == "chord"
-            why = f"; the airfoil files are in {source.file.airfoil.units}, and no chord scales them" if lengths else ""
+            lengths = source.file.airfoil.in_lengths if name == "chord" else []
+            why = f"; the airfoil files are in {' and '.join(lengths)}, and no chord scales them" if lengths else ""
             raise InputError(f"{name!r} is no shape parameter of {str(source.path)!r}; available: {', '.join(nominal)}{why}.")
         if not np.isfinite(value) or (name in ("chord", "y_scale") and np.real(value) <= 0):
             raise InputError(
@@ -130,8 +130,8 @@ def _design(source: Source, values: Mapping[str, complex]) -> dict[str, complex]
     return {**nominal, **values}
 
 
-def _contour(path: Path, file: SkinFile, remark: Remark | None) -> Contour:
-    units, chord = file.airfoil.units, file.airfoil.chord
+def _contour(path: Path, file: SkinFile, units: str | None, remark: Remark | None) -> Contour:
+    chord = file.airfoil.chord
     in_file_units = chord * _METRES[file.units] / _METRES[units] if units in _METRES else None
     airfoil = read_airfoil(path, units, in_file_units)
     for text in (*airfoil.repairs, *airfoil.warnings):

@@ -10,6 +10,6 @@ def shape_parameters(file: SkinFile) -> dict[str, float]:
 
     Airfoil files in mm or m hold lengths, which the chord only checks: nothing depends on it, and it is left out.
     """
-    chord = {} if file.airfoil.units in ("mm", "m") else {"chord": float(file.airfoil.chord)}
+    chord = {} if file.airfoil.in_lengths else {"chord": float(file.airfoil.chord)}
     modes = {name: float(mode.height) for name, mode in file.shape.items()}
     return {**chord, "y_scale": float(file.airfoil.y_scale), **modes}

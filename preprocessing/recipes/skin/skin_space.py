@@ -7,7 +7,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from preprocessing.assembly.assembly import assemble
 from preprocessing.discretisation.discretisation import DesignSpace, Discretisation
 from preprocessing.elements.block_element import LineElement
 from preprocessing.elements.kinds.planar_beam import PlanarBeam
@@ -47,7 +46,7 @@ def design_space(path: Path, file: SkinFile, values: Mapping[str, float], geomet
             beams = PlanarBeam(at.mesh.nodes, at.mesh.connectivity, parameters.patches, factor)
         else:
             beams = spatial_skin(at.mesh, parameters.patches, factor, design["poisson_ratio"])
-        return Discretisation(beams, assemble(beams), places, at.arc_lengths, at.target)
+        return Discretisation(beams, places, at.arc_lengths, at.target)
 
     lengths = {name: "none" if name == "y_scale" else "length" for name in shape}
     quantities = {**parameters.quantities, **dict.fromkeys(ratio, "none"), **lengths}

@@ -21,6 +21,7 @@ GroupName = Annotated[str, AfterValidator(_group_name)]
 ElementNumber = Annotated[int, Field(ge=0)]
 Quantity = Literal["youngs_modulus", "density", "thickness", "width", "damping_mass", "damping_stiffness"]
 ModeName = Annotated[str, AfterValidator(mode_name)]
+AirfoilUnits = Literal["chord", "percent", "mm", "m"]
 
 
 class Airfoil(Table):
@@ -29,8 +30,14 @@ class Airfoil(Table):
     file: FileName  # relative to skin.toml
     target: FileName
     chord: Positive  # length
-    units: Literal["chord", "percent", "mm", "m"] | None = None  # of both files, fractions of the chord if not given
+    units: AirfoilUnits | None = None  # of both files, fractions of the chord if not given
+    target_units: AirfoilUnits | None = None  # of the target, if they are not those of the file
     y_scale: Positive = 1.0  # by which the y of both files are multiplied
+
+    @property
+    def in_lengths(self) -> list[str]:
+        """Units of length that one of the files is in, which no chord scales."""
+        return [each for each in dict.fromkeys((self.units, self.target_units)) if each in ("mm", "m")]
 
 
 MOST_ELEMENTS, MOST_REDUCED = 600, 500

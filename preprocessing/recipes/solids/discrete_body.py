@@ -18,6 +18,7 @@ from preprocessing.elements.kinds.solid import Solid, element_solid, finished_so
 from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
 from preprocessing.elements.solids.elements import ElementBlock, element_blocks
 from preprocessing.elements.solids.stress import Rows, stress_rows
+from preprocessing.elements.solids.stress_error import Elastic
 from preprocessing.input.at_key import at_key
 from preprocessing.mesh.faces import BoundaryFaces
 from preprocessing.mesh.matrix_file import read_matrix, read_square
@@ -44,6 +45,7 @@ class DiscreteBody:
     ties: Mapping[str, Tie]
     boundary: Boundary | None  # None without elements
     pressure_surfaces: Mapping[str, BoundaryFaces]
+    elastic: Elastic | None = None  # None without elements that were assembled here
 
 
 def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
@@ -63,12 +65,14 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
     ties = named.ties(mesh.nodes)
     others: dict[str, float] = {}
     changes: Iterable[tuple[str, BodyChange]] = ()
+    elastic = None
     if file.matrices is None:
         others = {"poisson_ratio": _ratio(file), **{name: variable.value for name, variable in file.shape_variables.items()}}
-        solid, changes = _from_elements(named, values, ties)
+        solid, changes, elastic = _from_elements(named, values, ties)
     else:
         solid = _from_files(named, made_with)
-    return DiscreteBody(mesh, assemble(solid), values, others, changes, named.clamped, ties, named.boundary, named.surfaces)
+    parts = assemble(solid)
+    return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces, elastic)
 
 
 def _ratio(file: BodyFile) -> float:
@@ -86,8 +90,8 @@ def _stress(named: NamedMesh, blocks: list[ElementBlock], motion: np.ndarray | N
 
 def _from_elements(
     named: NamedMesh, values: Mapping[str, float], ties: Mapping[str, Tie]
-) -> tuple[Solid, Iterator[tuple[str, BodyChange]]]:
-    """The elements of the body, and what Poisson's ratio and the shape variables change."""
+) -> tuple[Solid, Iterator[tuple[str, BodyChange]], Elastic]:
+    """The elements of the body, what Poisson's ratio and the shape variables change, and what the stress is judged by."""
     mesh, ratio, state = named.mesh, _ratio(named.file), _state(named.file, named.mesh)
     with at_key(named.path, "mesh.file"):
         blocks = element_blocks(mesh)
@@ -97,7 +101,8 @@ def _from_elements(
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
     of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
-    return element_solid(mesh.nodes, matrices, rows, lame), _changes(of_ratio, named, blocks, lame, values, ties)
+    changes = _changes(of_ratio, named, blocks, lame, values, ties)
+    return element_solid(mesh.nodes, matrices, rows, lame), changes, Elastic(blocks, mesh.nodes, lame)
 
 
 def _changes(

@@ -20,6 +20,7 @@ from preprocessing.elements.kinds.solid import QUANTITIES
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.recipes.solids.mesh_error import mesh_error
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.stored_entries import ROUND_OFF
@@ -56,6 +57,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         **found._asdict(),
         "writers": {} if shapes.system is None else shapes.system.writers,
         **_boundary_parts(body, z),
+        **mesh_error(body.elastic, mass, stiffness, free, shapes),
         "interfaces": interfaces,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }

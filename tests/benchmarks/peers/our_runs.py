@@ -23,6 +23,7 @@ def makers(scene: ffrf.Scene, end_time: float, rho_inf: float, result: Callable[
         def make(step: float) -> Callable[[], np.ndarray]:
             options = scene.solver.model_copy(update={"end_time": end_time, "step": step, "rho_inf": rho_inf, **setting})
             model = ffrf.compile(scene.model_copy(update={"solver": options}))
+            _ = model._compiled.analysed_by("transient").primal.evaluator  # what the first motion would compile
             return lambda: result(model.simulate())
 
         return make

@@ -12,3 +12,4 @@ class FrameChoice(NamedTuple):
     error: float  # what the last of these runs leaves, estimated
     numbers: tuple[int, ...]  # of frames, one run after the other
     analysis: str
+    kept_run: str = ""  # file of the run that the scene starts in, whose number was taken without any run

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import ConfigDict, Field, field_validator, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
 from toolkit.bodies.body import ConstantNumbers, Placed
-from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.planar.body import FloatingNumbers, MarkerNumbers
 from toolkit.bodies.planar.start_velocity import StartVelocity
 from toolkit.description.description import Number, Pair
@@ -21,7 +21,7 @@ ACROSS = np.array([0.0, 0.0, 1.0])
 """The axis of all rotations in the plane."""
 
 
-class Flexible(ModelBody, StartVelocity):
+class Flexible(CuttableBody, StartVelocity):
     """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
     ground: then no frame coordinates exist, and no joint can move the body as a whole.
 
@@ -35,15 +35,6 @@ class Flexible(ModelBody, StartVelocity):
         Where the origin of the reduced model lies at the start, in units of length.
     angle
         Rotation of the reduced model's axes at the start, in rad.
-    frames
-        Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
-        it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
-        branch, they are always cut.
-        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
-    geometric_error
-        With `frames = "auto"`: how far nodes may be from where ever more frames would bring them, in parts of the body's largest
-        displacement; by default 0.01.
     deflection
         Point of the body -> u_x, u_y, its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -60,8 +51,6 @@ class Flexible(ModelBody, StartVelocity):
     frame: Literal["moving", "grounded"] = "moving"
     position: Annotated[Pair, Quantity("length")] = (0.0, 0.0)
     angle: Annotated[Number, Quantity("angle")] = 0.0
-    frames: Annotated[int, Field(ge=1, strict=True)] | Literal["auto"] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
-    geometric_error: Annotated[Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] | None, Quantity("1")] = None
     deflection: Annotated[dict[str, Pair], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Pair], Quantity("length/time")] = Field(default_factory=dict)
 
@@ -71,26 +60,9 @@ class Flexible(ModelBody, StartVelocity):
             raise ValueError('a grounded body cannot have a `velocity`; write frame = "moving", or leave it out')
         return self
 
-    @field_validator("frames", mode="before")
-    @classmethod
-    def _number_or_nodes(cls, frames: object) -> object:
-        if (
-            isinstance(frames, bool | float)
-            or (isinstance(frames, str) and frames != "auto")
-            or (isinstance(frames, int) and frames < 1)
-        ):
-            raise ValueError('is a whole number from 1 up, "auto", or a list of nodes and interface points where the body is cut')
-        return frames
-
-    @model_validator(mode="after")
-    def _error_of_a_choice(self) -> Flexible:
-        if self.geometric_error is not None and self.frames != "auto":
-            raise ValueError('`geometric_error` is what frames = "auto" chooses a number for; write that, or leave it out')
-        return self
-
     def means(self, field: str) -> bool:
-        """A grounded body has no velocity; an error that is wanted is no number of the body."""
-        return field != "geometric_error" and (self.has_frame or field not in ("velocity", "angular_velocity"))
+        """A grounded body has no velocity."""
+        return super().means(field) and (self.has_frame or field not in ("velocity", "angular_velocity"))
 
     @property
     def has_frame(self) -> bool:
@@ -98,14 +70,13 @@ class Flexible(ModelBody, StartVelocity):
         return self.frame == "moving"
 
     @property
-    def dependence(self) -> tuple[str, ...]:
-        """Of the elements too, if they make parts."""
-        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
+    def placement(self) -> np.ndarray:
+        """Rotation matrix of the reduced model's axes at the start, (2, 2)."""
+        return rotation(self.angle)
 
-    @property
-    def parted(self) -> bool:
-        """Of more than one frame."""
-        return self.frames != 1
+    def frame_axes(self, q: np.ndarray) -> np.ndarray:
+        """By its angle."""
+        return rotation(q[2])
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:

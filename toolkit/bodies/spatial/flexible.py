@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import ConfigDict, Field, field_validator
+from pydantic import ConfigDict, Field
 
 from toolkit.bodies.body import QUATERNION, ConstantNumbers, Placed
-from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.spatial.body import SpatialBody, SpatialFloatingNumbers, SpatialMarkerNumbers, pose_of
 from toolkit.description.description import Triple
 from toolkit.description.quantity import Quantity
@@ -17,7 +17,7 @@ from toolkit.kinematics.spatial import angular_velocity, matrix_of, quaternion_o
 from toolkit.reduced_model.spatial_model import SpatialInvariants, all_second_moments, spatial_lengths
 
 
-class SpatialFlexible(ModelBody, SpatialBody):
+class SpatialFlexible(CuttableBody, SpatialBody):
     """A flexible body, which moves with its frame. `frame = "grounded"` fixes the reference condition (the clamp of its model) to the
     ground: then no frame coordinates exist, and no joint can move the body as a whole.
 
@@ -29,11 +29,6 @@ class SpatialFlexible(ModelBody, SpatialBody):
         Where the origin of the reduced model lies at the start, in units of length.
     orientation
         Rotation vector that turns the reduced model's axes to where they are at the start; its length is the angle in rad.
-    frames
-        Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
-        it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
-        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
-        branch, they are always cut.
     deflection
         Point of the body -> its displacement at the start since the undeformed body, in the axes of the reduced model, in units
         of length: what a response of the type `deflection` tells at time 0. The rest of the body takes the shape of least strain energy,
@@ -49,27 +44,8 @@ class SpatialFlexible(ModelBody, SpatialBody):
 
     position: Annotated[Triple, Quantity("length")] = (0.0, 0.0, 0.0)
     orientation: Annotated[Triple, Quantity("angle")] = (0.0, 0.0, 0.0)
-    frames: Annotated[int, Field(ge=1, strict=True)] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
     deflection: Annotated[dict[str, Triple], Quantity("length")] = Field(default_factory=dict)
     elastic_velocity: Annotated[dict[str, Triple], Quantity("length/time")] = Field(default_factory=dict)
-
-    @field_validator("frames", mode="before")
-    @classmethod
-    def _number_or_nodes(cls, frames: object) -> object:
-        if isinstance(frames, bool | float | str) or (isinstance(frames, int) and frames < 1):
-            auto = ' ("auto" chooses for bodies in the plane alone)' if frames == "auto" else ""
-            raise ValueError(f"is a whole number from 1 up, or a list of nodes and interface points where the body is cut{auto}")
-        return frames
-
-    @property
-    def dependence(self) -> tuple[str, ...]:
-        """Of the elements too, if they make parts."""
-        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
-
-    @property
-    def parted(self) -> bool:
-        """Of more than one frame."""
-        return self.frames != 1
 
     @property
     def placement(self) -> np.ndarray:
@@ -101,6 +77,10 @@ class SpatialFlexible(ModelBody, SpatialBody):
         inv = scene.model(self.model).invariants
         assert isinstance(inv, SpatialInvariants)
         return inv
+
+    def frame_axes(self, q: np.ndarray) -> np.ndarray:
+        """By its quaternion."""
+        return matrix_of(q[self.moves : self.moves + QUATERNION])
 
     @property
     def deflected(self) -> Mapping[str, Mapping[str, tuple[Any, ...]]]:

@@ -12,8 +12,8 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, prepare_folder, read
-from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_verdict, table, warn
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_answer, table
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.analyses.campbell import Campbell
@@ -44,12 +44,7 @@ def campbell(
     described = read(scene, changes, quiet)
     with at_work("speeds", described, "static", quiet=quiet) as progress:
         found = compile_model(described).campbell(wanted, count=count, progress=progress)
-    if as_json:
-        print_json(record_of(found))
-        warn(found.verdict, quiet)
-    else:
-        print_campbell(found)
-        print_verdict(found.verdict)
+    print_answer(lambda: record_of(found), lambda: print_campbell(found), found.verdict, as_json, quiet)
     if output is not None:
         for file in write(found, output, scene.parent.name or scene.stem):
             typer.echo(str(file), err=as_json)

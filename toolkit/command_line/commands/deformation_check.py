@@ -38,8 +38,11 @@ def check_deformation(
     solution = _solution(file, static, changes, models, quiet)
     scene = solution.system.scene
     names = design_of(scene, variables) if scene.design or variables else []
-    found = {body: compare_with_corotational(solution, body) for body in flexible_of(solution) if body in scene.bodies}
     whole = compare_mechanism(solution, names)
+    alone = [body for body in flexible_of(solution) if body in scene.bodies]
+    if whole is not None and not scene.space.turning_elements:  # the mechanism alone tells of beams in space
+        alone = [body for body in alone if body not in whole.elements]
+    found = {body: compare_with_corotational(solution, body) for body in alone}
     verdict = Verdict.of([*solution.verdict.warnings, *(whole.cautions() if whole else [])], solution.verdict.measures)
     if as_json:
         checked = {body: record_of_check(each, solution) for body, each in found.items()}
@@ -122,10 +125,12 @@ def print_mechanism(found: Mechanism) -> None:
     if own.gradients:
         console.print(slopes)
     for body, count in found.elements.items():
-        typer.echo(
-            f"The whole mechanism, joints in place, with {count} frames in {body}, one to every element: nodes are up to "
-            f"{found.distances[body]:.2%} of the largest displacement from where they are with the frames of the scene."
+        apart = (
+            f": nodes are up to {found.distances[body]:.2%} of the largest displacement from where they are with the frames of the scene"
+            if body in found.distances
+            else ""
         )
+        typer.echo(f"The whole mechanism, joints in place, with {count} frames in {body}, one to every element{apart}.")
 
 
 def _off(value: float, true: float) -> str:

@@ -58,6 +58,7 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "interfaces": {name: describe_interface(point, length) for name, point in (model.interfaces or {}).items()},
         "exact_for_every_value": dependences(model, model.affine),
         "derivatives": dependences(model, model.derivatives),
+        **({"stress_error": {**model.stress_errors, "largest at": model.stress_error_at}} if model.stress_errors else {}),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
     }

@@ -1,6 +1,6 @@
 """`ffrf new`: projects of one's own.
 
-A new wing needs its airfoil read, which is preprocessing: `ffrf` hands over to the program that does it.
+They need airfoils or meshes read, which is preprocessing: `ffrf` hands over to the program that does it.
 """
 
 from __future__ import annotations
@@ -13,9 +13,12 @@ import typer
 from toolkit.foundation.processes.preprocessing_process import run
 from toolkit.foundation.terminal import AsJson
 
-PROGRAM = "preprocessing.wings.command"
+PROGRAM = "preprocessing.projects.command"
 
 app = typer.Typer(help="Start a project of your own.", no_args_is_help=True)
+
+Folder = Annotated[Path, typer.Argument(metavar="MY_DIR", help="Folder to make.")]
+System = Annotated[str, typer.Option(help="System of units: mm-t-s or m-kg-s.")]
 
 
 @app.callback()
@@ -25,16 +28,47 @@ def projects() -> None:
 
 @app.command()
 def wing(
-    folder: Annotated[Path, typer.Argument(metavar="MY_DIR", help="Folder to make.")],
-    airfoil: Annotated[Path, typer.Option(metavar="FILE", help="The section, in any common format, in fractions of the chord.")],
+    folder: Folder,
+    airfoil: Annotated[Path, typer.Option(metavar="FILE", help="The section, in any common format.")],
     target: Annotated[Path | None, typer.Option(metavar="FILE", help="The wanted section; by default the nose droops.")] = None,
-    chord: Annotated[float, typer.Option(help="Chord in mm.")] = 550.0,
+    chord: Annotated[
+        float | None, typer.Option(help="Chord in mm; by default 550, or the largest x of an airfoil in mm or m.")
+    ] = None,
+    units: Annotated[str | None, typer.Option(help="Of the airfoil's numbers: fraction, percent, mm or m.")] = None,
+    target_units: Annotated[str | None, typer.Option(help="Of the target's numbers, if they are others.")] = None,
     as_json: AsJson = False,
 ) -> None:
     """Start a morphing wing from any airfoil file: skin, linkage, target and the next commands."""
-    given = [str(folder), "--airfoil", str(airfoil), "--chord", str(chord), *(["--target", str(target)] if target else [])]
-    given += ["--json"] if as_json else []
-    done = run(PROGRAM, given)
+    _start("wing", folder, as_json, airfoil=airfoil, target=target, chord=chord, units=units, target_units=target_units)
+
+
+@app.command()
+def linkage(folder: Folder, units: System = "mm-t-s", as_json: AsJson = False) -> None:
+    """Start a linkage of rods: a crank-rocker with a motor and a spring, and a study of it."""
+    _start("linkage", folder, as_json, units=units)
+
+
+@app.command()
+def solid(
+    folder: Folder,
+    mesh: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A mesh with two named groups of nodes; by default an arm is drawn.")
+    ] = None,
+    clamp: Annotated[str, typer.Option(metavar="GROUP", help="Group of the mesh that sits on the motor.")] = "hub",
+    grip: Annotated[str, typer.Option(metavar="GROUP", help="Group of the mesh that carries the weight.")] = "tip",
+    units: System = "mm-t-s",
+    as_json: AsJson = False,
+) -> None:
+    """Start a flexible solid on a motor, from a mesh of your own or an arm whose drawing can be changed."""
+    _start("solid", folder, as_json, mesh=mesh, clamp=clamp, grip=grip, units=units)
+
+
+def _start(kind: str, folder: Path, as_json: bool, **options: object) -> None:
+    """Run the program, and say what it says."""
+    given = [kind, str(folder)]
+    for name, value in options.items():
+        given += [] if value is None else [f"--{name.replace('_', '-')}", str(value)]
+    done = run(PROGRAM, [*given, *(["--json"] if as_json else [])])
     typer.echo(done.stdout, nl=False)
     typer.echo(done.stderr, nl=False, err=True)
     if done.returncode:

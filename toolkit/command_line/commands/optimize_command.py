@@ -11,9 +11,9 @@ import typer
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import StudyFile, prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
-from toolkit.command_line.printed.printing import print_verdict, warn
+from toolkit.command_line.printed.printing import print_answer
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.studies.optimization.optimum import Optimum
@@ -33,7 +33,7 @@ def optimize(
 ) -> None:
     """Find the best design of a study; exit with an error if none can be called an optimum. What was interrupted goes on."""
     from toolkit.studies.optimization.optimize import optimized
-    from toolkit.studies.study.problem import problem_of
+    from toolkit.studies.study.checked_problem import problem_of
     from toolkit.studies.study.search_options import Search
     from toolkit.studies.study.study_reader import naming_study_lines, read_study
 
@@ -51,12 +51,7 @@ def optimize(
         found = optimized(problem, folder, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
-    if as_json:
-        print_json(record)
-        warn(found.verdict, quiet)
-    else:
-        print_optimum(found)
-        print_verdict(found.verdict)
+    print_answer(lambda: record, lambda: print_optimum(found), found.verdict, as_json, quiet)
     found.check()
 
 

@@ -36,9 +36,11 @@ def report(
     from toolkit.render.packages import require
 
     require("matplotlib")  # which the report imports
+    from toolkit.report.own_folder import refuse_foreign_files
     from toolkit.report.write import write_report
 
     check_options(file, changes, models)
+    refuse_foreign_files(output, file)
     material = _from_results(file, models) if is_results(file) else _from_scene(file, changes, quiet)
     folder = prepare_folder(output)
     with bar("report", quiet) as progress:

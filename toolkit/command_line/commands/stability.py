@@ -12,11 +12,14 @@ from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
 from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read
-from toolkit.command_line.printed.printing import WIDE, print_verdict, table, warn
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.command_line.printed.printing import WIDE, print_answer, table
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.studies.stability.found import Study
+
+RUNS = "runs"
+"""Name of the folder of all runs."""
 
 
 def stability(
@@ -36,7 +39,11 @@ def stability(
     ] = None,
     jobs: Annotated[int | None, typer.Option(min=1, help="Processes; by default as many as processors.")] = None,
     output: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder for stability.png, stability.svg and stability.json.")
+        Path | None,
+        typer.Option(
+            metavar="DIR",
+            help="Folder for picture, JSON file and all runs: what was interrupted goes on.",
+        ),
     ] = None,
     changes: Changes = None,
     as_json: AsJson = False,
@@ -58,15 +65,11 @@ def stability(
     described = written(with_chosen_frames(read(scene, changes, quiet), "transient"))
     names = design_of(described, variables) if variables or described.design else []
     chosen = None if maps is None else [name.strip() for name in maps.split(",") if name.strip()]
+    runs = None if output is None else output / RUNS
     limits = Limits(drift=described.solver.drift_tolerance, energy=energy, accuracy=accuracy)
     with at_work("runs", described, "transient", names, quiet, "adjoint") as progress:
-        found = study(described, names, chosen, limits, most_steps, jobs or os.cpu_count() or 1, progress)
-    if as_json:
-        print_json(record_of(found))
-        warn(found.verdict, quiet)
-    else:
-        print_study(found)
-        print_verdict(found.verdict)
+        found = study(described, names, chosen, limits, most_steps, jobs or os.cpu_count() or 1, progress, runs)
+    print_answer(lambda: record_of(found), lambda: print_study(found), found.verdict, as_json, quiet)
     if output is not None:
         for file in write(found, output, scene.parent.name or scene.stem):
             typer.echo(str(file), err=as_json)

@@ -12,13 +12,15 @@ import typer
 
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read, split
-from toolkit.command_line.printed.printing import print_verdict, warn
+from toolkit.command_line.pictures import save_drawing
+from toolkit.command_line.printed.printing import print_answer
 from toolkit.command_line.printed.tradeoff_tables import print_tradeoff, record_of
 from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.foundation.verdict import Verdict
+    from toolkit.report.drawing import Drawing
     from toolkit.scene.scene import Scene
     from toolkit.studies.tradeoff.tradeoff import Tradeoff
 
@@ -81,12 +83,7 @@ def tradeoff(
     verdict = _model_verdict(framed(described, EVERY_ELEMENT) if "frames" in planned.axes else described)
     record = {**record_of(found), **verdict.record()}
     _keep(found, record, folder, quiet)
-    if as_json:
-        print_json(record)
-        warn(verdict, quiet)
-    else:
-        print_tradeoff(found)
-        print_verdict(verdict)
+    print_answer(lambda: record, lambda: print_tradeoff(found), verdict, as_json, quiet)
     found.check()
 
 
@@ -115,16 +112,10 @@ def _keep(found: Tradeoff, record: dict[str, Any], folder: Path, quiet: bool) ->
 
 
 def _draw(found: Tradeoff, folder: Path, quiet: bool) -> list[Path]:
-    from toolkit.render.packages import RenderError, require
+    return [] if len(found.failed) == len(found.settings) else save_drawing(lambda: _drawing(found), folder, quiet)
 
-    if len(found.failed) == len(found.settings):
-        return []
-    try:
-        require("matplotlib")
-    except RenderError as error:
-        if not quiet:
-            typer.echo(f"no picture: {error}", err=True)
-        return []
+
+def _drawing(found: Tradeoff) -> Drawing:
     from toolkit.report.work_precision import work_precision
 
-    return work_precision(found).save(folder)
+    return work_precision(found)

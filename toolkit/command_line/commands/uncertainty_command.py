@@ -12,8 +12,8 @@ from rich.console import Console
 from toolkit.command_line.announcements import bar, compile_before
 from toolkit.command_line.arguments import Dask, Jobs, StudyFile, prepare_folder
 from toolkit.command_line.pictures import save_drawing
-from toolkit.command_line.printed.printing import WIDE, print_verdict, table, warn
-from toolkit.foundation.terminal import AsJson, Quiet, print_json
+from toolkit.command_line.printed.printing import WIDE, print_answer, table
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.report.drawing import Drawing
@@ -53,12 +53,7 @@ def uncertainty(
         found = found_uncertainty(checked, folder, place, progress)
     record = found.record()
     _keep(found, record, folder, pictures, quiet)
-    if as_json:
-        print_json(record)
-        warn(found.verdict, quiet)
-    else:
-        _print(found)
-        print_verdict(found.verdict)
+    print_answer(lambda: record, lambda: _print(found), found.verdict, as_json, quiet)
 
 
 def _keep(found: UncertainResult, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.console import Console
 
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, table
@@ -12,13 +13,13 @@ from toolkit.foundation.units import unit
 
 if TYPE_CHECKING:
     from toolkit.system.solution import Solution
-    from toolkit.validity.bodies.deformation import Deformation
+    from toolkit.validity.bodies.deformation import Measured
 
-Deformations = Mapping[str, "Deformation | None"]
+Deformations = Mapping[str, "Measured | None"]
 
 
 def record_of_deformations(solution: Solution, found: Deformations) -> dict[str, Any]:
-    """Part of the JSON object of a run: null for a body whose reduced model does not hold its elements."""
+    """Part of the JSON object of a run: null for a body of which no meter knows anything."""
     from toolkit.validity.bodies.deformation import LIMIT
 
     length = unit(solution.system.scene.units, "length")
@@ -52,5 +53,6 @@ def print_deformations(solution: Solution, found: Deformations) -> None:
     )
     for body, each in found.items():
         numbers = each and (each.rotation, each.displacement, each.error, each.relative, each.error / each.size)
-        rows.add_row(body, *(f"{number:.3g}" for number in numbers or ()), *([] if numbers else ["not available"] * 5))
+        words = ["-" if np.isnan(number) else f"{number:.3g}" for number in numbers] if numbers else ["not available"] * 5
+        rows.add_row(body, *words)
     Console(width=WIDE, highlight=False).print(rows)

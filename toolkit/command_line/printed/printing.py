@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 from rich.box import SIMPLE
@@ -32,6 +32,18 @@ def warn(verdict: Verdict, quiet: bool = False) -> None:
     """The same on standard error, where standard output belongs to JSON or to names of files."""
     for caution in () if quiet else verdict.warnings:
         typer.echo(f"{'warning' if caution.doubt else 'note'}: {caution.text}", err=True)
+
+
+def print_answer(
+    record: Callable[[], dict[str, Any]], shown: Callable[[], None], verdict: Verdict, as_json: bool, quiet: bool
+) -> None:
+    """An answer with its verdict: one JSON object, or tables; what has to be known is said in both."""
+    if as_json:
+        print_json(record())
+        warn(verdict, quiet)
+    else:
+        shown()
+        print_verdict(verdict)
 
 
 def print_files(files: Sequence[Path], verdict: Verdict, as_json: bool, quiet: bool = False) -> None:

@@ -18,9 +18,9 @@ if TYPE_CHECKING:
 
 def print_result(result: Result, as_json: bool, quiet: bool = False) -> None:
     """Print values, units and gradients of all responses, how far flexible bodies deform, what the run cost, and whether to trust it."""
-    from toolkit.validity.bodies.deformation import deformations
+    from toolkit.validity.bodies.bent_surfaces import geometric_errors
 
-    found = deformations(result.solution)
+    found = geometric_errors(result.solution)
     if as_json:
         deformed = {"deformation": record_of_deformations(result.solution, found)} if found else {}
         print_json(record_of(result) | deformed)

@@ -14,11 +14,27 @@ from toolkit.compilation.quantities import Quantities
 from toolkit.joints.joint import Joint
 from toolkit.joints.kernels.laws import ANGLE, PLAIN, PROFILE, angle_law
 from toolkit.joints.kernels.profile import profile_law
-from toolkit.joints.kernels.records import DESIGN, DESIGNED, NUMBERS, ROWS, SPATIAL_NUMBERS, SPATIAL_ROWS, Joints
+from toolkit.joints.kernels.records import (
+    CURVE,
+    CURVED,
+    DESIGN,
+    DESIGNED,
+    FORM,
+    N_ROWS,
+    NUMBERS,
+    PINNED,
+    ROWS,
+    SPATIAL_NUMBERS,
+    SPATIAL_ROWS,
+    Joints,
+)
 from toolkit.joints.row_checks import check_rows
 from toolkit.joints.rows import Row, forms_of
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE
+
+PIN_PLACES, PIN_VALUES = (0, 0, 3, 0, 1, 4), (0, 1, -1, 0, 1, -1)
+"""Numbers of the poses in both forms of a pin, behind the place of the constant, and what they are multiplied by."""
 
 
 def laws_of(joints: list[Joint]) -> list[CPUDispatcher]:
@@ -47,6 +63,8 @@ def joint_arrays(
         of = kept.of.copy()
         of[:, DESIGNED] = designed(list(kept.marker), derivatives, changes, kept.curve)
         of[:, DESIGN], of[:, DESIGN + 1] = ends[:-1], ends[1:]
+        if not np.array_equal(kept.value, given["value"]):
+            of[:, PINNED] = _pinned(of, given) if scene.space is PLANE else 0
         found = forms.changes(changes)
         return kept._replace(of=of, value=given["value"], design=found["design"], design_value=found["design_value"])
     rows = forms.rows
@@ -57,23 +75,27 @@ def joint_arrays(
         positions.append(np.concatenate([pattern.find(*block(r, c)) for r, c in ((both, both), (own, both), (both, own))]))
     markers, planar = [pair for _, pair in gripping], scene.space is PLANE
     curves = curve_numbers(joints, 0)
+    of = np.column_stack(
+        [
+            np.array(markers, np.int64).reshape(-1, 2),
+            [numbering.row[name] for name in scene.joints],
+            [len(each) for each in rows],
+            curves,
+            designed(markers, derivatives, changes, curves),
+            [int(joint.curved) for joint in joints],
+            starts([len(forms_of(each)) for each in rows])[:-1],
+            _turned(rows),
+            starts([len(places) for places in positions])[:-1],
+            *(ends[at : len(joints) + at] for at in (0, 1)),
+            np.zeros(len(joints)),
+            _laws(joints, rows, ROWS if planar else SPATIAL_ROWS),
+        ]
+    ).astype(np.int64)
+    if planar:
+        of[:, PINNED] = _pinned(of, given)
     return Joints(
         numbers=NUMBERS if planar else SPATIAL_NUMBERS,
-        of=np.column_stack(
-            [
-                np.array(markers, np.int64).reshape(-1, 2),
-                [numbering.row[name] for name in scene.joints],
-                [len(each) for each in rows],
-                curves,
-                designed(markers, derivatives, changes, curves),
-                [int(joint.curved) for joint in joints],
-                starts([len(forms_of(each)) for each in rows])[:-1],
-                _turned(rows),
-                starts([len(places) for places in positions])[:-1],
-                *(ends[at : len(joints) + at] for at in (0, 1)),
-                _laws(joints, rows, ROWS if planar else SPATIAL_ROWS),
-            ]
-        ).astype(np.int64),
+        of=of,
         **given,
         **forms.changes(changes),
         position=ints(positions),
@@ -85,6 +107,17 @@ def _turned(rows: list[tuple[Row, ...]]) -> np.ndarray:
     """Whether products with the axes of marker a, and of marker b, are among the rows in the plane, (n_joints, 2)."""
     axes = [{vector for form in forms_of(each) for *pair, _ in form.pairs for vector in pair if vector % 3} for each in rows]
     return np.array([[int(any(v // 3 == side for v in found)) for side in range(2)] for found in axes], np.int64).reshape(-1, 2)
+
+
+def _pinned(of: np.ndarray, forms: dict[str, np.ndarray]) -> np.ndarray:
+    """Which joints are nothing but x_a = x_b and y_a = y_b, (n_joints,)."""
+    start, place, value = forms["start"], forms["place"], forms["value"]
+    found = np.zeros(len(of), np.int64)
+    short = (of[:, N_ROWS] == 2) & (of[:, CURVED] == 0) & (of[:, CURVE] < 0)
+    for j in np.flatnonzero(short):
+        own = slice(start[of[j, FORM], 0], start[of[j, FORM] + 2, 0])
+        found[j] = np.array_equal(place[own], PIN_PLACES) and np.array_equal(value[own], PIN_VALUES)
+    return found
 
 
 def _laws(joints: list[Joint], rows: list[tuple[Row, ...]], most: int) -> np.ndarray:

@@ -6,8 +6,9 @@ In space the lengths of quaternions are constraints too.
 from toolkit.foundation.kernel import inlined, inner
 from toolkit.joints.kernels.planar.joint_design import joint_design
 from toolkit.joints.kernels.planar.joint_jacobian import joint_jacobian
-from toolkit.joints.kernels.planar.joint_kernel import evaluate_joint, joint_residual
-from toolkit.joints.kernels.records import DESIGNED
+from toolkit.joints.kernels.planar.joint_kernel import evaluate_planar_joint, joint_residual
+from toolkit.joints.kernels.planar.pin_kernel import add_pin, pin_design, pin_jacobian
+from toolkit.joints.kernels.records import DESIGN, DESIGNED, PINNED
 from toolkit.joints.kernels.spatial.joint_design import spatial_joint_design
 from toolkit.joints.kernels.spatial.joint_jacobian import spatial_joint_jacobian
 from toolkit.joints.kernels.spatial.joint_kernel import evaluate_spatial_joint, spatial_joint_residual
@@ -18,7 +19,7 @@ from toolkit.kinematics.spatial import lengths_jacobian, lengths_residual
 def evaluate_any_joint(plane, frames, functions, joints, j, markers, state, acc, work):
     """Rows of one joint, their derivatives, and its force g_z^T lam."""
     if plane is not None:
-        evaluate_joint(functions, joints, j, state, acc, work)
+        evaluate_planar_joint(functions, joints, j, state, acc, work)
     if frames is not None:
         evaluate_spatial_joint(functions, joints, j, state, acc, work)
 
@@ -28,10 +29,17 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
     """Rows and forces of all joints, and if `linearize` their derivatives by the state."""
     if plane is not None:
         for j in range(len(joints.of)):
-            evaluate_joint(functions, joints, j, state, acc, work)
-            joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, terms.inertial, terms.applied)
-            if linearize:
-                joint_jacobian(joints, j, markers, state, inputs.levels, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v)
+            if joints.of[j, PINNED]:
+                add_pin(joints, j, markers, state, acc, inputs.levels, terms.inertial, terms.applied)
+                if linearize:
+                    pin_jacobian(
+                        joints, j, markers, state, acc, inputs.levels, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
+                    )
+                continue
+            add_planar_joint(
+                functions, joints, j, markers, state, inputs, acc, linearize, work, terms.inertial, terms.applied,
+                terms.I_acc, terms.I_q, terms.A_q, terms.A_v,
+            )  # fmt: skip
     if frames is not None:
         lengths_residual(frames, q, v, acc, inputs.levels, terms.inertial, terms.applied)
         if linearize:
@@ -43,6 +51,17 @@ def add_joints(plane, frames, functions, joints, markers, state, inputs, q, v, a
                 spatial_joint_jacobian(
                     joints, j, markers, state, inputs.levels, acc, work, terms.I_acc, terms.I_q, terms.A_q, terms.A_v
                 )
+
+
+@inner
+def add_planar_joint(
+    functions, joints, j, markers, state, inputs, acc, linearize, work, inertial, applied, I_acc, I_q, A_q, A_v
+):  # fmt: skip
+    """Any joint in the plane; a function of its own, as most are pins."""
+    evaluate_planar_joint(functions, joints, j, state, acc, work)
+    joint_residual(joints, j, markers, state, inputs.curves, inputs.levels, work, inertial, applied)
+    if linearize:
+        joint_jacobian(joints, j, markers, state, inputs.levels, work, I_acc, I_q, A_q, A_v)
 
 
 @inlined
@@ -65,8 +84,10 @@ def add_joint_designs(plane, frames, functions, joints, markers, state, inputs, 
 def add_planar_designs(functions, joints, markers, state, inputs, q, acc, curve_variable, curve_index, work, I_x, A_x):
     """Those in the plane; a function of its own, so that the code of every evaluation stays short."""
     for j in range(len(joints.of)):
-        if joints.of[j, DESIGNED]:
-            evaluate_joint(functions, joints, j, state, acc, work)
+        if joints.of[j, DESIGNED] and joints.of[j, PINNED] and joints.of[j, DESIGN] == joints.of[j, DESIGN + 1]:
+            pin_design(joints, j, markers, state, acc, inputs.levels, work, I_x, A_x)
+        elif joints.of[j, DESIGNED]:
+            evaluate_planar_joint(functions, joints, j, state, acc, work)
             joint_design(
                 joints, j, markers, state, q, acc, curve_variable, curve_index, inputs.curves_x, inputs.levels, work, I_x, A_x
             )

@@ -14,11 +14,24 @@ NUMBERS, SPATIAL_NUMBERS = 6, 24
 """Of the poses of two markers."""
 
 
-MARKER, FIRST_ROW, N_ROWS, CURVE, DESIGNED, CURVED, FORM, TURNED, POSITION, DESIGN, LAW = 0, 2, 3, 4, 5, 6, 7, 8, 10, 11, 13
+MARKER, FIRST_ROW, N_ROWS, CURVE, DESIGNED, CURVED, FORM, TURNED, POSITION, DESIGN, PINNED, LAW = (
+    0,
+    2,
+    3,
+    4,
+    5,
+    6,
+    7,
+    8,
+    10,
+    11,
+    13,
+    14,
+)
 """Columns of `Joints.of`: markers a and b; number of its first multiplier among all unknowns; number of rows; time curve that its last row
 follows, or -1; 1 if any design variable matters to it; 1 if g_zz is not zero; its first form; in the plane 1 if the axes of marker a
-count, and of marker b; start in `position`; start and end in `design`; and for each row which function, or PLAIN or ANGLE, and how many
-forms."""
+count, and of marker b; start in `position`; start and end in `design`; in the plane 1 if it is a
+pin, see `planar.pin_kernel`; and for each row which function, or PLAIN or ANGLE, and how many forms."""
 
 
 class Joints(NamedTuple):

@@ -89,8 +89,11 @@ def update_markers(markers, state, q, v, acc, scratch):
     """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
     for m in range(len(markers.frame)):
         first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
+        if frame >= 0 and last == first + 3:
+            update_rigid(markers, state, m, q, v, acc)
+            continue
         for i, vector in enumerate((q, v, acc)):
-            shape_sum(markers, first, last, vector, scratch[i])
+            shape_sum(markers, first + 3 if frame >= 0 else first, last, vector, scratch[i])
         u, du, ddu = scratch[0], scratch[1], scratch[2]
         for i in range(3):
             u[i] += markers.point[m, i]
@@ -108,25 +111,53 @@ def update_places(markers, state, q):
     """The poses alone."""
     for m in range(len(markers.frame)):
         first, last, frame, y = markers.start[m], markers.start[m + 1], markers.frame[m], state.y[m]
-        shape_sum(markers, first, last, q, y)
+        shape_sum(markers, first + 3 if frame >= 0 else first, last, q, y)
         for i in range(3):
             y[i] += markers.point[m, i]
         if frame >= 0:
-            if markers.twin[m] == m:
-                state.turn[m, 0], state.turn[m, 1] = np.cos(q[frame + 2]), np.sin(q[frame + 2])
-            c, s = state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+            c, s = turn_of(markers, state, m, q)
             rotated(y, c, s, 1.0, y[0], y[1])
             for i in range(3):
                 y[i] += q[frame + i]
 
 
 @inlined
+def turn_of(markers, state, m, q):
+    """Cosine and sine of the angle of a marker's frame, computed at the first marker on it."""
+    if markers.twin[m] == m:
+        angle = q[markers.frame[m] + 2]
+        state.turn[m, 0], state.turn[m, 1] = np.cos(angle), np.sin(angle)
+    return state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+
+
+@inlined
+def update_rigid(markers, state, m, q, v, acc):
+    """A marker whose body has a frame and feels no elastic coordinates: `update_moving` with Z = 0."""
+    frame, point, turn = markers.frame[m], markers.point[m], markers.start[m] + 2
+    c, s = turn_of(markers, state, m, q)
+    x, y, omega, alpha = c * point[0] - s * point[1], s * point[0] + c * point[1], v[frame + 2], acc[frame + 2]
+    square = omega * omega
+    B, B_v, B_a, b_q = state.B[turn], state.B_v[turn], state.B_a[turn], state.b_q[turn]
+    state.B[turn - 2, 0], state.B[turn - 1, 1], B[2] = 1, 1, 1
+    B[0], B[1] = -y, x
+    B_v[0], B_v[1] = -omega * x, -omega * y
+    B_a[0], B_a[1] = -alpha * x, -alpha * y
+    b_q[0], b_q[1] = square * y, -square * x
+    state.centripetal[m, 0], state.centripetal[m, 1] = -square * x, -square * y
+    state.y[m, 0], state.y[m, 1], state.y[m, 2] = q[frame] + x, q[frame + 1] + y, q[frame + 2] + point[2]
+    state.rate[m, 0], state.rate[m, 1], state.rate[m, 2] = v[frame] - omega * y, v[frame + 1] + omega * x, omega
+    state.acceleration[m, 0], state.acceleration[m, 1], state.acceleration[m, 2] = (
+        acc[frame] - alpha * y,
+        acc[frame + 1] + alpha * x,
+        alpha,
+    )
+
+
+@inlined
 def update_moving(markers, state, m, q, v, acc, u, du, ddu):
     """A marker whose body has a frame."""
     first, last, frame = markers.start[m], markers.start[m + 1], markers.frame[m]
-    if markers.twin[m] == m:
-        state.turn[m, 0], state.turn[m, 1] = np.cos(q[frame + 2]), np.sin(q[frame + 2])
-    c, s = state.turn[markers.twin[m], 0], state.turn[markers.twin[m], 1]
+    c, s = turn_of(markers, state, m, q)
     omega, alpha = v[frame + 2], acc[frame + 2]
     turn = first + 2
     for i in range(2):

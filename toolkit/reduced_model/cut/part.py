@@ -13,15 +13,20 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
+from scipy.sparse import coo_array, issparse
 
 from toolkit.foundation.errors import InputError
+from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
 from toolkit.reduced_model.cut.chain import Place
+from toolkit.reduced_model.thin_arrays import sparing
 
 SHORT = 1e-3
 """Distance of the ends of a part in parts of its length, below which no chord leads from one to the other."""
+WORTH = 10_000
+"""Numbers of a matrix C that is worth the search for those that are not zero: it stands on both sides of many sums."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +96,11 @@ class Sums:
 
     def moment(self, blocks: np.ndarray) -> np.ndarray:
         """Of blocks (n_e, 1 + 2 per_node, ..)."""
-        return self.z.T @ _placed(blocks[self.own], self.whole, 1 + len(self.psi)) @ self.z
+        return _between(sparing(self.z, WORTH), blocks[self.own], self.whole)
 
     def square(self, blocks: np.ndarray) -> np.ndarray:
         """Of blocks (n_e, 2 per_node, ..), symmetric."""
-        return symmetric(self.psi.T @ _placed(blocks[self.own], self.where, len(self.psi)) @ self.psi)
+        return symmetric(_between(sparing(self.psi, WORTH), blocks[self.own], self.where))
 
     def first_moment(self, blocks: np.ndarray) -> np.ndarray:
         """Of blocks (n_e, d, 1 + 2 per_node)."""
@@ -113,6 +118,29 @@ class Sums:
         """Z on the nodal coordinates."""
         turns = np.zeros((len(self.nodes), self.per_node - self.nodes.shape[1]))
         return np.column_stack([np.column_stack([self.nodes, turns]).ravel(), self.psi])
+
+
+class Curve(NamedTuple):
+    """The functions of an element of cubic deflection at one place along it."""
+
+    axis: np.ndarray  # (d,) unit vector along the element
+    length: Any
+    axial: np.ndarray  # (2,) of displacements along it at both ends
+    bend: np.ndarray  # (4,) of displacement and slope at both ends
+    turn: np.ndarray  # (4,) its derivative along the element
+
+    @property
+    def dtype(self) -> np.dtype:
+        """Of all that is made of it."""
+        return np.result_type(self.axis, self.axial)
+
+
+def curve_at(ends: np.ndarray, ratio: Any) -> Curve:
+    """At a part of the way from the first of the ends (2, d) to the last."""
+    side = ends[1] - ends[0]
+    length = np.sqrt(side @ side)
+    powers = ratio ** np.arange(4)
+    return Curve(side / length, length, powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length)
 
 
 def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
@@ -140,11 +168,16 @@ def part_nodes(elements: Any, first: int, last: int) -> np.ndarray:
     return found
 
 
-def _placed(blocks: np.ndarray, places: np.ndarray, size: int) -> np.ndarray:
-    """Sum of blocks (n_e, k, k) at places (n_e, k) of a square matrix."""
-    found = np.zeros((size, size), blocks.dtype)
-    np.add.at(found, (places[:, :, None], places[:, None, :]), blocks)
-    return found
+def _between(shapes: Any, blocks: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """C^T A C with shapes C (n, ..), sparse ones too, and the sum A (n, n) of blocks (n_e, k, k) at places (n_e, k)."""
+    where, size = (places[:, :, None], places[:, None, :]), (shapes.shape[0], shapes.shape[0])
+    if issparse(shapes):
+        row, column = (each.ravel() for each in np.broadcast_arrays(*where))
+        found: np.ndarray = (shapes.T @ coo_array((blocks.ravel(), (row, column)), size).tocsr() @ shapes).toarray()
+        return found
+    placed = np.zeros(size, blocks.dtype)
+    np.add.at(placed, where, blocks)
+    return shapes.T @ placed @ shapes
 
 
 def symmetric(matrix: np.ndarray) -> np.ndarray:

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
-from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import Invariants, Mesh
 
@@ -24,15 +23,11 @@ class PlanarPart(Part):
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (2, 6) and rotation (6,)."""
-        side = ends[1] - ends[0]
-        length = np.sqrt(side @ side)
-        e = side / length
+        curve = curve_at(ends, ratio)
+        e, length, axial, across, turn = curve
         n = np.array([-e[1], e[0]])
-        powers = ratio ** np.arange(4)
-        axial, across, turn = powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length
         scale = np.array([1.0, length, 1.0, length])
-        dtype = np.result_type(side, powers)
-        shape, rotation = np.zeros((2, 6), dtype), np.zeros(6, dtype)
+        shape, rotation = np.zeros((2, 6), curve.dtype), np.zeros(6, curve.dtype)
         for end, node in enumerate((slice(0, 2), slice(3, 5))):
             shape[:, node] = axial[end] * np.outer(e, e) + across[2 * end] * np.outer(n, n)
             rotation[node] = turn[2 * end] * n

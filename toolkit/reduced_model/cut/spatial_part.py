@@ -11,9 +11,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
 from toolkit.kinematics.spatial import axes_along, skew
-from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, part_nodes, symmetric
+from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import SpatialElements
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
 
@@ -26,14 +25,11 @@ class SpatialPart(Part):
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
         """Displacement (3, 12) and rotation (3, 12)."""
-        side = ends[1] - ends[0]
-        length = np.sqrt(side @ side)
-        e = side / length
+        curve = curve_at(ends, ratio)
+        e, length, axial, bend, turn = curve
         along, turned = np.outer(e, e), skew(e)
         across = np.eye(3) - along
-        powers = ratio ** np.arange(4)
-        axial, bend, turn = powers @ AXIAL, powers @ HERMITE, powers @ slope(HERMITE) / length
-        shape, rotation = np.zeros((2, 3, 12), np.result_type(side, powers))
+        shape, rotation = np.zeros((2, 3, 12), curve.dtype)
         for end in range(2):
             moves, turns = slice(6 * end, 6 * end + 3), slice(6 * end + 3, 6 * end + 6)
             shape[:, moves] = axial[end] * along + bend[2 * end] * across

@@ -11,6 +11,7 @@ from matplotlib.colors import Normalize
 from toolkit.foundation.spread import spread
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
+from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.round_numbers import round_up
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
@@ -35,12 +36,15 @@ class Look:
         What the main window contains, (n, 2).
     detail
         Corners of the detail, (2, 2), or None.
+    solids
+        Meshed bodies that can be drawn.
     """
 
     thickness: dict[str, float]
     stress_limit: float
     points: np.ndarray
     detail: np.ndarray | None
+    solids: tuple[str, ...] = ()
 
     @property
     def extent(self) -> float:
@@ -63,12 +67,16 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     whole = [Configuration(solution, step) for step in {*spread(len(solution.times) - 1, MOST_MOMENTS), *steps}]
     points = np.vstack([drawn_points(moment) for moment in whole])
     points = points if len(points) else np.zeros((1, 2))
-    stress = np.concatenate([np.zeros(1), *(shape.stress.ravel() for each in shapes.values() for shape in each)])
+    solids = [name for name in moments[0].flexible() if solid_shape(moments[0], name)]
+    stresses = [shape.stress for moment in moments for name in solids if (shape := solid_shape(moment, name))]
+    stresses += [shape.stress for each in shapes.values() for shape in each]
+    stress = np.concatenate([np.zeros(1), *map(np.ravel, stresses)])
     return Look(
         {name: _thickness(scene, name) for name in skins},
         round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
         points,
         _detail(moments, skins),
+        tuple(solids),
     )
 
 

@@ -9,10 +9,13 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import Normalize
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
 
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
+from toolkit.render.plane.solid_shape import SolidShape
 from toolkit.render.plane.symbols import symbols
 from toolkit.render.plane.window import drawn_thickness, figure_of, shown
 from toolkit.render.sheet import SIGNED
@@ -20,9 +23,11 @@ from toolkit.render.sheet import SIGNED
 Dashes = Literal["-", "--"]
 _SYMBOL = 6.5 / 72
 """Size of drawing symbols in inches, whatever the scale is."""
+_BAND = 4.0
+"""Width of the coloured boundary of a meshed body, in points."""
 _UNTOLD, _EDGE = "#c8cdd4", "#5d6f8a"
 """Where nothing is known of a field; the edge of a rod."""
-_ROD, _SKIN, _OUTLINE, _TARGET, _LINE, _SUPPORT, _PIN = 1.5, 2.0, 2.2, 2.4, 2.3, 3.0, 3.2
+_SOLID, _ROD, _SKIN, _OUTLINE, _TARGET, _LINE, _SUPPORT, _PIN = 1.4, 1.5, 2.0, 2.2, 2.4, 2.3, 3.0, 3.2
 """What covers what."""
 
 
@@ -46,6 +51,31 @@ def draw_band(axes: Axes, moment: Configuration, body: str, fibres: np.ndarray, 
 def _pieces(points: np.ndarray) -> np.ndarray:
     """Borders (n_e, POINTS + 1, ...) of the pieces of a line that belong to its points: the middles between them, and both ends."""
     return np.concatenate([points[:, :1], (points[:, 1:] + points[:, :-1]) / 2, points[:, -1:]], axis=1)
+
+
+def draw_solid(axes: Axes, shape: SolidShape, colors: Normalize) -> None:
+    """A meshed body: its section, and along its boundary the stress; without colours where its model tells none there."""
+    vertices, codes = [], []
+    for line in _closed(shape.edges):
+        vertices.append(line)
+        codes.append(np.array([Path.MOVETO, *[Path.LINETO] * (len(line) - 2), Path.CLOSEPOLY], Path.code_type))
+    section = Path(np.concatenate(vertices), np.concatenate(codes))
+    axes.add_patch(PathPatch(section, facecolor=_UNTOLD, edgecolor="none", zorder=_SOLID))
+    if np.isnan(shape.stress).all():
+        return
+    known = colormaps[SIGNED].with_extremes(bad=_UNTOLD)
+    axes.add_collection(LineCollection(list(shape.edges), colors=INK, linewidths=_BAND + 0.8, capstyle="round", zorder=_SKIN))
+    axes.add_collection(
+        LineCollection(
+            list(shape.edges), array=shape.stress, cmap=known, norm=colors, linewidths=_BAND, capstyle="round", zorder=_SKIN
+        )
+    )
+
+
+def _closed(edges: np.ndarray) -> list[np.ndarray]:
+    """Lines (n, 2) of edges (n_edges, n_points, 2) that follow one another."""
+    starts = np.flatnonzero(np.append(True, np.any(edges[1:, 0] != edges[:-1, -1], axis=1)))
+    return [np.vstack([piece[:, :-1].reshape(-1, 2), piece[-1:, -1]]) for piece in np.split(edges, starts[1:])]
 
 
 def draw_outlines(axes: Axes, moment: Configuration, body: str) -> None:

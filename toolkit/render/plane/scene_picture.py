@@ -22,17 +22,16 @@ from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.scene_drawing import draw_scene
 from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
 from toolkit.render.readable_units import readable, readable_stress
-from toolkit.render.round_numbers import even
+from toolkit.render.round_numbers import MINUS, even
 from toolkit.render.sheet import SIGNED, WIDE, sheet
 
-MINUS = "\N{MINUS SIGN}"
-"""As the axes write it."""
 COLUMNS, _TALLEST = 2, 5.0
 """Panels beside each other in an overview; height of a panel at most, in inches."""
 _LINE = 0.22
 """Height of a line of letters, in inches."""
 _BROAD = 8.0
 """Width in inches from which a legend stands in one line."""
+_ALONG = "stress along the boundary of meshed bodies"
 _FRAME_MARGIN = 0.02
 """Round the frame of the detail at least, relative to the main window."""
 
@@ -85,7 +84,7 @@ def overview_figure(moments: Sequence[Configuration], look: Look, width: float =
 
 def _room(look: Look, rows: int, width: float) -> float:
     """Height in inches of titles above rows of panels, and of ticks, colour bar and legend below."""
-    lines = (1 + bool(look.thickness)) * rows + 2.5
+    lines = (1 + bool(look.thickness)) * rows + 2.5 + 1.5 * bool(look.solids)
     if look.stress_limit:
         lines += 2.5
     if look.thickness:
@@ -132,9 +131,9 @@ def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str) -
 def caption(moment: Configuration, look: Look) -> list[str]:
     """Time, range of the stress and, if one body has a target, the distance to it; digits as fine as the scene needs."""
     solution, step, units = moment.solution, moment.step, moment.scene.units
-    words = [f"t = {moment.time:.4g} {unit(units, 'time')}"]
+    words = [moment.told]
     if look.stress_limit:
-        ranges = np.array([stress_range(solution, body)[step] for body in look.thickness])
+        ranges = np.array([stress_range(solution, body)[step] for body in (*look.thickness, *look.solids)])
         factor, label = readable_stress(look.stress_limit, units)
         low, high = (even(factor * value, factor * look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
         words.append(f"stress {low} to {high} {label}")
@@ -154,10 +153,11 @@ def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
 
 def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -> list[Line2D]:
     """What lines and bands are; only what is drawn, and a word where skins are thicker than they are."""
+    solids = [Line2D([], [], color=INK, linewidth=4, alpha=0.3, label=_ALONG)] if look.solids and look.stress_limit else []
     if not look.thickness:
-        return []
+        return solids
     words = ["deformed, stress of outer and inner fibre" if look.stress_limit else "deformed"]
     thick = [any(drawn_thickness(true, corners) > true for true in look.thickness.values()) for corners in windows]
     if any(thick):
         words.append("thickness not to scale" if all(thick) else "thickness to scale in the detail only")
-    return [*contour_keys(look, moment), Line2D([], [], color=INK, linewidth=4, alpha=0.3, label="; ".join(words))]
+    return [*contour_keys(look, moment), Line2D([], [], color=INK, linewidth=4, alpha=0.3, label="; ".join(words)), *solids]

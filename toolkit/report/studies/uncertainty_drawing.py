@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.render.sheet import COLORS, WIDE, sheet
 from toolkit.report.drawing import Drawing
-from toolkit.studies.sweep.points import sobol
+from toolkit.studies.distributions.sobol_points import scrambled
 from toolkit.studies.uncertainty.spread import limits_of
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 
@@ -19,7 +19,7 @@ SAMPLES, BINS = 2**14, 60
 def uncertainty_drawing(found: UncertainResult) -> Drawing:
     """A row per response: its density with its limits, and the shares of its variance."""
     labels, joint = list(found.responses), found.study.joint
-    germs = joint.germs_of(sobol(SAMPLES, len(joint.marginals), found.study.options.seed))
+    germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), found.study.options.seed))
     with sheet(0.6 + 2.3 * len(labels), len(labels), 2, width=WIDE) as (figure, axes):
         for (left, right), label in zip(axes, labels, strict=True):
             _density(left, found, label, found.values(label, germs))

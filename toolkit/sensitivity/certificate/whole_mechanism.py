@@ -17,14 +17,17 @@ from toolkit.scene.cut_scene import cuttable, most_frames, written
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import evaluated, values_alone
-from toolkit.sensitivity.frames.places import largest_displacement, largest_distance, node_places
 from toolkit.sensitivity.methods import by_method
 from toolkit.sensitivity.numerical import derivative
 from toolkit.sensitivity.preparation import Kind, frozen, moving
 from toolkit.sensitivity.result import Result
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
+from toolkit.validity.bodies.deformation import LIMIT
 
 Slopes = dict[str, dict[str, float]]
+COUNTS = 1e-6
+"""Part of the largest value of its quantity that a difference has to be, not to be taken for round-off."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,8 @@ class Mechanism:
     elements
         Body -> its elements, each with a frame.
     distances
-        Body -> largest distance of a node between both runs, in parts of the body's largest displacement.
+        Body -> largest distance of a node between both runs, in parts of the body's largest displacement; without bodies in one frame on a
+        chord in space, whose nodes nobody has kept.
     own, corotational
         Values and gradients of both.
     quotients
@@ -53,26 +57,58 @@ class Mechanism:
     failure: str = ""
 
     def wrong_signs(self) -> list[tuple[str, str]]:
-        """Response and variable of the gradients that have the other sign in the mechanism."""
+        """Response and variable of the gradients that have the other sign in the mechanism, or are zero in one of both alone."""
         if self.own is None or self.corotational is None:
             return []
         exact = self.corotational.gradients
-        return [(f, x) for f, slopes in self.own.gradients.items() for x, slope in slopes.items() if slope * exact[f][x] < 0]
+        return [(f, x) for f, slopes in self.own.gradients.items() for x, slope in slopes.items() if _differ(slope, exact[f][x])]
+
+    def far_values(self) -> dict[str, float]:
+        """Response -> by what part of it the run is off, of those that are off by more than `LIMIT`, not counting what is round-off
+        beside others of its quantity."""
+        if self.own is None or self.corotational is None:
+            return {}
+        responses, exact, found = self.corotational.solution.system.scene.responses, self.corotational.values, {}
+        kinds = {name: getattr(response, "unit_quantity", "") for name, response in responses.items()}
+        for name, value in self.own.values.items():
+            alike = [abs(exact[f]) for f in exact if kinds[f] == kinds[name]]
+            off = abs(value - exact[name])
+            if off > LIMIT * abs(exact[name]) and off > COUNTS * max(alike):
+                found[name] = off / abs(exact[name]) if exact[name] else np.inf
+        return found
 
     def cautions(self) -> list[Caution]:
-        """Gradients of the wrong sign; or that nothing is known."""
+        """Nodes, values or gradients that are far off; or that nothing is known."""
         if self.failure:
             return [Caution("mechanism", f"with a frame to every element the scene cannot be solved: {self.failure}")]
-        pairs = [" by ".join(pair) for pair in self.wrong_signs()]
-        if not pairs:
-            return []
-        return [
-            Caution(
-                "mechanism",
-                f"gradients have the wrong sign: {', '.join(pairs)}. With elements that turn it is the other one. Give the body more "
-                "frames.",
-            )
+        found = [
+            f"nodes of {name} are off by {part:.1%} of its displacement" for name, part in self.distances.items() if part > LIMIT
         ]
+        if values := self.far_values():
+            found.append("values are off: " + ", ".join(f"{name} by {off:.0%}" for name, off in values.items()))
+        if pairs := [" by ".join(pair) for pair in self.wrong_signs()]:
+            found.append(f"gradients have the wrong sign, or are zero where they are not: {', '.join(pairs)}")
+        doubt = Caution("mechanism", f"{'; '.join(found)}. So says a frame to every element; give the body more frames.")
+        return [doubt, *self._same()] if found else self._same()
+
+    def _same(self) -> list[Caution]:
+        """Bodies that have a frame to every element already, which says nothing of these."""
+        bodies = {} if self.own is None else self.own.solution.system.scene.bodies
+        alike = [
+            name for name, most in self.elements.items() if most > 1 and len(getattr(bodies.get(name), "cuts", ())) == most + 1
+        ]
+        if not alike:
+            return []
+        text = (
+            f"{', '.join(alike)}: every element has a frame of its own in the run already, so that nothing is compared. How exact the "
+            "elements are, a model with more of them tells."
+        )
+        return [Caution("compared-with-itself", text, doubt=False)]
+
+
+def _differ(slope: float, exact: float) -> bool:
+    """Whether two derivatives differ in their signs, or one alone is zero."""
+    return slope * exact < 0 or (slope == 0) != (exact == 0)
 
 
 def compare_mechanism(solution: Solution, names: Sequence[str]) -> Mechanism | None:
@@ -97,13 +133,14 @@ def compare_mechanism(solution: Solution, names: Sequence[str]) -> Mechanism | N
     except ToolkitError as error:
         return Mechanism(elements, failure=str(error))
     own = by_method("auto", compiled, kind) if names else evaluated(solution, False)
-    distances = {name: _distance(own.solution, corotational.solution, name) for name in elements}
+    known = [name for name in elements if has_places(own.solution.system.scene, name)]
+    distances = {name: _distance(own.solution, corotational.solution, name) for name in known}
     return Mechanism(elements, distances, own, corotational, _quotients(other.scene, kind, corotational))
 
 
 def _distance(own: Solution, corotational: Solution, name: str) -> float:
-    size = largest_displacement(corotational, name)
-    return largest_distance(node_places(own, name), node_places(corotational, name)) / size if size else 0.0
+    size, moves = largest_displacement(corotational, name), is_moving(own.system.scene, name)
+    return relative_distance(node_places(own, name), node_places(corotational, name), size, moves)
 
 
 def _quotients(scene: Scene, kind: Kind, found: Result) -> Slopes:

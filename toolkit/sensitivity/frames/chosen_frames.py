@@ -1,6 +1,7 @@
 """A number of floating frames for every body whose scene says `frames = "auto"`.
 
-The error of a body with n frames falls with the square of n. So runs with n_1 < n_2 frames, in which its nodes are at most d apart, leave
+The error of a body with n frames falls with the square of n. So runs with n_1 < n_2 frames, in which its nodes are at most d apart (those
+of a moving body when both shapes are put together best: where it is depends on others), leave
 
     d / ((n_2 / n_1)^2 - 1) / u
 
@@ -15,16 +16,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.bodies.cut.frame_choice import FrameChoice
-from toolkit.bodies.planar.chosen_frames import ChosenFrames
-from toolkit.bodies.planar.flexible import Flexible
 from toolkit.foundation.errors import ConvergenceError, CriticalPointError, InputError, SingularSystemError
-from toolkit.scene.cut_scene import most_frames
+from toolkit.kept_run.end_state import end_state
+from toolkit.scene.cut_scene import branches, fewest_cut, most_frames
 from toolkit.scene.scene import Scene
-from toolkit.sensitivity.frames.places import largest_displacement, largest_distance, node_places
 from toolkit.sensitivity.preparation import Kind, frozen, prepare, solve
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.deformation import deformations
+from toolkit.validity.bodies.bent_surfaces import geometric_errors
+from toolkit.validity.bodies.cut.places import has_places, is_moving, largest_displacement, node_places, relative_distance
 
 Frames = int | tuple[int | str, ...]
 
@@ -32,8 +33,8 @@ WANTED = 1e-2
 """Geometric error by default."""
 FIRST = 4
 """The second run has at most so many times the frames of the first: what that tells of large rotations is too pessimistic."""
-STRAIGHT = 1e-9
-"""Displacement in parts of the size below which a body does not deform, so that one frame is exact."""
+FAR = 0.2
+"""Distance to the run before, in parts of the displacement, from which that run tells nothing of the order by which the error falls."""
 
 
 @dataclass(frozen=True)
@@ -43,12 +44,28 @@ class _Run:
     number: int
     places: np.ndarray
     displacement: float
+    moving: bool
     error: float = np.inf
+    sure: bool = True  # whether the run before was near enough to tell the order
+
+
+@dataclass(frozen=True)
+class _Range:
+    """Numbers of frames that a body can have: the first one, and those from `least` to `most`."""
+
+    first: int
+    least: int
+    most: int
+    branches: bool
+
+    def near(self, number: int) -> int:
+        """The nearest one of several frames."""
+        return min(max(number, self.least), self.most)
 
 
 def automatic(scene: Scene) -> list[str]:
     """Names of the bodies whose number of frames is to be chosen."""
-    return [name for name, body in scene.bodies.items() if isinstance(body, Flexible) and body.frames == "auto"]
+    return [name for name, body in scene.bodies.items() if isinstance(body, CuttableBody) and body.frames == "auto"]
 
 
 Choices = Mapping[str, tuple[int, FrameChoice]]
@@ -69,80 +86,104 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
     ConvergenceError, SingularSystemError
         The scene cannot be solved with any number.
     """
+    kept = _of_kept_run(scene, kind)
+    scene = with_choices(scene, kept)
     names = automatic(scene)
     if not names:
-        return {}
-    most = {name: most_frames(scene, name) for name in names}
+        return kept
+    ranges = {name: _range_of(scene, name) for name in names}
     wanted = {name: _wanted(scene, name) for name in names}
-    numbers, solution = _first_run(scene, kind, most)
+    numbers, solution = _first_run(scene, kind, ranges)
     runs = {name: [_run_of(solution, name, numbers[name])] for name in names}
     fixed = frozen(scene, solution)
-    following = {name: _second(solution, name, numbers[name], most[name], wanted[name]) for name in names}
+    following = {name: _second(solution, name, numbers[name], ranges[name], wanted[name]) for name in names}
     while following != numbers:
         numbers, before = following, numbers
         solution = solve(prepare(with_frames(fixed, numbers)), kind)
         for name in names:
             if numbers[name] != before[name]:
                 runs[name].append(_judged(_run_of(solution, name, numbers[name]), runs[name][-1]))
-        following = {name: _next(name, runs[name], most[name], wanted[name]) for name in names}
+        following = {name: _next(name, runs[name], ranges[name], wanted[name]) for name in names}
     for name in names:
         if len(runs[name]) == 1:  # one frame to every element already: nothing finer to compare with
             runs[name][0] = replace(runs[name][0], error=_metered(solution, name))
-            _refuse_too_coarse(name, runs[name][0], most[name], wanted[name])
-    return {name: _choice(runs[name], wanted[name], kind) for name in names}
+            _refuse_too_coarse(name, runs[name][0], ranges[name].most, wanted[name])
+    return {**kept, **{name: _choice(runs[name], wanted[name], kind) for name in names}}
+
+
+def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
+    """Those of the run whose last state a motion starts in: its coordinates are those of this number of frames."""
+    if scene.start_file is None or kind == "static":
+        return {}
+    end = end_state(scene.start_file)
+    found = {name: end.bodies.get(name, {}).get("frames", 1) for name in automatic(scene)}
+    return {
+        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, end.path.name))
+        for name, number in found.items()
+        if isinstance(number, int)
+    }
 
 
 def _wanted(scene: Scene, name: str) -> float:
     body = scene.bodies[name]
-    assert isinstance(body, Flexible)
+    assert isinstance(body, CuttableBody)
     return WANTED if body.geometric_error is None else body.geometric_error
 
 
-def _first_run(scene: Scene, kind: Kind, most: dict[str, int]) -> tuple[dict[str, int], Solution]:
-    """With one frame, or with the fewest powers of two that the scene can be solved with."""
-    numbers = dict.fromkeys(most, 1)
+def _range_of(scene: Scene, name: str) -> _Range:
+    """One frame comes first, unless nobody knows where the nodes are with it."""
+    least, most = fewest_cut(scene, name), most_frames(scene, name)
+    return _Range(1 if has_places(scene, name) else min(least, most), least, most, branches(scene, name))
+
+
+def _first_run(scene: Scene, kind: Kind, ranges: dict[str, _Range]) -> tuple[dict[str, int], Solution]:
+    """With the first number, or with the fewest powers of two that the scene can be solved with."""
+    numbers = {name: each.first for name, each in ranges.items()}
     while True:
         try:
             return numbers, solve(prepare(with_frames(scene, numbers)), kind)
         except (ConvergenceError, SingularSystemError) as error:
-            if isinstance(error, CriticalPointError) or numbers == most:
+            if isinstance(error, CriticalPointError) or numbers == {name: each.most for name, each in ranges.items()}:
                 raise
-        numbers = {name: min(2 * number, most[name]) for name, number in numbers.items()}
+        numbers = {name: ranges[name].near(2 * number) for name, number in numbers.items()}
 
 
-def _second(solution: Solution, name: str, number: int, most: int, wanted: float) -> int:
+def _second(solution: Solution, name: str, number: int, can_be: _Range, wanted: float) -> int:
     """By what the meter says of the first run; twice as many at least, so that the runs can be compared."""
     predicted = int(np.ceil(number * np.sqrt(_metered(solution, name) / wanted)))
-    return min(max(2 * number, min(predicted, FIRST * number)), most)
+    return can_be.near(max(2 * number, min(predicted, FIRST * number)))
 
 
 def _metered(solution: Solution, name: str) -> float:
     """The error that the meter estimates, in parts of the displacement."""
-    found = deformations(solution).get(name)
+    found = geometric_errors(solution).get(name)
     return 0.0 if found is None else found.relative
 
 
 def _run_of(solution: Solution, name: str, number: int) -> _Run:
-    return _Run(number, node_places(solution, name), largest_displacement(solution, name))
+    places, displacement = node_places(solution, name), largest_displacement(solution, name)
+    return _Run(number, places, displacement, is_moving(solution.system.scene, name))
 
 
 def _judged(run: _Run, before: _Run) -> _Run:
     """The run with the error that it leaves, by how far it is from the one before."""
-    size = np.ptp(run.places, axis=(0, 1)).max()
-    if run.displacement <= STRAIGHT * size:
-        return replace(run, error=0.0)
-    apart = largest_distance(run.places, before.places) / run.displacement
-    return replace(run, error=apart / ((run.number / before.number) ** 2 - 1))
+    apart = relative_distance(run.places, before.places, run.displacement, run.moving)
+    return replace(run, error=apart / ((run.number / before.number) ** 2 - 1), sure=apart <= FAR)
 
 
-def _next(name: str, runs: list[_Run], most: int, wanted: float) -> int:
-    """The number to go on with; the last one again if that is good enough."""
+def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
+    """The number to go on with; the last one again if that is good enough.
+
+    Of a body that branches every member needs more, so that the number is twice as large at least.
+    """
     last = runs[-1]
-    if len(runs) < 2 or last.error <= wanted:
+    if len(runs) < 2 or (last.error <= wanted and (last.sure or last.number == can_be.most)):
         return last.number
-    _refuse_too_coarse(name, last, most, wanted)
+    if last.error <= wanted:
+        return can_be.near(2 * last.number)
+    _refuse_too_coarse(name, last, can_be.most, wanted)
     predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
-    return min(max(predicted, last.number + 1), most)
+    return can_be.near(max(predicted, 2 * last.number if can_be.branches else last.number + 1))
 
 
 def _refuse_too_coarse(name: str, last: _Run, most: int, wanted: float) -> None:
@@ -173,7 +214,7 @@ def with_choices(scene: Scene, choices: Choices) -> Scene:
         return scene
     plain = with_frames(scene, {name: number for name, (number, _) in choices.items()}).bodies
     chosen = {
-        name: ChosenFrames.model_construct(**{**dict(plain[name]), **plain[name].model_values()}, choice=choice)  # type: ignore[attr-defined]
+        name: scene.space.chosen_frames.model_construct(**{**dict(plain[name]), **plain[name].model_values()}, choice=choice)
         for name, (_, choice) in choices.items()
     }
     return scene.model_copy(update={"bodies": {**plain, **chosen}})

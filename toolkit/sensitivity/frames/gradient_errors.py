@@ -15,16 +15,18 @@ from itertools import pairwise
 import numpy as np
 
 from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.cut.cuttable_body import CuttableBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Caution
-from toolkit.scene.cut_scene import can_be_cut
+from toolkit.scene.cut_scene import branches, can_be_cut, fewest_cut
 from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.deformation import LIMIT, deformations
+from toolkit.validity.bodies.bent_surfaces import geometric_errors
+from toolkit.validity.bodies.deformation import LIMIT
 
-SMALL = 2e-3
-"""Geometric error of a body by the meter up to which gradients are not looked at: they can be off by ten times as much, 2 %."""
+SMALL, SMALL_OF_PARTS = 2e-3, 5e-4
+"""Geometric error by the meter up to which gradients are not looked at, of a body with one frame and with several: of a wing whose parts
+leave 6e-4, a gradient is off by 6 %."""
 UNIMPORTANT = 0.02
 """A gradient that changes its response by less than this part of what the most important one does is not worth a word."""
 NAMED = 6
@@ -62,12 +64,12 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
     """Errors of values and gradients; None where no body is deformed so far that its frames matter, or can be given more."""
     more = {
         body: _more(solution, body)
-        for body, each in deformations(solution).items()
-        if each is not None and each.relative > SMALL and _can_have_more(solution, body)
+        for body, each in geometric_errors(solution).items()
+        if each is not None and each.relative > _small(solution, body) and _can_have_more(solution, body)
     }
     if not more:
         return None
-    counts = {body: (_count(solution, body), len(cuts) + 1) for body, cuts in more.items()}
+    counts = {body: (_count(solution, body), each if isinstance(each, int) else len(each) + 1) for body, each in more.items()}
     try:
         other_values, other_slopes = reframed(more)
     except ToolkitError as error:
@@ -145,15 +147,19 @@ def _listed(pairs: list[tuple[str, str]]) -> str:
 
 def _can_have_more(solution: Solution, body: str) -> bool:
     written = solution.system.scene.bodies[body]
-    if not isinstance(written, Flexible) or any(written.deflected.values()):
+    if not isinstance(written, CuttableBody) or any(written.deflected.values()):
         return False
     return _count(solution, body) < _elements(solution, body)
+
+
+def _small(solution: Solution, body: str) -> float:
+    return SMALL_OF_PARTS if isinstance(solution.system.scene.bodies[body], CutBody) else SMALL
 
 
 def _elements(solution: Solution, body: str) -> int:
     """How many there are; none if they cannot have frames of their own."""
     written = solution.system.scene.bodies[body]
-    assert isinstance(written, Flexible)
+    assert isinstance(written, CuttableBody)
     model = solution.system.scene.model(written.model, "elements")
     return len(model.elements.connectivity) if model.elements is not None and can_be_cut(model) else 0
 
@@ -163,9 +169,15 @@ def _count(solution: Solution, body: str) -> int:
     return len(written.cuts) - 1 if isinstance(written, CutBody) else 1
 
 
-def _more(solution: Solution, body: str) -> tuple[int, ...]:
-    """Nodes where the body is cut if each of its parts is halved, as far as it has more than one element."""
-    written = solution.system.scene.bodies[body]
+def _more(solution: Solution, body: str) -> Frames:
+    """Nodes where the body is cut if each of its parts is halved, as far as it has more than one element.
+
+    Where elements branch, nodes have no numbers along them: there it is twice as many frames.
+    """
+    scene = solution.system.scene
+    written = scene.bodies[body]
+    if branches(scene, body):
+        return min(max(2 * _count(solution, body), fewest_cut(scene, body)), _elements(solution, body))
     cuts = written.cuts if isinstance(written, CutBody) else (0, _elements(solution, body))
     inner = {*cuts[1:-1], *((one + other) // 2 for one, other in pairwise(cuts) if other - one > 1)}
     return tuple(sorted(inner))

@@ -8,7 +8,7 @@ import numpy as np
 
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Terms
-from toolkit.foundation.errors import InputError
+from toolkit.foundation.errors import InputError, NoDerivativeError
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.start.assembly import assemble
 from toolkit.solvers.start.start_velocities import carried_along, project_velocities
@@ -162,11 +162,13 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
     change = terms.A_x[n_q:]
     if np.any(dq):
         change = change + (system.matrix(terms.A_q)[n_q:] @ dq)
-    for i, x in np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0))):
-        raise InputError(
+    violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0)))
+    for i, x in violating:
+        raise NoDerivativeError(
             f"design variable {system.design.names[x]!r} would violate {names[n_q + i]} at the start while the positions stay. "
             "Choose a variable that moves the points with it (a point, or leave the length to follow the points), or let "
-            "solver.assemble = true move the bodies with it."
+            "solver.assemble = true move the bodies with it.",
+            tuple(system.design.names[other] for other in np.unique(violating[:, 1])),
         )
 
 

@@ -12,8 +12,11 @@ from toolkit.foundation.errors import ConvergenceError, SingularSystemError
 from toolkit.solvers.direct_solve import solve_linear
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.static.equilibrium import Equilibrium, find_equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.loose import told_loose
 from toolkit.solvers.static.stability.saddle import factorised, free_count
 from toolkit.solvers.static.stability.softness import softest
+from toolkit.solvers.static.stability.sparse_saddle import SparseFactors
+from toolkit.solvers.static.stability.static_array import largest_entry, scaled_by, static_array
 from toolkit.system.system import System
 
 LONGEST, NEAR, MOST = 0.2, 1e-3, 300
@@ -46,7 +49,10 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
         terms = system.evaluate(inputs, q, rest, acc)
         shift = _shift(system, terms)
         matrix = static_matrix(system, terms) + shift * _metric(system)
-        correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
+        try:
+            correction = solve_linear(system, matrix, terms.inertial + terms.applied, f"statics at load factor {factor:g}")
+        except SingularSystemError as error:
+            raise SingularSystemError(f"{error}{told_loose(system, options)}") from None
         size = (system.weights[:n_b] * np.abs(np.real(correction[:n_b]))).max(initial=0)
         if shift == 0 and size <= NEAR:
             found, count = find_equilibrium(system, options, factor, q, acc, 2 * NEAR)
@@ -59,6 +65,7 @@ def descend(system: System, options: RunOptions, factor: float, q: np.ndarray, a
     raise ConvergenceError(
         f"the equilibrium is unstable or out of reach: {MOST} steps downhill from the given positions end nowhere, last moving {worst}. "
         "Give positions nearer to the wanted equilibrium, or let a damped transient run find it."
+        + told_loose(system, options)
         + hint_of_floating(system.scene, system.numbering.bodies_of(_moving(system, correction)))
     )
 
@@ -91,16 +98,20 @@ def _shift(system: System, terms) -> float:
 
 
 def _plainly_stable(system: System, terms: Terms) -> bool:
-    """Whether K is positive definite by so much that no closer look is needed."""
+    """Whether K is positive definite by so much that no closer look is needed.
+
+    The solutions of sparse factors are known to be right, so that no stiffness of theirs is the round-off of a larger one.
+    """
     n_b, residual = system.n_b, np.real(terms.inertial + terms.applied)[: system.n_b]
-    matrix = np.real(system.dense(static_matrix(system, terms)))
+    matrix = static_array(system, terms)
     try:
         saddle = factorised(system, matrix)
     except SingularSystemError:
         return False
     soft = softest(saddle, free_count(system), n_b).values
-    largest = np.abs(matrix[:n_b, :n_b] * saddle.scale[:n_b] * saddle.scale[:n_b, None]).max(initial=0)
-    pull = np.linalg.norm(residual * saddle.scale[:n_b]) / LONGEST
+    told = isinstance(saddle.factors, SparseFactors)
+    largest = 0.0 if told else largest_entry(scaled_by(matrix, saddle.scale)[:n_b, :n_b])
+    pull = float(np.linalg.norm(residual * saddle.scale[:n_b])) / LONGEST
     return saddle.negative == 0 and len(soft) > 0 and bool(soft.min() > PLAIN * ROUND_OFF * max(largest, pull))
 
 

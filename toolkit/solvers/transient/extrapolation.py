@@ -8,10 +8,11 @@ worse; so the order of the next step is the one that would have been best in the
 from toolkit.foundation.kernel import inlined
 from toolkit.solvers.transient.scheme import by_acceleration
 
-ORDER, EXPECTED, BEND, UNCHECKED, AWAY = range(5)
+ORDER, EXPECTED, BEND, UNCHECKED, AWAY, QUALITY, UNREFINED, BEST = range(8)
 """Places in `Memory.learnt`: order of the next guess; the correction that it would have needed in the last step, 0 if unknown; what a
 correction leaves in parts of its square, for how many steps Newton has not looked, and by how much it has moved since the factors were
-made, see `newton`."""
+made; what the last refinement changed in parts of the correction, 0 if unknown, how many corrections were not refined since,
+and the least change so far; see `newton`."""
 SMOOTH = 1e-4
 """Part of the scene's size (or rad) by which a guess of higher order may miss: where steps are coarse the equations have several
 solutions, and the one next to the last state is meant."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from toolkit.foundation.kernel import copy, inlined
 from toolkit.linear.linear_solver import apply_inverse, factorize, solve_checked
-from toolkit.solvers.transient.extrapolation import AWAY, BEND, EXPECTED, UNCHECKED
+from toolkit.solvers.transient.extrapolation import AWAY, BEND, BEST, EXPECTED, QUALITY, UNCHECKED, UNREFINED
 from toolkit.solvers.transient.ggl.ggl_step import correct_ggl, factorize_ggl, solve_ggl
 from toolkit.solvers.transient.prediction import step_ratio
 from toolkit.solvers.transient.scheme import by_acceleration
@@ -37,6 +37,15 @@ FADES = 0.5
 OFTEN, SURPRISE = 20, 10.0
 """Steps after which what a correction leaves is measured anew; and how many times larger than in the last step a first correction has to be
 to be looked into at once."""
+USUAL, WORSE = 1e-14, 100.0
+"""Change by a refinement that is round-off, and how many times more than the least so far tells of a singular position: kept factors leave
+there what is not seen in the size of corrections. Four-bar linkages were off by up to 9e-7, with new factors there by 1e-8."""
+SUDDEN = 1e3
+"""How many times worse sparse factors may have become since a refinement showed how good they are: where even that leaves no more than
+NEGLIGIBLE of the expected correction, it is not refined."""
+GENTLE = 0.05
+"""Part of the scene's size (or rad) that nothing moves by more than in a step, so that factors hardly change until they are looked at
+again: a beam that turned 50 times in a step was off by 1e-11 with factors that were not refined."""
 
 
 class Control(NamedTuple):
@@ -165,7 +174,8 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
     learnt, stiff, rough = memory.learnt, len(plan.constant.stiff_row) > 0, False
     steady = ggl is None and not control.modified
     for iteration in range(control.most):
-        kept, exact_before = trusted and memory.kept[0] > 0, not kept
+        keepable = not control.modified or learnt[QUALITY] <= WORSE * learnt[BEST]
+        kept, exact_before = trusted and memory.kept[0] > 0 and keepable, not kept
         rough_before = rough
         # a first correction that is not the last is far larger than its round-off
         rough = stiff and iteration == 0 and not 0 < learnt[EXPECTED] <= FAR
@@ -180,7 +190,14 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
             newton_matrix(plan, scheme, memory.terms, memory.jacobian)
             memory.kept[0] = scheme.h
         if ggl is None:
-            failed = solve(plan, kept, memory)
+            blind = (
+                iteration == 0
+                and not (control.thorough or control.modified)
+                and plan.n_x == 0
+                and needs_no_refinement(learnt)
+                and moves_gently(plan, scheme, weights, v)
+            )
+            failed = solve(plan, kept, blind, memory)
         else:
             failed = solve_ggl(evaluator, plan, functions, inputs, scheme, kept, q, v, acc, memory, ggl)
         if failed >= 0:
@@ -224,15 +241,45 @@ def newton(evaluator, plan, functions, inputs, scheme, weights, control, q, v, a
 
 
 @inlined
-def solve(plan, kept, memory):
-    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine."""
-    if kept:
+def needs_no_refinement(learnt):
+    """Whether new factors leave nothing of the correction that is expected, judged by the last ones that were looked at.
+
+    Gradients are not so patient: they take every digit of the factors.
+    """
+    if learnt[QUALITY] == 0 or learnt[UNREFINED] >= OFTEN:
+        return False
+    return learnt[EXPECTED] > 0 and SUDDEN * learnt[QUALITY] * learnt[EXPECTED] <= NEGLIGIBLE
+
+
+@inlined
+def moves_gently(plan, scheme, weights, v):
+    """Whether no coordinate moves far in the step, by the velocities at its end."""
+    largest = 0.0
+    for i in range(plan.n_q):
+        largest = max(largest, weights[i] * abs(scheme.h * v[i].real))
+    return largest <= GENTLE
+
+
+@inlined
+def solve(plan, kept, blind, memory):
+    """Newton's correction with kept factors, or with those of the Jacobian; -1, or the unknown that it does not determine.
+
+    A `blind` one is not refined, if its factors are sparse.
+    """
+    solver, learnt = memory.solver, memory.learnt
+    failed = -1 if kept else factorize(solver, plan.indptr, plan.indices, memory.jacobian)
+    if failed >= 0:
+        return failed
+    if kept or (blind and solver.mode[0] == 0):
         copy(memory.residual, memory.correction)
-        apply_inverse(memory.solver, memory.correction)
+        apply_inverse(solver, memory.correction)
+        learnt[UNREFINED] += 1
         return -1
-    failed = factorize(memory.solver, plan.indptr, plan.indices, memory.jacobian)
-    if failed < 0:
-        failed = solve_checked(memory.solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+    failed = solve_checked(solver, plan.indptr, plan.indices, memory.jacobian, memory.residual, memory.correction)
+    learnt[QUALITY], learnt[UNREFINED] = max(solver.quality[0], NEGLIGIBLE) if solver.mode[0] == 0 else 0.0, 0
+    if learnt[QUALITY] > 0:
+        best = max(learnt[QUALITY], USUAL)
+        learnt[BEST] = min(best, learnt[BEST]) if learnt[BEST] > 0 else best
     return failed
 
 

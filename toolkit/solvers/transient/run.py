@@ -123,6 +123,12 @@ def failure(run: Run) -> Exception:
             "point (snap-through) there is none nearby, and only a run with inertia can follow; otherwise the step of "
             f"{step_length:g} is too large. Try a smaller solver.step, or solver.local_error."
         )
+    if status == SINGULAR and (step > 0 or iterations > 1):  # the start itself was left behind
+        return SingularSystemError(
+            f"the equations do not determine {name} at t = {time:g}: a mechanism in a singular position, or one that a step of "
+            f"{step_length:g} has thrown out of place. Try a tenth of solver.step; if it ends at the same time again, the position is "
+            "singular."
+        )
     if status == SINGULAR:
         return SingularSystemError(
             f"the equations do not determine {name} at t = {time:g}: redundant joints, or a mechanism in a singular position. "
@@ -134,7 +140,13 @@ def failure(run: Run) -> Exception:
             f"{step_length:.2g}; largest correction in {name}. At a limit point (snap-through) there is none nearby: only a run with "
             "inertia can follow, and statics names the point. Before one, try a smaller solver.step, or solver.local_error."
         )
-    what = f"correction {run.outcome.correction[LAST]:.1e} > {tolerance:.1e}" if status == NOT_CONVERGED else "not finite"
+    last = run.outcome.correction[LAST]
+    what = (
+        f"correction {last:.1e} > {tolerance:.1e}"
+        if last > tolerance
+        else f"correction {last:.1e}, but by factors that may leave more"
+    )
+    what = what if status == NOT_CONVERGED else "not finite"
     return ConvergenceError(
         f"Newton stopped at t = {time:g} after {iterations} iterations: {what}, largest in {name}. "
         f"Try a smaller solver.step (now {step_length:g}) or a smoother load curve."

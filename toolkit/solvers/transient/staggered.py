@@ -9,18 +9,23 @@ from toolkit.solvers.transient.scheme import by_acceleration
 @inner
 def add_state_change(plan, terms, factor_i, factor_a, dq, dv, dacc, with_acc, out):
     """out += factor_i (I_q dq + I_acc dacc) + factor_a (A_q dq + A_v dv), the term with I_acc only on request; blocks (n, n_x)."""
+    I_q, A_q, A_v, I_acc, n_x = terms.I_q, terms.A_q, terms.A_v, terms.I_acc, out.shape[1]
     for i in range(plan.n):
+        total = out[i]
         for e in range(plan.indptr[i], plan.indptr[i + 1]):
-            by_q = factor_i * terms.I_q[e] + factor_a * terms.A_q[e]
-            by_v = factor_a * terms.A_v[e]
-            by_acc = factor_i * terms.I_acc[e] if with_acc else 0 * by_q
-            row = plan.indices[e]
-            if by_v != 0 or by_acc != 0:
-                for x in range(out.shape[1]):
-                    out[i, x] += by_q * dq[row, x] + by_v * dv[row, x] + by_acc * dacc[row, x]
+            by_q, by_v, k = factor_i * I_q[e] + factor_a * A_q[e], factor_a * A_v[e], plan.indices[e]
+            if by_v != 0:
+                moved, rate = dq[k], dv[k]
+                for x in range(n_x):
+                    total[x] += by_q * moved[x] + by_v * rate[x]
             elif by_q != 0:
-                for x in range(out.shape[1]):
-                    out[i, x] += by_q * dq[row, x]
+                moved = dq[k]
+                for x in range(n_x):
+                    total[x] += by_q * moved[x]
+            if with_acc and I_acc[e] != 0:
+                by_acc, growth = factor_i * I_acc[e], dacc[k]
+                for x in range(n_x):
+                    total[x] += by_acc * growth[x]
 
 
 @inner

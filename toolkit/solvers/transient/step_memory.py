@@ -35,7 +35,7 @@ class Memory(NamedTuple):
     span: np.ndarray  # (1,) length of the step that aux belongs to, 0 at the start
     kept: np.ndarray  # (1,) length of the step that the factors belong to, 0 if they are of no use
     trend: np.ndarray  # (2, n) differences of [a; lam] behind the last step, see `extrapolation`
-    learnt: np.ndarray  # (5,) by `extrapolation.ORDER` and its neighbours
+    learnt: np.ndarray  # (8,) by `extrapolation.ORDER` and its neighbours
     guess: np.ndarray  # (n,) first guess of [a; lam]
     q_predicted: np.ndarray
     v_predicted: np.ndarray
@@ -79,7 +79,7 @@ def allocate_memory(plan: Plan, lu_plan: LUPlan, weights: np.ndarray, dtype: typ
         span=np.zeros(1),
         kept=np.zeros(1),
         trend=zeros(2, n),
-        learnt=np.zeros(5),
+        learnt=np.zeros(8),
         guess=zeros(n),
         q_predicted=zeros(n),
         v_predicted=zeros(n),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import atexit
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from shutil import rmtree
 from tempfile import mkdtemp
@@ -16,9 +16,12 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.scene.scene import Scene
-from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.solved_design import solved
 from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.solved_design import solved
+
+WITH, WITHOUT = 0, 1
+"""Lanes of designs with and without gradients."""
 
 
 @dataclass(frozen=True)
@@ -61,11 +64,11 @@ class DesignWork:
 
     def __reduce__(self) -> tuple[Any, ...]:
         problem = self.problem
-        return _made, (problem.study, problem.scene, problem.asked, self.start)
+        return _made, (self.start, *(getattr(problem, each.name) for each in fields(problem)))
 
 
-def _made(study: Any, scene: Scene, asked: tuple[str, ...], start: Evaluation | None) -> DesignWork:
-    return DesignWork(Problem(study, scene, asked), start)
+def _made(start: Evaluation | None, *parts: Any) -> DesignWork:
+    return DesignWork(Problem(*parts), start)
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from toolkit.studies.designs.design_work import Asked, DesignWork, WithFiles
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.store import Store
 from toolkit.studies.places.place import HERE, Place, Progress, done_at
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.store import Store
 
 REMEDY = "What was finished is kept: run the same command again, with --jobs 1."
 

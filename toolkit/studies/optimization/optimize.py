@@ -10,17 +10,20 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.studies.designs.judged_runs import cut_off
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.evaluation.fingerprint import fingerprint
+from toolkit.studies.evaluation.store import Store, opened_store
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.prices import Price, dependent, objective_of, prices
 from toolkit.studies.optimization.program import Program
+from toolkit.studies.optimization.robustness import Compared, compared
 from toolkit.studies.optimization.search import Found, Search
 from toolkit.studies.optimization.starts import starts_of
-from toolkit.studies.optimization.verification import Again, certified, said_of_runs, solved_again
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.evaluator import Evaluator
-from toolkit.studies.study.fingerprint import fingerprint
-from toolkit.studies.study.problem import Problem
-from toolkit.studies.study.store import Store, opened_store
+from toolkit.studies.optimization.verification import Again, certified, said_of_norms, said_of_runs, solved_again
+from toolkit.studies.study.problem import ONLY, Problem
+from toolkit.studies.study.study_file import LOAD_MARGIN
 
 Progress = Callable[[int, int], None]
 STORE = "study.h5"
@@ -85,10 +88,14 @@ def optimized(problem: Problem, folder: Path | None = None, progress: Progress |
     cautions = [*_cautions(problem, chosen, again, searches), *_idle(problem, store), *said_of_runs(again)]
     if options.certify and not again.refusal and chosen.best is not None:
         cautions += certified(problem, chosen.best, again)
+    robust: list[Compared] = []
+    if chosen.best is not None and not again.refusal:
+        robust, doubts = compared(problem, chosen.best)
+        cautions += [*doubts, *said_of_norms(problem, chosen.best)]
     costs = _prices(chosen)
     wall = time.perf_counter() - begun + known_wall
     good = first if first is not None and not first.failed else None
-    return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall)
+    return Optimum(problem, chosen, tuple(searches), again, costs, Verdict.of(cautions), good, tuple(store), wall, tuple(robust))
 
 
 def _rank(found: Found) -> tuple[bool, bool, float]:
@@ -133,7 +140,7 @@ def _refuse_idle_objective(problem: Problem, evaluator: Evaluator, start: np.nda
 
 def _undecided(problem: Problem, found: Evaluation) -> float:
     """How much of the objective round-off may decide."""
-    weights = problem.study.objective.weights
+    weights = problem.weights
     left = ((name, problem.undecided(name, found.values[:, k])) for k, name in enumerate(problem.responses))
     return sum(abs(weights.get(name, 0.0)) * each for name, each in left)
 
@@ -179,6 +186,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
             f"the KKT residual is {left.residual:.1e} of the objective's scale, and {options.optimality:.1e} is wanted: {found.ended}. "
             "Give more evaluations, more starts, or another method.",
         )
+    yield from _margins(problem, found.best)
     if dependent(found.program, found.best, left):
         yield Caution("prices", "active limits depend on each other: their prices can be shared in other ways too.", doubt=False)
     yield from _other_optima(problem, found, searches)
@@ -186,6 +194,22 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     failed, count = sum(each.failed for each in searches), sum(each.evaluations for each in searches)
     if failed:
         yield Caution("failed-designs", f"{failed} of {count} designs could not be solved; none counts.", doubt=False)
+
+
+def _margins(problem: Problem, best: Evaluation) -> Iterator[Caution]:
+    """Load margins at the design of which only the least value is known; of no slope, they may look like an optimum themselves."""
+    cut = [case for k, case in enumerate(problem.cases) if cut_off(problem, best, (k, len(problem.responses) - 1))]
+    if cut:
+        where = f" ({', '.join(cut)})" if cut != [ONLY] else ""
+        asked = LOAD_MARGIN in problem.weights
+        then = (
+            "so that the objective has no slope there, and other designs may be better"
+            if asked
+            else "and limits on it are not active"
+        )
+        found = f"no limit point up to {problem.margin_up_to:g} times the load{where}: {LOAD_MARGIN} is at least that"
+        text = f"{found}, cut off there, {then}."
+        yield Caution("margin-cut-off", text, doubt=asked)
 
 
 def _idle(problem: Problem, store: Store) -> Iterator[Caution]:

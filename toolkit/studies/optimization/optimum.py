@@ -9,10 +9,11 @@ from toolkit.foundation.errors import ToolkitError
 from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.prices import Price, objective_of
+from toolkit.studies.optimization.robustness import Compared
 from toolkit.studies.optimization.search import Found
 from toolkit.studies.optimization.verification import Again, scene_at
-from toolkit.studies.study.evaluation import Evaluation
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.system.solution import Solution
 
@@ -45,6 +46,8 @@ class Optimum:
         All designs of all searches, in their order.
     wall
         Time of all searches, also before an interruption, and of solving the optimum again, in s.
+    robust
+        Means and deviations over uncertain numbers by two ways, of what is to be robust.
     """
 
     problem: Problem
@@ -56,6 +59,7 @@ class Optimum:
     first: Evaluation | None
     solved: tuple[Evaluation, ...]
     wall: float
+    robust: tuple[Compared, ...] = ()
 
     @property
     def design(self) -> Evaluation:
@@ -99,7 +103,8 @@ class Optimum:
     @property
     def units(self) -> dict[str, str]:
         """Response, with its case -> label of its unit."""
-        return {name: self.problem.unit_of(name.rpartition(".")[2]) for name in self.values}
+        known = dict.fromkeys([*self.problem.responses, *(name for each in self.again.results.values() for name in each.values)])
+        return {label: self.problem.unit_of(name) for name in known for label in by_case(self.problem.cases, name)}
 
     @property
     def values_before(self) -> dict[str, float]:
@@ -139,6 +144,9 @@ class Optimum:
                 if found
                 else f"{where}nothing snaps through up to {factor:.4g} times the load."
             )
+        for each in self.robust:
+            unit, (mean, sigma) = self.units.get(f"mean of {each.name}", ""), each.judged
+            lines.append(f"{each.name}, by values and gradients: mean {mean:.6g}, sigma {sigma:.4g} {unit}".rstrip() + ".")
         return [*lines, f"{self.evaluations} designs, {self.failed} of which could not be solved, in {self.wall:.1f} s."]
 
     @property
@@ -185,6 +193,7 @@ class Optimum:
                 "multipliers": [each.record() for each in self.prices],
                 "snap_through": margins.get("", margins) or None,
                 "changes_by_finer_steps": self.again.changes,
+                "robust": {each.name: each.record() for each in self.robust} or None,
             },
             "optimality": self.optimality,
             "violation": self.search.optimality.violation if self.search.optimality else None,

@@ -8,12 +8,14 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Program
-from toolkit.studies.study.evaluation import Evaluation
 
 LEAST = 1e-6
 """Multiplier in parts of the largest slope of the objective below which a limit costs nothing."""
+SLOPE = 1e-3
+"""Slope of the scaled objective that is none beside it: at an optimum between all limits what is left is no price of any."""
 DEPENDENT = 1e-6
 """Relative singular value below which slopes of constraints depend on each other."""
 
@@ -77,7 +79,7 @@ def _active(program: Program, best: Evaluation, left: Optimality) -> tuple[np.nd
     """Which constraints (m,) and bounds (2, n) cost something: their multiplier, in parts of the largest slope, is larger than what is left
     to them. One of the two is zero at an optimum, and this tells which of them is on its way there."""
     values, z = program.values(best), program.scaled(best.design)
-    largest = max(float(np.max(np.abs(values.df))), np.finfo(float).tiny)
+    largest = max(float(np.max(np.abs(values.df))), SLOPE)
     return left.multipliers > largest * np.maximum(values.c, LEAST), left.at_bounds > largest * np.maximum(
         np.array([z, program.top - z]), LEAST
     )
@@ -105,7 +107,7 @@ def _ratio(above: str, below: str) -> str:
 
 def objective_of(program: Program) -> tuple[str, str]:
     """Name and unit of the objective: those of its response if it has one alone."""
-    problem, weights = program.problem, program.problem.study.objective.weights
+    problem, weights = program.problem, program.problem.weights
     if len(weights) == 1 and list(weights.values()) == [1.0]:
         name = next(iter(weights))
         return name, problem.unit_of(name)

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.study.problem import Problem, by_case
 
 
@@ -56,12 +56,10 @@ class Program:
     def rows(self) -> list[Row]:
         """All constraints, cases within limits within responses."""
         found = []
-        for name, limit in self.problem.study.constraints.items():
-            for sign, bound in zip((1.0, -1.0), limit.limits, strict=True):
-                if bound is not None:
-                    size = limit.scale or abs(bound) or 1.0
-                    labels = by_case(self.problem.cases, name)
-                    found += [Row(name, case, sign, bound, size, label) for case, label in enumerate(labels)]
+        for wanted in self.problem.limits:
+            size = wanted.limit.scale or abs(wanted.bound) or 1.0
+            labels = by_case(self.problem.cases, wanted.response)
+            found += [Row(wanted.response, case, wanted.sign, wanted.bound, size, label) for case, label in enumerate(labels)]
         return found
 
     def scaled(self, design: np.ndarray) -> np.ndarray:
@@ -82,7 +80,7 @@ class Program:
     def objective(self, values: Any) -> tuple[Any, np.ndarray]:
         """The objective as the study states it, from values (cases, responses), and its derivatives by them, of the same shape."""
         wanted = self.problem.study.objective
-        weights = np.array([wanted.weights.get(name, 0.0) for name in self.problem.responses])
+        weights = np.array([self.problem.weights.get(name, 0.0) for name in self.problem.responses])
         each = values @ weights
         if wanted.over_cases == "sum":
             return np.sum(each), np.broadcast_to(weights, values.shape)

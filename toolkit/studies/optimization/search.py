@@ -1,4 +1,4 @@
-"""One search: a method of a library within a box that leaves out what failed, until the conditions of an optimum are met."""
+"""One search: a method of a library within planes that cut off what failed, until the conditions of an optimum are met."""
 
 from __future__ import annotations
 
@@ -6,21 +6,20 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.stats.qmc import Sobol
 
+from toolkit.studies.distributions.sobol_points import plain
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.optimization.cuts import Cuts
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.evaluator import Evaluator
 
 BACK = 0.5
-"""Part of the way to a failed design that the next box reaches."""
-NEAREST = 1e-5
-"""Size of a box, in parts of the variables' ranges, below which failed designs stand all around."""
+"""Part of the way from a start that failed to a known design that the next one has."""
 AGAIN = 3
-"""How often a method that gave up begins anew where it stood."""
+"""How often a method that gave up begins anew where it stood, without planes."""
 BESIDE, LOOKS = 0.2, 8
 """How wide, in parts of the variables' ranges, and at how many designs a search looks around a start that is stationary."""
 ASKEW = 0.07
@@ -109,7 +108,7 @@ class Search:
             z = self._first(start, known)
             if z is not None and self.met:
                 z = self._beside(z)
-            ended = "no design near the start could be solved" if z is None else self._within_boxes(z)
+            ended = "no design near the start could be solved" if z is None else self._within_cuts(z)
             arrived = False
         except _Arrived:
             ended, arrived = "the conditions of an optimum are met", True
@@ -124,8 +123,7 @@ class Search:
         for _ in range(1 if back is None else 4):
             found = self._evaluated(self.program.design(z))
             if not found.failed:
-                size = float(np.max(np.abs(self.program.values(found).df)))
-                self.program = replace(self.program, unit=size / FIRST_SLOPE if size > 0 else 1.0)
+                self._begin_at(self.program.values(found))
                 self._visited(z)
                 return z
             if back is not None:
@@ -136,7 +134,7 @@ class Search:
         """The best of some designs around a stationary start, which may be a maximum or a saddle, as where a mechanism is symmetric."""
         here, best = self._functions(z), z
         least = here.f - LOWER * max(1.0, abs(here.f))
-        for point in Sobol(len(z), scramble=False).random_base2(int(np.log2(LOOKS)) + 1)[1 : LOOKS + 1]:
+        for point in plain(LOOKS, len(z)):
             there = np.clip(z + BESIDE * self.program.top * (2 * point - 1 + ASKEW), 0.0, self.program.top)
             try:
                 values = self._functions(there)
@@ -147,28 +145,30 @@ class Search:
         if best is not z:
             self.passed.add(self.program.design(z).tobytes())
             self.met, self.last = False, best
-            size = float(np.max(np.abs(self._functions(best).df)))
-            self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
+            self._begin_at(self._functions(best))
         return best
 
-    def _within_boxes(self, z: np.ndarray) -> str:
-        """Run the method; what failed is left out by the next box. Returns why it was given up."""
-        radius, again = np.inf, 0
+    def _begin_at(self, values: Values) -> None:
+        """Set the unit of the objective by its slopes where a method begins."""
+        size = float(np.max(np.abs(values.df)))
+        self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
+
+    def _within_cuts(self, z: np.ndarray) -> str:
+        """Run the method; what failed is cut off by a plane for the next run of it. Returns why it was given up."""
+        cuts, again = Cuts(), 0
         while True:
             centre = self.last if self.last is not None else z
-            before = len(self.done)
-            low, high = np.maximum(0.0, centre - radius), np.minimum(self.program.top, centre + radius)
+            before, low = len(self.done), np.zeros(len(z))
+            functions = cuts.around(self._functions)
             try:
-                METHODS[self.options.method](self._functions, centre, low, high, self._visited, self.options.evaluations)
+                METHODS[self.options.method](functions, centre, low, self.program.top, self._visited, self.options.evaluations)
             except DesignFailedError as failure:
-                last = self.last if self.last is not None else z
-                radius = BACK * float(np.max(np.abs(failure.z - last)))
-                if radius < NEAREST:
+                if not cuts.add(self.last if self.last is not None else z, failure.z):
                     return "designs all around cannot be solved: it stands at the edge of what can"
                 continue
             if self.met:
                 raise _Arrived
-            radius = np.inf if radius > 1.0 else 8 * radius
+            cuts = Cuts()
             again += len(self.done) == before or self.last is None or bool(np.array_equal(self.last, centre))
             if again > AGAIN:
                 return "the method made no progress any more"
@@ -195,7 +195,7 @@ class Search:
         return self.program.values(found)
 
     def _visited(self, z: np.ndarray) -> None:
-        """A design that the method has accepted: the next box is about this one, unless it is an optimum, as the one before was: a saddle
+        """A design that the method has accepted: the next run begins at this one, unless it is an optimum, as the one before was: a saddle
         looks like one too, but the method leaves it."""
         values, z = self._functions(z), np.clip(z, 0.0, self.program.top)
         self.last = z

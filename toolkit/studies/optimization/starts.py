@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats.qmc import Sobol
 
+from toolkit.studies.distributions.sobol_points import plain
 from toolkit.studies.study.problem import Problem
 
 
@@ -14,6 +14,4 @@ def starts_of(problem: Problem, count: int) -> np.ndarray:
     The sequence is not scrambled, so that it is the same everywhere; its first point, a corner of the bounds, is left out.
     """
     low, high = problem.bounds
-    power = max(1, int(np.ceil(np.log2(count + 1))))
-    points = Sobol(len(low), scramble=False).random_base2(power)[1:count]
-    return np.vstack([problem.start, low + points * (high - low)])
+    return np.vstack([problem.start, low + plain(count - 1, len(low)) * (high - low)])

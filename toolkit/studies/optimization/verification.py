@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
 
@@ -15,10 +15,13 @@ from toolkit.scene.scene import Scene
 from toolkit.sensitivity.certificate.certificate import certify
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.result import Result
-from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.evaluation.case_run import CaseRun
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.gradient_norms import norms
+from toolkit.studies.evaluation.solved_design import load_margin, scene_at, solved
 from toolkit.studies.study.problem import FAR, Problem, by_case
-from toolkit.studies.study.solved_design import load_margin, scene_at
 from toolkit.studies.study.study_file import LOAD_MARGIN
+from toolkit.studies.study.wanted import norm_of
 
 ANOTHER = 1e-5
 """Change of a response, in parts of its size, by which an equilibrium is another one than that of the search: finer load steps and a warm
@@ -61,6 +64,9 @@ def solved_again(problem: Problem, found: Evaluation) -> Again:
     margins: dict[str, tuple[float, bool]] = {}
     changes: dict[str, float] = {}
     cautions: list[Caution] = []
+    derived = _derived(problem, found)
+    if derived is not None and derived.failed:
+        return Again(results, derived.reason, changes, margins)
     for k, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
         try:
@@ -70,10 +76,12 @@ def solved_again(problem: Problem, found: Evaluation) -> Again:
         except ToolkitError as error:
             return Again(results, f"{where}{error}", changes, margins)
         values = {**results[case].values, **({LOAD_MARGIN: margins[case][0]} if case in margins else {})}
+        if derived is not None:
+            names = (*map(norm_of, problem.norms), *problem.statistics)
+            values |= {name: derived.values[k, problem.responses.index(name)] for name in names}
         for name, before in zip(problem.responses, found.values[k], strict=True):
             after = min(values[name], problem.margin_up_to or FAR) if name == LOAD_MARGIN else values[name]
-            limit = problem.study.constraints.get(name)
-            size = max([abs(before), *(abs(each) for each in (limit.limits if limit else ()) if each is not None)])
+            size = max([abs(before), *(abs(each.bound) for each in problem.limits if each.response == name)])
             changes[by_case([case], name)[0]] = abs(after - before) / (size or 1.0)
     return Again(results, _changed(problem, changes), changes, margins, tuple(cautions))
 
@@ -88,6 +96,16 @@ def _changed(problem: Problem, changes: dict[str, float]) -> str:
     if changes[worst] > COARSE:
         return f"with steps half as long {worst} changes by {100 * changes[worst]:.3g} %. Give the scene a smaller solver.step."
     return ""
+
+
+def _derived(problem: Problem, found: Evaluation) -> Evaluation | None:
+    """The design with finer steps at all points of uncertain numbers and beside it, without load margins, which are found apart; None
+    if nothing asks for these."""
+    if problem.points is None and not problem.norms:
+        return None
+    constraints = {name: each for name, each in problem.study.constraints.items() if name != LOAD_MARGIN}
+    study = problem.study.model_copy(update={"constraints": constraints})
+    return solved(replace(problem, study=study, scene=finer(problem.scene)), found.lane, found.design, None, gradients=False)
 
 
 def _has_margin(problem: Problem) -> bool:
@@ -142,6 +160,20 @@ def certified(problem: Problem, found: Evaluation, again: Again) -> Iterator[Cau
             continue
         known = again.results[case].verdict.warnings if case in again.results else ()
         yield from (_in(where, each) for each in certificate.verdict.warnings if each not in known and each.code == "differences")
+
+
+def said_of_norms(problem: Problem, found: Evaluation) -> Iterator[Caution]:
+    """By how much the derivatives of norms of gradients may be off: they alone are differences."""
+    for case in problem.cases if problem.norms else ():
+        where, run = f"{case}: " if case else "", CaseRun(problem, case, None, gradients=True)
+        try:
+            errors = [each.error for each in norms(run, found.design, run.at(found.design))]
+        except ToolkitError as error:
+            yield Caution("differences", f"{where}the norm of a gradient could not be found again: {error}")
+            return
+        told = ", ".join(f"that of {name} by {each:.1e}" for name, each in zip(problem.norms, errors, strict=True))
+        text = f"{where}derivatives of norms of gradients are differences of exact gradients, off by at most, in parts: {told}."
+        yield Caution("differences", text, doubt=False)
 
 
 def _in(where: str, caution: Caution) -> Caution:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import signal
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from multiprocessing import get_context, parent_process
+from threading import Thread
 from typing import Any
 
 from toolkit.foundation.processes.own_process import refuse_namesakes, safe_spawning
@@ -41,9 +43,18 @@ def in_processes(work: Callable[[Any], Any], tasks: Mapping[Any, Any], count: in
 
 
 def _begin(work: Callable[[Any], Any]) -> None:
-    """Ctrl-C belongs to the process that a person sees; this one ends its task."""
+    """Ctrl-C belongs to the process that a person sees; this one ends its task, and ends at once where that process is killed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    Thread(target=_end_with_parent, name="parent", daemon=True).start()
     _AT_HAND.append(work)
+
+
+def _end_with_parent() -> None:
+    """Nobody would fetch what this process finds: it would wait for tasks for ever."""
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _at_hand(task: Any) -> Any:

@@ -12,6 +12,7 @@ import numpy as np
 
 from toolkit.analyses.transient import simulate
 from toolkit.foundation.errors import ConvergenceError, InputError, ModelFileError, NeedsDirectError, ToolkitError
+from toolkit.responses.response import Response
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients
 from toolkit.sensitivity.evaluation import by_name, evaluate_with_gradients
@@ -28,6 +29,8 @@ MOST_REPORTS = 2000
 NO_LIMIT = 1e300
 """Of the drift during a run: a map states how far joints opened, where an ordinary run only refuses."""
 
+ROUND_OFF = 1e-12
+"""Of slopes times the size of their variable, in parts of the response or of what it is measured by."""
 MOST_MEMORY = 0.5
 """GB for the states of one run: several cells are measured at once, and one that chooses its steps may choose millions."""
 
@@ -46,7 +49,8 @@ class Measured:
 
     `drift` is the largest opening of a joint, relative to the scene's size or in rad; `created` is `created_energy`. `slopes` are
     derivatives times the size of their variable, so that all slopes of a response are comparable; `disagreement` is the largest
-    difference of direct differentiation and adjoint, over the largest slope of each response.
+    difference of direct differentiation and adjoint, over the largest slope of each response. `undecided` is up to where slopes of a
+    response may be round-off.
     """
 
     run: Run
@@ -59,6 +63,7 @@ class Measured:
     steps: int = 0
     newton_iterations: int = 0
     seconds: float = 0.0
+    undecided: dict[str, float] = field(default_factory=dict)
 
 
 def measure(scene: Scene, design: list[str], sizes: Mapping[str, float] | None = None, both_methods: bool = True) -> Measured:
@@ -91,8 +96,16 @@ def _measured(scene: Scene, design: list[str], sizes: Mapping[str, float] | None
         return found
     sizes = sizes or {variable.name: typical_size(scene, variable) for variable in system.design}
     slopes = _times(gradients, sizes)
-    outcome, disagreement = _judged(system, solution, slopes, sizes) if both_methods else (Run(), np.nan)
-    return replace(found, gradient=outcome, slopes=slopes, disagreement=disagreement)
+    least = _undecided(scene, values)
+    outcome, disagreement = _judged(system, solution, slopes, sizes, least) if both_methods else (Run(), np.nan)
+    return replace(found, gradient=outcome, slopes=slopes, disagreement=disagreement, undecided=least)
+
+
+def _undecided(scene: Scene, values: Mapping[str, float]) -> dict[str, float]:
+    """Up to where slopes are round-off: a part of the response, and of the scene's size or a rad, where it is a place or an angle."""
+    sizes, known = {"angle": 1.0, "length": scene.size}, scene.responses
+    own = {name: sizes.get(each.unit_quantity, 0.0) for name, each in known.items() if isinstance(each, Response)}
+    return {name: ROUND_OFF * max(abs(value), own.get(name, 0.0)) for name, value in values.items()}
 
 
 def _without_gradient(scene: Scene, error: Exception) -> Measured:
@@ -125,7 +138,9 @@ def _outcome(error: Exception) -> Run:
     return Run("refused" if refused else "failed", str(error))
 
 
-def _judged(system: System, solution: Solution, slopes: Slopes, sizes: Mapping[str, float]) -> tuple[Run, float]:
+def _judged(
+    system: System, solution: Solution, slopes: Slopes, sizes: Mapping[str, float], undecided: Mapping[str, float]
+) -> tuple[Run, float]:
     """How the adjoint ended, and how far its slopes are from those of direct differentiation; nan where it has none."""
     try:
         responses, found = adjoint_gradients(system, solution)
@@ -133,24 +148,27 @@ def _judged(system: System, solution: Solution, slopes: Slopes, sizes: Mapping[s
         return Run(), np.nan  # one method is left, and nothing to compare it with
     except ToolkitError as error:
         return Run("failed", f"adjoint: {error}"), np.nan
-    return Run(), slope_difference(_times(by_name(system.design, responses, found.T), sizes), slopes)
+    return Run(), slope_difference(_times(by_name(system.design, responses, found.T), sizes), slopes, undecided)
 
 
 def _times(gradients: Slopes, sizes: Mapping[str, float]) -> Slopes:
     return {f: {x: slope * sizes[x] for x, slope in row.items()} for f, row in gradients.items()}
 
 
-def slope_difference(one: Slopes, other: Slopes) -> float:
+def slope_difference(one: Slopes, other: Slopes, undecided: Mapping[str, float]) -> float:
     """Largest difference of slopes, over the largest slope in `other` of the same response.
 
-    Derivatives that do not exist in `other` are left out; one that is lost, or a response that gained one, counts as infinite.
+    Derivatives that do not exist in `other` are left out; one that is lost, or a response that gained one, counts as infinite. Slopes that
+    are zero but for round-off, up to `undecided`, differ by nothing.
     """
     largest = 0.0
     for f, row in other.items():
         theirs, ours = np.array(list(row.values())), np.array([one[f][x] for x in row])
         exists = ~np.isnan(theirs)
         if exists.any():
-            largest = max(largest, _ratio(np.abs(ours[exists] - theirs[exists]).max(), np.abs(theirs[exists]).max()))
+            off, size = np.abs(ours[exists] - theirs[exists]).max(), np.abs(theirs[exists]).max()
+            nothing = max(off, size) <= undecided.get(f, 0.0)
+            largest = largest if nothing else max(largest, _ratio(off, size))
     return largest
 
 

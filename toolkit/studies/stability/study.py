@@ -38,6 +38,7 @@ def stability(
     most_steps: int | None = None,
     jobs: int = 1,
     progress: Progress | None = None,
+    kept: Path | None = None,
 ) -> Study:
     """Map where a scene runs stably.
 
@@ -50,6 +51,7 @@ def stability(
     most_steps : cells that need more steps are not run; by default `MOST_STEPS`, or as many as the scene needs as it stands
     jobs : processes
     progress : called with runs done and runs in all
+    kept : folder of all runs, where they are found again after an interruption; None keeps nothing
 
     Raises
     ------
@@ -64,7 +66,7 @@ def stability(
     with TemporaryDirectory(prefix="ffrf-stability-") as folder:
         maps, missing = maps_of(scene, names, Path(folder), most_steps)
         tasks = _tasks(scene, design, maps, most_steps)
-        found = dict(zip(tasks, measured(list(tasks.values()), jobs, progress), strict=True))
+        found = dict(zip(tasks, measured(list(tasks.values()), jobs, progress, kept), strict=True))
     for each in maps:
         if each.judge == "own units":
             cells = {at: changed.units for at, changed in each.scenes.items() if (each.name, at) in found}
@@ -112,7 +114,8 @@ def _in_own_units(found: Measured, scene: Scene, units: str) -> Measured:
     """Responses and slopes of the scene in other units, in those of the scene."""
     by = {f: response_factor(scene, f, units) for f in found.values}
     slopes = {f: {x: slope / by[f] for x, slope in row.items()} for f, row in found.slopes.items()}
-    return replace(found, values={f: value / by[f] for f, value in found.values.items()}, slopes=slopes)
+    values, undecided = ({f: value / by[f] for f, value in each.items()} for each in (found.values, found.undecided))
+    return replace(found, values=values, slopes=slopes, undecided=undecided)
 
 
 def _reference(scene: Scene, found: Mapping[Key, Measured], limits: Limits) -> Reference | None:
@@ -122,7 +125,7 @@ def _reference(scene: Scene, found: Mapping[Key, Measured], limits: Limits) -> R
     if len(good) < 2:
         return None
     (step, best), (_, after) = good[:2]
-    return Reference(step, best, value_difference(after, best), slope_difference(after.slopes, best.slopes))
+    return Reference(step, best, value_difference(after, best), slope_difference(after.slopes, best.slopes, best.undecided))
 
 
 def _judged(

@@ -63,7 +63,9 @@ def of_gradient(cell: Measured, reference: Measured | None, limits: Limits) -> V
         _ended(outcome)
         or _drifting(cell, limits)
         or _disagreeing(cell, limits)
-        or _compared(outcome, cell, reference, lambda one, other: slope_difference(one.slopes, other.slopes), limits)
+        or _compared(
+            outcome, cell, reference, lambda one, other: slope_difference(one.slopes, other.slopes, other.undecided), limits
+        )
     )
 
 

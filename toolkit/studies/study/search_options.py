@@ -37,7 +37,8 @@ class Search(Description):
         to equilibria beyond a snap-through. An optimum is always solved again along the path from the unloaded state; if it is not found
         there, the search is repeated without warm starts.
     failures
-        What to do where a design cannot be solved: "step-back", search on from the last design in a box that leaves out the failed one;
+        What to do where a design cannot be solved: "step-back", search on from the last design, on this side of a plane that cuts off
+        the failed one;
         or "stop", end the search there.
     most_failures
         Failed designs after which a search ends.

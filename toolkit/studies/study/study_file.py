@@ -8,16 +8,15 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
-from toolkit.description.description import Description, Number, Pair, Positive, Registered
+from toolkit.description.description import Description, NotNegative, Number, Pair, Positive, Registered
 from toolkit.description.design import check_shares
+from toolkit.description.quantity import Quantity
+from toolkit.studies.distributions.uncertain_numbers import Uncertain, Uncertainty
 from toolkit.studies.study.search_options import Search
 from toolkit.studies.study.sweep_options import Sweep
-from toolkit.studies.study.uncertain_numbers import Uncertain, Uncertainty
 
 LOAD_MARGIN = "load_margin"
 """A response that every study of statics has: the load factor of the first limit point."""
-_MODES = '"modes" has no gradients of its own: frequencies are responses of statics. Write analysis = "statics", and under [responses] '
-_HINT = 'for example first = { type = "frequency", number = 1 }'
 
 
 class StudyVariable(Description):
@@ -48,10 +47,7 @@ class StudyVariable(Description):
             raise ValueError(
                 f"between = [{low:g}, {high:g}] holds nothing; write the smaller bound first, and the larger one second"
             )
-        if self.factors is not None and self.of is None:
-            raise ValueError("factors belong to the numbers of `of`; name these, or leave the factors out")
-        if self.of is not None:
-            check_shares(self.of, self.factors)
+        check_shares(self.of, self.factors)
         return self
 
 
@@ -66,12 +62,16 @@ class Limit(Description):
         Both of them.
     scale
         What a large change of the response is; by default the size of the limit, or 1 if that is zero.
+    robust
+        By how many standard deviations beside its mean over the numbers of [uncertain] the response must keep to it. Without, the limit
+        is kept where these numbers are at their means.
     """
 
     below: Number | None = None
     above: Number | None = None
     between: Pair | None = None
     scale: Positive | None = None
+    robust: Annotated[Positive | None, Quantity("none")] = None
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
@@ -120,6 +120,9 @@ class Objective(Description):
     scale
         What a large change of it is, which says when a search ends. By default what the ranges of the variables change it by: the lower
         quartile, of all designs that the search has solved, of the largest derivative.
+    robust
+        How many standard deviations over the numbers of [uncertain] are added to the mean, or taken off where it is maximised: 2 minimises
+        mean + 2 sigma. Every design is solved at some points of these numbers (uncertainty.points).
     """
 
     minimize: Weights = None
@@ -127,6 +130,7 @@ class Objective(Description):
     over_cases: Literal["sum", "worst"] = "sum"
     aggregation: Positive | None = None
     scale: Positive | None = None
+    robust: Annotated[NotNegative | None, Quantity("none")] = None
 
     @model_validator(mode="after")
     def _fit(self) -> Self:
@@ -154,12 +158,6 @@ class Objective(Description):
         return 1.0 if self.minimize is not None else -1.0
 
 
-def _analysis(value: Any) -> Any:
-    if value == "modes":
-        raise ValueError(_MODES + _HINT)
-    return value
-
-
 class Study(Description):
     """A study of a scene: what of it may change, or is uncertain, and what is wanted.
 
@@ -168,7 +166,9 @@ class Study(Description):
     scene
         The scene file, sought from the folder of the study file.
     analysis
-        What is solved for every design: "statics" or "motion". Frequencies are responses of statics.
+        What is solved for every design: "statics", "motion", or "modes": statics with the frequencies of the vibrations about the
+        equilibrium, which are built in as `frequency_1`, `frequency_2`, ... They are numbered where the scene stands, and recognised by the
+        shapes of their modes at all other designs; a design at which none is alike fails.
     variables
         Path or short name of a number of the scene, or a new name of several numbers -> between which bounds it may be. Optima and sweeps
         need them.
@@ -194,7 +194,7 @@ class Study(Description):
     """
 
     scene: str
-    analysis: Annotated[Literal["statics", "motion"], BeforeValidator(_analysis)] = "statics"
+    analysis: Literal["statics", "motion", "modes"] = "statics"
     variables: dict[str, StudyVariable] = Field(default_factory=dict)
     uncertain: dict[str, Uncertain] = Field(default_factory=dict)
     objective: Objective = Field(default_factory=Objective.none)

@@ -7,9 +7,8 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from toolkit.description.description import Description
-from toolkit.description.run_options import Count
+from toolkit.description.run_options import Count, Seed
 
-Seed = Annotated[int, Field(strict=True, ge=0)]
 Levels = Annotated[int, Field(strict=True, ge=1)]
 
 

@@ -9,10 +9,11 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from scipy.stats.qmc import LatinHypercube, Sobol
+from scipy.stats.qmc import LatinHypercube
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
+from toolkit.studies.distributions.sobol_points import scrambled
 from toolkit.studies.study.problem import Problem
 
 LEVELS, COUNT, SEED = 5, 64, 0
@@ -38,16 +39,11 @@ def points_of(problem: Problem) -> np.ndarray:
     _refuse_too_many(count)
     random = np.random.default_rng(seed)
     found = (
-        LatinHypercube(len(low), rng=random).random(count) if options.kind == "latin-hypercube" else sobol(count, len(low), seed)
+        LatinHypercube(len(low), rng=random).random(count)
+        if options.kind == "latin-hypercube"
+        else scrambled(count, len(low), seed)
     )
     return low + found * (high - low)
-
-
-def sobol(count: int, dimension: int, seed: int) -> np.ndarray:
-    """The first scrambled points of Sobol's sequence in the unit cube, (count, dimension)."""
-    power = max(1, math.ceil(math.log2(count)))
-    found: np.ndarray = Sobol(dimension, scramble=True, rng=np.random.default_rng(seed)).random_base2(power)[:count]
-    return found
 
 
 def _grid(problem: Problem, levels: int | dict[str, int] | None) -> np.ndarray:

@@ -2,33 +2,25 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from toolkit.foundation.errors import ToolkitError
-from toolkit.foundation.verdict import Caution, Verdict
+from toolkit.foundation.verdict import Verdict
 from toolkit.scene.scene import Scene
-from toolkit.studies.designs.design_work import Asked, DesignWork
+from toolkit.studies.designs.design_work import WITH, WITHOUT, Asked, DesignWork
+from toolkit.studies.designs.failed_designs import failed_designs, refuse_all_failed
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
 from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.evaluation.fingerprint import fingerprint
+from toolkit.studies.evaluation.store import opened_store
 from toolkit.studies.places.place import HERE, Place, Progress
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.fingerprint import fingerprint
-from toolkit.studies.study.problem import Problem, problem_of_all
-from toolkit.studies.study.store import opened_store
+from toolkit.studies.study.checked_problem import problem_of_all
+from toolkit.studies.study.problem import Problem
 from toolkit.studies.study.study_file import Study
 from toolkit.studies.sweep.points import points_of
 from toolkit.studies.sweep.swept import Swept, refuse_equal_columns
 
 STORE = "sweep.h5"
 """Name of the store in the folder of a sweep."""
-WITH, WITHOUT = 0, 1
-"""Lanes of designs with and without gradients."""
-
-
-class NoDesignError(ToolkitError, ArithmeticError):
-    """Not one design of a study could be solved."""
 
 
 def sweep_problem(study: Study, scene: Scene | None = None) -> Problem:
@@ -69,31 +61,7 @@ def swept(problem: Problem, folder: Path | None = None, place: Place = HERE, pro
     numbers = {id(each): k + 1 for k, each in reversed(list(enumerate(found)))}
     named = {f"design {numbers[id(each)]}": each for each in extremes(found)}
     margins = margins_cut_off(problem, found, statistics=False, doubt=False)
-    cautions = [*failures(found), *margins, *said_at(problem, named)]
+    cautions = [*failed_designs(found, "; their rows say why.", doubt=False), *margins, *said_at(problem, named)]
     return Swept(
         problem, designs, tuple(found), Verdict.of(cautions), sum(each.wall for each in {id(e): e for e in found}.values())
     )
-
-
-def refuse_all_failed(found: Sequence[Evaluation]) -> None:
-    """Raise `NoDesignError` with the reasons, if all designs failed."""
-    if any(not each.failed for each in found):
-        return
-    reasons = Counter(each.reason for each in found).most_common(3)
-    raise NoDesignError(
-        f"not one of {len(found)} designs could be solved.\n"
-        + "\n".join(f"{count} times: {reason}" for reason, count in reasons)
-        + "\nMend the scene until `ffrf statics` or `ffrf simulate` solves it, or choose other designs."
-    )
-
-
-def failures(found: Sequence[Evaluation]) -> Iterator[Caution]:
-    """That some designs could not be solved, with the most frequent reason."""
-    reasons = Counter(each.reason for each in found if each.failed)
-    if reasons:
-        reason, count = reasons.most_common(1)[0]
-        yield Caution(
-            "failed-designs",
-            f"{sum(reasons.values())} of {len(found)} designs could not be solved; their rows say why. {count} of them: {reason}",
-            doubt=False,
-        )

@@ -10,7 +10,7 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.verdict import Verdict
-from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.study.problem import Problem, by_case
 
 Cell = int | float | str

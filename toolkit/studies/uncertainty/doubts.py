@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from toolkit.foundation.verdict import Caution
+from toolkit.studies.designs.failed_designs import failed_designs
 from toolkit.studies.designs.judged_runs import extremes, margins_cut_off, said_at
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.solved_design import solved
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.solved_design import solved
 from toolkit.studies.study.study_file import LOAD_MARGIN
 from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
@@ -25,6 +25,8 @@ SURE = 1e-6
 """Error at designs left out, in the same parts, below which a response is a polynomial, also beyond them."""
 RARE = 1e-3
 """Probability below which polynomials are asked about what no design has seen."""
+OTHERS_ALONE = ", and all numbers are those of the others alone: so probable is it that nothing can be said."
+"""What failed designs mean."""
 ANOTHER = 1e-5
 """Relative change of a value by which an equilibrium is another one."""
 
@@ -33,11 +35,12 @@ def doubts(
     study: UncertainStudy, spreads: Mapping[str, Spread], exact: Sequence[Evaluation], random: Sequence[Evaluation], warm: bool
 ) -> Iterator[Caution]:
     """Cautions of failed designs, of polynomials, and of runs at the means and at extreme designs."""
-    yield from _failed([*exact, *random])
+    yield from failed_designs([*exact, *random], OTHERS_ALONE, doubt=True)
     asked = study.options.responses is None or LOAD_MARGIN in study.options.responses
     yield from margins_cut_off(study.problem, [*exact, *random], statistics=True, doubt=asked)
     yield from _polynomials(spreads)
     yield from _other_polynomials(spreads)
+    yield from _tails(spreads)
     yield from _samples(spreads)
     if np.any(study.joint.together):
         yield Caution(
@@ -52,17 +55,6 @@ def doubts(
     yield from said_at(study.problem, {name: each for name, each in named.items() if not each.failed})
     if warm:
         yield from _elsewhere(study, extremes([*exact, *random]))
-
-
-def _failed(found: Sequence[Evaluation]) -> Iterator[Caution]:
-    reasons = Counter(each.reason for each in found if each.failed)
-    if reasons:
-        reason, count = reasons.most_common(1)[0]
-        yield Caution(
-            "failed-designs",
-            f"{sum(reasons.values())} of {len(found)} designs could not be solved, and all numbers are those of the others alone: so "
-            f"probable is it that nothing can be said. {count} of them: {reason}",
-        )
 
 
 def _polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
@@ -91,7 +83,7 @@ def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
         if each.left_out < SURE:
             continue
         if each.neighbour is not None:
-            degree, mean, sigma = each.neighbour
+            degree, mean, sigma = each.neighbour.degree, each.neighbour.mean, each.neighbour.sigma
             if max(abs(mean - each.mean), abs(sigma - each.sigma)) > SETTLED * each.sigma:
                 yield Caution(
                     "degree",
@@ -104,6 +96,23 @@ def _other_polynomials(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
                 "extrapolated",
                 f"sigma of {name}, {each.sigma:.4g}, rests on polynomials beyond the solved designs: {each.straight_sigma:.4g} if they go "
                 f"on straight there (limit {BEYOND:.0%}). Give more runs, or random designs (monte_carlo) to judge them by.",
+            )
+
+
+def _tails(spreads: Mapping[str, Spread]) -> Iterator[Caution]:
+    """Quantiles on which polynomials of two degrees do not agree, where mean and sigma may do so."""
+    for name, each in spreads.items():
+        other = each.neighbour
+        if each.left_out < SURE or not each.sigma or other is None:
+            continue
+        off = {share: abs(other.quantiles[share] - value) / each.sigma for share, value in each.quantiles.items()}
+        if off and off[worst := max(off, key=lambda share: off[share])] > BEYOND:
+            seen = "" if each.sampled is None else f", {each.sampled.quantiles[worst]:.4g} by random designs"
+            yield Caution(
+                "tail-quantiles",
+                f"the quantile {worst:g} of {name} is {each.quantiles[worst]:.4g} by polynomials of degree {each.degree}, but "
+                f"{other.quantiles[worst]:.4g} by those of degree {other.degree}{seen} (limit {BEYOND:.0%} of sigma). Give more runs, or "
+                "random designs (monte_carlo) to judge it by.",
             )
 
 

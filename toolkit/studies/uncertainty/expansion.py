@@ -15,8 +15,8 @@ from itertools import count
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.studies.uncertainty.basis import Basis, basis_of, size_of
-from toolkit.studies.uncertainty.marginal import Marginal
+from toolkit.studies.distributions.basis import Basis, basis_of, size_of
+from toolkit.studies.distributions.marginal import Marginal
 
 HIGHEST = 8
 """Degree beyond which none is tried."""
@@ -43,14 +43,14 @@ class Expansion:
     spread
         Standard deviation of the values at the designs, which are scattered as the germs are distributed.
     neighbour
-        Degree, mean and standard deviation of the better one of the fits of one degree less and one degree more; None if none is possible.
+        The better one of the fits of one degree less and one degree more; None if none is possible.
     """
 
     basis: Basis
     coefficients: np.ndarray
     error: float
     spread: float
-    neighbour: tuple[int, float, float] | None = None
+    neighbour: Expansion | None = None
 
     @property
     def left_out(self) -> float:
@@ -144,7 +144,7 @@ def _chosen(tried: dict[int, Expansion], degree: int | None) -> Expansion:
     if not beside:
         return tried[best]
     other = min(beside, key=lambda k: max(tried[k].left_out, EXACT))
-    return replace(tried[best], neighbour=(other, tried[other].mean, tried[other].sigma))
+    return replace(tried[best], neighbour=tried[other])
 
 
 def _constant(found: Expansion, value: float) -> Expansion:

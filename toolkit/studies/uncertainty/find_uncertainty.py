@@ -8,21 +8,21 @@ from pathlib import Path
 import numpy as np
 
 from toolkit.foundation.verdict import Verdict
-from toolkit.studies.designs.design_work import Asked, DesignWork
+from toolkit.studies.designs.design_work import WITH, WITHOUT, Asked, DesignWork
+from toolkit.studies.designs.failed_designs import refuse_all_failed
 from toolkit.studies.designs.judged_runs import cut_off
 from toolkit.studies.designs.solve_designs import solve_designs
+from toolkit.studies.distributions.sobol_points import scrambled
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.fingerprint import fingerprint
+from toolkit.studies.evaluation.solved_design import solved
+from toolkit.studies.evaluation.store import opened_store
 from toolkit.studies.identity import hashed
 from toolkit.studies.places.place import HERE, Place, Progress
-from toolkit.studies.study.evaluation import Evaluation
-from toolkit.studies.study.fingerprint import fingerprint
 from toolkit.studies.study.problem import by_case
-from toolkit.studies.study.solved_design import solved
-from toolkit.studies.study.store import opened_store
-from toolkit.studies.sweep.points import sobol
-from toolkit.studies.sweep.sweep import WITH, WITHOUT, refuse_all_failed
 from toolkit.studies.uncertainty.doubts import doubts
 from toolkit.studies.uncertainty.expansion import Expansion, fitted
-from toolkit.studies.uncertainty.spread import Spread, beyond, quantiles_of, sampled, without_statistics
+from toolkit.studies.uncertainty.spread import Neighbour, Spread, beyond, quantiles_of, sampled, without_statistics
 from toolkit.studies.uncertainty.uncertain_result import UncertainResult
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy
 
@@ -99,7 +99,7 @@ def _spreads(
 ) -> dict[str, Spread]:
     problem, options, joint = study.problem, study.options, study.joint
     known = [k for k, each in enumerate(exact) if not each.failed]
-    germs = joint.germs_of(sobol(SAMPLES, len(joint.marginals), options.seed))
+    germs = joint.germs_of(scrambled(SAMPLES, len(joint.marginals), options.seed))
     good, found = [k for k, each in enumerate(random) if not each.failed], {}
     for label, place in _places(study).items():
         each, name = expansions[label], problem.responses[place[1]]
@@ -118,7 +118,7 @@ def _spreads(
             None if tied else dict(zip(problem.variables, map(float, together), strict=True)),
             each.degree,
             each.left_out,
-            each.neighbour,
+            _neighbour(each, germs, options.quantiles),
             _straight_sigma(each, germs[:TAILS], study.germs[known]),
             sampled(np.array([random[k].values[place] for k in good]), at_random, options.quantiles, limit)
             if len(good) > 1
@@ -133,6 +133,12 @@ def _straight_sigma(each: Expansion, germs: np.ndarray, solved: np.ndarray) -> f
     """Sigma with straight tails, from its ratio to that of the polynomials at the same points."""
     own = float(np.std(each.values(germs)))
     return each.sigma * float(np.std(each.straight(germs, solved))) / own if own else 0.0
+
+
+def _neighbour(each: Expansion, germs: np.ndarray, shares: tuple[float, ...]) -> Neighbour | None:
+    """What the polynomials of the degree beside say, at the same points."""
+    other = each.neighbour
+    return None if other is None else Neighbour(other.degree, other.mean, other.sigma, quantiles_of(other.values(germs), shares))
 
 
 def _first_order(study: UncertainStudy, first: Evaluation, place: tuple[int, int]) -> tuple[float, float] | None:

@@ -50,6 +50,21 @@ class Sampled:
 
 
 @dataclass(frozen=True)
+class Neighbour:
+    """What polynomials of another degree say: mean, sigma, and share -> value."""
+
+    degree: int
+    mean: float
+    sigma: float
+    quantiles: Mapping[float, float]
+
+    def record(self) -> dict[str, Any]:
+        """Keys of a JSON object."""
+        quantiles = {f"{share:g}": value for share, value in self.quantiles.items()}
+        return {"degree": self.degree, "mean": self.mean, "sigma": self.sigma, "quantiles": quantiles}
+
+
+@dataclass(frozen=True)
 class Spread:
     """An uncertain response.
 
@@ -73,7 +88,7 @@ class Spread:
     left_out
         Their error at designs that were left out of the fit, in parts of the standard deviation of the solved values.
     neighbour
-        Degree, mean and sigma of polynomials of one degree less or more; None if no others are possible.
+        What polynomials of one degree less or more say; None if no others are possible.
     straight_sigma
         Sigma if the polynomials went on straight beyond the farthest designs that were solved.
     sampled
@@ -90,7 +105,7 @@ class Spread:
     together: Mapping[str, float] | None
     degree: int
     left_out: float
-    neighbour: tuple[int, float, float] | None
+    neighbour: Neighbour | None
     straight_sigma: float
     sampled: Sampled | None = None
 
@@ -107,7 +122,7 @@ class Spread:
             "sobol_total": None if self.together is None else dict(self.together),
             "degree": self.degree,
             "leave_one_out_error": self.left_out,
-            "neighbour": None if self.neighbour is None else dict(zip(("degree", "mean", "sigma"), self.neighbour, strict=True)),
+            "neighbour": None if self.neighbour is None else self.neighbour.record(),
             "sigma_straight_tails": self.straight_sigma,
             "monte_carlo": None if self.sampled is None else self.sampled.record(),
         }

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.verdict import Verdict, finite
-from toolkit.studies.study.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.uncertainty.expansion import Expansion
 from toolkit.studies.uncertainty.spread import Spread
 from toolkit.studies.uncertainty.uncertain_study import UncertainStudy

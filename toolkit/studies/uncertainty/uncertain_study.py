@@ -9,12 +9,13 @@ import numpy as np
 
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
-from toolkit.studies.study.problem import Problem, problem_of_all
+from toolkit.studies.distributions.joint import Joint, joint_of
+from toolkit.studies.distributions.marginal import marginal_of
+from toolkit.studies.distributions.sobol_points import scrambled
+from toolkit.studies.distributions.uncertain_numbers import Uncertainty
+from toolkit.studies.study.checked_problem import problem_of_all
+from toolkit.studies.study.problem import Problem
 from toolkit.studies.study.study_file import Study, StudyVariable
-from toolkit.studies.study.uncertain_numbers import Uncertainty
-from toolkit.studies.sweep.points import sobol
-from toolkit.studies.uncertainty.joint import Joint, joint_of
-from toolkit.studies.uncertainty.marginal import marginal_of
 
 
 @dataclass(frozen=True)
@@ -40,7 +41,7 @@ class UncertainStudy:
     @cached_property
     def germs(self) -> np.ndarray:
         """Of the designs with gradients, (runs, n): the first is the one of all means, the others are points of Sobol's sequence."""
-        scattered = self.joint.germs_of(sobol(self.options.runs - 1, len(self.joint.marginals), self.options.seed))
+        scattered = self.joint.germs_of(scrambled(self.options.runs - 1, len(self.joint.marginals), self.options.seed))
         return np.vstack([self.joint.germs_at_mean(), scattered])
 
     @cached_property

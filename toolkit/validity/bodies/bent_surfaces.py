@@ -10,17 +10,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
-from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
+from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.deformation import LIMIT, chain, largest_instants
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.cut.places import displacements
+from toolkit.validity.bodies.deformation import (
+    LIMIT,
+    Measured,
+    deformations,
+    has_chain,
+    largest_instants,
+    whole_bodies,
+)
 
 CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
@@ -35,6 +45,8 @@ class Bending:
     displacement: float  # largest displacement of a point in the body's frame
     error: float
     time: float
+    rotation: float  # largest angle that a line turns by in the frame, rad; nan of a body without lines
+    size: float  # extent of the undeformed body
 
     @property
     def relative(self) -> float:
@@ -43,42 +55,71 @@ class Bending:
 
 
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
-    """Bodies in space, and meshed ones, that leave the range of small deformations; of a cut body its worst part speaks."""
-    scene = solution.system.scene
-    worst: dict[str, Bending] = {}
-    for body, each in deforming(scene).items():
+    """Bodies in space, and meshed ones, that leave the range of small deformations."""
+    for body in whole_bodies(solution.system.scene):
         found = bending(solution, body)
-        whole = each.whole if isinstance(each, FramedPart) else body
-        if found is not None and (whole not in worst or found.relative > worst[whole].relative):
-            worst[whole] = found
-    for body, found in worst.items():
-        if not found.relative <= LIMIT:
-            yield Caution("large-deformation", _told(scene, body, found))
+        if found is not None and not found.relative <= LIMIT:
+            yield Caution("large-deformation", _told(solution.system.scene, body, found))
+
+
+def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
+    """What the meters estimate of every flexible body; None of those that no meter knows."""
+    return {body: bending(solution, body) if found is None else found for body, found in deformations(solution).items()}
 
 
 def bending(solution: Solution, body: str) -> Bending | None:
-    """How far one body bends; None where its finite elements tell it better, or nothing does."""
+    """How far one body bends; None where its finite elements tell it better, or nothing does.
+
+    What all parts of a cut body lose adds up, in parts of the displacement of the whole.
+    """
+    written = solution.system.scene.bodies[body]
+    names = list(written.parts(body)) if isinstance(written, CutBody) else [body]
+    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    found = [each for name in names if (each := _bent(solution, name, instants)) is not None]
+    if len(found) < len(names):
+        return None
+    whole = np.max([each.distance for each in found], axis=0)
+    if isinstance(written, CutBody):  # a part that is twisted moves its surface, and none of the nodes on its axis
+        whole = np.maximum(whole, displacements(solution, body, instants).max(axis=1))
+    error = np.sum([each.error for each in found], axis=0)
+    k = first_largest(error)
+    size = np.ptp(np.concatenate([each.points for each in found]), axis=0).max()
+    turned = max(each.turned[k] for each in found)
+    return Bending(float(whole[k]), float(error[k]), float(solution.times[instants[k]]), float(turned), float(size))
+
+
+class _Bent(NamedTuple):
+    """One body, or part of one, in its frame."""
+
+    distance: np.ndarray  # (n_t,) largest displacement of a point
+    error: np.ndarray  # (n_t,)
+    turned: np.ndarray  # (n_t,) largest angle of a line
+    points: np.ndarray  # (n, d) undeformed
+
+
+def _bent(solution: Solution, body: str, instants: np.ndarray) -> _Bent | None:
+    """How far one body, or part of one, bends; None where that is known better, or not at all."""
     scene = solution.system.scene
-    if chain(scene, body) is not None:
+    if has_chain(scene, body):
         return None
     design = design_point(scene, body, "surface", "outline")
     shown = "surface" if design.model.surface is not None else "outline" if design.model.outline is not None else ""
     if not shown:
         return None
     position = np.real(design.value(f"{shown}.position"))
-    elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    instants = largest_instants(elastic)
-    moved = np.einsum("pdf,tf->tpd", position[:, :, 1:], elastic[instants])
+    elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
+    moved = np.einsum("pdf,tf->tpd", position[:, :, 1:], elastic)
     distance = np.linalg.norm(moved, axis=2).max(axis=1)
     extent = float(np.ptp(position[:, :, 0], axis=0).max())
     lines = design.model.surface.lines if design.model.surface is not None else np.zeros((0, 2), int)
-    error = extent * _lost(position[:, :, 0], moved, lines) if len(lines) else CANTILEVER * distance**2 / extent
-    k = first_largest(error)
-    return Bending(float(distance[k]), float(error[k]), float(solution.times[instants[k]]))
+    if not len(lines):
+        return _Bent(distance, CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan), position[:, :, 0])
+    lost, turned = _lost(position[:, :, 0], moved, lines)
+    return _Bent(distance, extent * lost, turned, position[:, :, 0])
 
 
-def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> np.ndarray:
-    """Mean of theta^2 / 2 over the lines that turn, by their length, (n_t,)."""
+def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Mean of theta^2 / 2 over the lines that turn, by their length, and the largest theta, (n_t,)."""
     first, last = lines.T
     along = points[last] - points[first]
     length = np.linalg.norm(along, axis=1)
@@ -86,14 +127,16 @@ def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> np.ndarra
     sideways = np.sum(change**2, axis=2) - np.einsum("tld,ld->tl", change, along / length[:, None]) ** 2
     turning = np.where(sideways >= RESTING * sideways.max(axis=1, keepdims=True), length, 0.0)
     whole = turning.sum(axis=1)
-    return np.divide(np.sum(sideways * turning, axis=1), 2 * whole, out=np.zeros(len(whole)), where=whole > 0)
+    mean = np.divide(np.sum(sideways * turning, axis=1), 2 * whole, out=np.zeros(len(whole)), where=whole > 0)
+    return mean, np.arctan(np.sqrt(np.maximum(sideways.max(axis=1), 0.0)))
 
 
 def _told(scene: Scene, body: str, found: Bending) -> str:
     length = unit(scene.units, "length")
+    where = "" if isinstance(scene.bodies[body], CutBody) else " in its frame"
     return (
-        f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
+        f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length}{where} at "
         f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
-        f"(limit {LIMIT:.0%}), because their lines grow where they turn. A stiffer body, or several in a row, make it smaller; a body of "
-        "beams takes more `frames`."
+        f"(limit {LIMIT:.0%}), because their lines grow where they turn. A stiffer body, or "
+        f"{divided(scene, body, found.relative / LIMIT)}, make it smaller."
     )

@@ -80,7 +80,7 @@ def _without_beams(scene: Scene, body: str) -> str:
     """Why there is nothing to compare a body with."""
     if not scene.space.turning_elements or scene.model(flexible_body(scene, body).model, "outline").outline is not None:
         return (
-            f"body {body!r} does not consist of beams in the plane, the only elements that turn here. Compare it with several bodies in a "
+            f"body {body!r} does not consist of beams, the only elements that turn here. Compare it with several bodies in a "
             "row instead of one, which turn themselves."
         )
     return (

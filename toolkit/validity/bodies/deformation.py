@@ -10,10 +10,12 @@ It knows the beam elements of the plane only; `bent_surfaces` estimates it of so
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 
-from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
@@ -21,8 +23,10 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chord_rows import chord_rows
+from toolkit.validity.bodies.cut.joined_errors import BentPart, joined_errors
+from toolkit.validity.bodies.cut.places import displacements, undeformed_places
 from toolkit.validity.bodies.element_sections import Elements, Sections, sections
-from toolkit.validity.bodies.second_order import clamped_rows, mean_rows, second_order_displacement
+from toolkit.validity.bodies.second_order import clamped_rows, displacements_under, mean_rows, second_order_displacement
 
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
@@ -30,6 +34,34 @@ Up to here the estimate is good to some ten percent, and the errors of stresses 
 
 INSTANTS = 50
 """The meter looks at so many instants of a run, those of the largest elastic coordinates."""
+
+
+class Measured(Protocol):
+    """How far a body is deformed, and its estimated error."""
+
+    @property
+    def rotation(self) -> float:
+        """Largest rotation in the frame, rad."""
+
+    @property
+    def displacement(self) -> float:
+        """Largest displacement."""
+
+    @property
+    def error(self) -> float:
+        """A distance."""
+
+    @property
+    def size(self) -> float:
+        """Extent of the undeformed body."""
+
+    @property
+    def time(self) -> float:
+        """The instant of the largest error."""
+
+    @property
+    def relative(self) -> float:
+        """The error in parts of the largest displacement."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +102,20 @@ class Chain:
         """What the linear displacements (n_t, n) lack, to second order."""
         return second_order_displacement(self.elements, self.made_of, self.held, u)
 
+    def under(self, loads: np.ndarray) -> np.ndarray:
+        """Linear displacements (n_t, n) of all elements under loads (n_t, n), whatever the basis holds."""
+        return displacements_under(self.elements, self.made_of, self.held, loads)
+
 
 def flexible_bodies(scene: Scene) -> list[str]:
     """Names of the bodies that deform; of a cut body those of its parts."""
     return list(deforming(scene))
+
+
+def has_chain(scene: Scene, body: str) -> bool:
+    """Whether the reduced model of a flexible body holds the finite elements behind it."""
+    model = design_point(scene, body, "mesh", "stress", "interfaces").model
+    return model.mesh is not None and model.stress is not None
 
 
 def chain(scene: Scene, body: str) -> Chain | None:
@@ -102,27 +144,62 @@ def _held(model: ReducedModel, elements: Elements, shapes: np.ndarray) -> np.nda
 
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
-    """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements.
-
-    A cut body is as far off as the worst of its parts: each bends in its own frame, and the whole by what its parts bend.
-    """
-    found: dict[str, Deformation | None] = {}
-    for body, each in deforming(solution.system.scene).items():
-        name = each.whole if isinstance(each, FramedPart) else body
-        found[name] = _worse(found.get(name), deformation(solution, body))
-    return found
+    """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
+    return {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
 
 
-def _worse(one: Deformation | None, other: Deformation | None) -> Deformation | None:
-    if one is None or other is None:
-        return one or other
-    return other if other.relative > one.relative else one
+def whole_bodies(scene: Scene) -> list[str]:
+    """Names of the flexible bodies, cut or not."""
+    return [name for name, body in scene.bodies.items() if isinstance(body, ModelBody)]
 
 
 def deformation(solution: Solution, body: str) -> Deformation | None:
     """The meter's numbers for one body."""
+    written = solution.system.scene.bodies.get(body)
+    if isinstance(written, CutBody):
+        return _of_parts(solution, body, written)
     behind = chain(solution.system.scene, body)
     return None if behind is None else deformation_of(behind, solution, body)
+
+
+def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | None:
+    """Of a cut body: the errors of its parts, each in its own frame, add up to one of the whole, which the whole is measured by."""
+    scene = solution.system.scene
+    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
+    found = [_bent_part(solution, name, instants) for name in written.parts(body)]
+    parts = [each[0] for each in found if each is not None]
+    if len(parts) < len(found):
+        return None
+    lost = joined_errors(parts, _held_node(scene, written))
+    error, moved = np.hypot(lost[:, :, 0], lost[:, :, 1]).max(axis=1), displacements(solution, body, instants).max(axis=1)
+    worst = first_largest(error)
+    rotation = max(each[1][worst] for each in found if each is not None)
+    extent = np.ptp(undeformed_places(scene, body), axis=0).max()
+    time = solution.times[instants[worst]]
+    return Deformation(float(rotation), float(moved[worst]), float(error[worst]), float(extent), float(time))
+
+
+def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[BentPart, np.ndarray] | None:
+    """A part where it is, and the largest rotation of its nodes in its frame, (n_t,); None where its elements are not known."""
+    scene = solution.system.scene
+    part: Any = scene.body(name)
+    behind = chain(scene, name)
+    if behind is None:
+        return None
+    u = behind.displacements(np.real(solution.q[instants][:, elastic_coordinates(solution, name)]))
+    origins, axes = part.poses(np.real(solution.q[instants][:, solution.coordinates(name)]))
+    bent, lacks = (each.reshape(len(instants), -1, 3) for each in (u, behind.second_order(u)))
+    places = origins[:, None] + np.einsum("tij,tnj->tni", axes, behind.elements.nodes + bent[:, :, :2])
+    turned = np.concatenate([np.einsum("tij,tnj->tni", axes, lacks[:, :, :2]), lacks[:, :, 2:]], axis=2)
+    return BentPart(part.node_numbers(scene), places, turned), np.abs(u[:, 2::3]).max(axis=1)
+
+
+def _held_node(scene: Scene, written: Any) -> int | None:
+    """A node that holds a grounded body."""
+    model = scene.model(written.model, "elements", "mesh")
+    if written.frame != "grounded" or model.elements is None:
+        return None
+    return int(model.elements.held_nodes(model.mesh)[0])
 
 
 def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:

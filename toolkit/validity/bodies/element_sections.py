@@ -14,8 +14,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.sparse import eye_array, issparse, kron
 
 from toolkit.reduced_model.model import Mesh, StressPoints
+from toolkit.reduced_model.thin_arrays import sparing
 
 CURVATURE = np.array([[-4.0, -2.0], [2.0, 4.0]])
 """Curvature at both ends, times L, per rotation of the ends against the chord."""
@@ -138,8 +140,10 @@ def _widths(
     axial = np.sqrt(modulus * thickness / lengths)[:, None] * shapes[:, 0]
     bending = np.sqrt(modulus * thickness**3 / 12 / lengths)[:, None, None] * np.einsum("ji,ejf->eif", root, shapes[:, 1:])
     rows = np.concatenate([axial[:, None], bending], axis=1)
-    n, flat = len(rows), rows.reshape(-1, rows.shape[2])
-    products = ((flat @ flat.T) ** 2).reshape(n, 3, n, 3).sum(axis=(1, 3))
-    wanted = np.einsum("rf,rf->r", flat @ stiffness, flat).reshape(n, 3).sum(axis=1)
+    n, flat = len(rows), sparing(rows)
+    of_element, products = kron(eye_array(n), np.ones((1, 3)), "csr"), flat @ flat.T
+    products = of_element @ (products * products) @ of_element.T
+    products = products.toarray() if issparse(products) else products
+    wanted = of_element @ np.asarray((flat @ stiffness * flat).sum(axis=1))
     common = wanted.sum() / products.sum()
     return common + np.linalg.lstsq(products, wanted - common * products.sum(axis=1), rcond=WEAK)[0]

@@ -6,15 +6,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from toolkit.bodies.cut.cut_body import CutBody
-from toolkit.bodies.planar.flexible import Flexible
+from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
-from toolkit.scene.cut_scene import can_be_cut
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.critical_load import Compression, critical_compressions
-from toolkit.validity.bodies.deformation import LIMIT, Deformation, chain, deformations
+from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
+from toolkit.validity.bodies.cut.more_frames import divided
+from toolkit.validity.bodies.deformation import LIMIT, chain, deformations
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
@@ -31,18 +30,8 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
                 f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
                 f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
-                f"body, or {_smaller_by(scene, body, each)}, make it smaller.{advice_of_frame(scene, body)}",
+                f"body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
             )
-
-
-def _smaller_by(scene: Scene, body: str, found: Deformation) -> str:
-    """What divides the body: frames in a number where its model allows them; the error falls with the square of the number."""
-    written = scene.bodies[body]
-    if not isinstance(written, Flexible) or not can_be_cut(scene.model(written.model, "elements")):
-        return "several bodies in a row instead of one"
-    now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
-    enough = max(now + 1, int(np.ceil(now * np.sqrt(found.relative / LIMIT))))
-    return f"frames = {enough} in its table, which cuts it into so many parts with frames of their own"
 
 
 def critical_loads(solution: Solution) -> Iterator[Caution]:
@@ -105,8 +94,13 @@ def excessive_speeds(solution: Solution) -> Iterator[Caution]:
 
 def speed_limits(scene: Scene) -> str:
     """What to know of critical speeds where a run failed; empty without flexible bodies that turn."""
+    limits: dict[str, float] = {}
+    for body in spinning_bodies(scene):
+        found = scene.body(body)
+        name = f"the weakest part of {found.whole}" if isinstance(found, FramedPart) else body
+        limits[name] = min(limits.get(name, np.inf), critical_speed(scene, body))
     return " ".join(
-        f"A frame that spins faster than {critical_speed(scene, body):.4g} rad/s, the critical speed of {body}, diverges in linear FFRF "
+        f"A frame that spins faster than {limit:.4g} rad/s, the critical speed of {name}, diverges in linear FFRF "
         "with any step, because centrifugal stiffening is not in it."
-        for body in spinning_bodies(scene)
+        for name, limit in limits.items()
     )

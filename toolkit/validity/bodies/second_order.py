@@ -57,7 +57,12 @@ def second_order_forces(elements: Elements, made_of: Sections, u: np.ndarray) ->
 
 
 def second_order_displacement(elements: Elements, made_of: Sections, held: np.ndarray, u: np.ndarray) -> np.ndarray:
-    """u_2 for displacements u (n_t, n) of a chain whose frame is held by the rows `held` (m, n) u = 0, (n_t, n).
+    """u_2 for displacements u (n_t, n) of a chain whose frame is held by the rows `held` (m, n) u = 0, (n_t, n)."""
+    return displacements_under(elements, made_of, held, -second_order_forces(elements, made_of, u))
+
+
+def displacements_under(elements: Elements, made_of: Sections, held: np.ndarray, loads: np.ndarray) -> np.ndarray:
+    """Linear displacements of all elements under loads (n_t, n) on the nodal coordinates, held in the same way, (n_t, n).
 
     Unknowns are scaled to a unit diagonal, because a skin is far stiffer in tension than in bending.
     """
@@ -67,8 +72,7 @@ def second_order_displacement(elements: Elements, made_of: Sections, held: np.nd
     border = sparse.csc_array(border / np.linalg.norm(border, axis=1)[:, None])
     spread = sparse.diags_array(scale)
     system = sparse.block_array([[spread @ stiffness @ spread, border.T], [border, None]], format="csc")
-    loads = -second_order_forces(elements, made_of, u).T * scale[:, None]
-    solved = splu(system).solve(np.vstack([loads, np.zeros((len(held), len(u)))]))
+    solved = splu(system).solve(np.vstack([loads.T * scale[:, None], np.zeros((len(held), len(loads)))]))
     return (scale[:, None] * solved[: len(scale)]).T
 
 

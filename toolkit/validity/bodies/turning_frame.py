@@ -69,10 +69,22 @@ def _error(mu: float) -> float:
 
 def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
     """mu for a unit force: the most that c K^-1 c^T / L can be across the chord."""
-    design = design_point(solution.system.scene, body)
-    one, other = (np.real(design.interface(name).here[0]) for name in chord)
-    stiffness, side, moved = np.real(design.value("stiffness")), (other - one)[:, 0], (other - one)[:, 1:]
-    length = np.linalg.norm(side)
+    one, other = (np.real(design_point(solution.system.scene, body).interface(name).here[0]) for name in chord)
+    return _compliance(solution, body, (other - one)[:, 0], (other - one)[:, 1:])
+
+
+def bending_compliance(solution: Solution, body: str, chord: Chord) -> float:
+    """The same of the second end against the tangent at the first, whatever the frame is tied to."""
+    (one, turn), (other, _) = (design_point(solution.system.scene, body).interface(name).here for name in chord)
+    side, moved = np.real(other - one)[:, 0], np.real(other - one)[:, 1:]
+    turned = np.real(turn)[..., 1:]
+    carried = np.outer([-side[1], side[0]], turned) if turned.ndim == 1 else np.cross(turned, side, axisa=0, axisc=0)
+    return _compliance(solution, body, side, moved - carried)
+
+
+def _compliance(solution: Solution, body: str, side: np.ndarray, moved: np.ndarray) -> float:
+    """Of a displacement per elastic coordinate (d, n_f), across `side`."""
+    stiffness, length = np.real(design_point(solution.system.scene, body).value("stiffness")), np.linalg.norm(side)
     across = moved - np.outer(side, side @ moved) / length**2
     scale = 1 / np.sqrt(np.diag(stiffness))
     found = (across * scale) @ np.linalg.solve(scale[:, None] * stiffness * scale, (across * scale).T)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
+from toolkit.bodies.cut.chosen_frames import ChosenFrames
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.cut.frame_choice import FrameChoice
-from toolkit.bodies.planar.chosen_frames import ChosenFrames
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 
@@ -17,7 +17,9 @@ ANALYSES = {"static": "equilibrium", "transient": "motion"}
 def frames_chosen(scene: Scene) -> dict[str, Any]:
     """Body -> its number of frames and what that was chosen by; of those bodies alone whose number was chosen."""
     return {
-        name: {
+        name: {"frames": number, "kept_run": choice.kept_run}
+        if choice.kept_run
+        else {
             "frames": number,
             "wanted_error": choice.wanted,
             "estimated_error": choice.error,
@@ -32,6 +34,14 @@ def frames_chosen(scene: Scene) -> dict[str, Any]:
 def choices_of_frames(scene: Scene) -> Iterator[Caution]:
     """What was chosen, with the rule."""
     for name, (number, choice) in _choices(scene).items():
+        if choice.kept_run:
+            yield Caution(
+                "frames",
+                f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": those of the run that '
+                f"{choice.kept_run} keeps, which the scene starts in. How far they suffice was told there.",
+                doubt=False,
+            )
+            continue
         runs = " and ".join(filter(None, [", ".join(map(str, choice.numbers[:-1])), str(choice.numbers[-1])]))
         yield Caution(
             "frames",

@@ -13,6 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.validity.description.frame_damping import frames_that_damp_less
 from toolkit.validity.description.frame_number import choices_of_frames
 from toolkit.validity.description.joint_cautions import cautions_of_joints
+from toolkit.validity.description.mesh_cautions import cautions_of_meshes
 from toolkit.validity.description.stale_models import stale_models
 from toolkit.validity.description.unit_cautions import cautions_of_units
 
@@ -20,7 +21,7 @@ from toolkit.validity.description.unit_cautions import cautions_of_units
 def cautions_of_scene(scene: Scene) -> list[Caution]:
     """All cautions that follow from what is written, in the scene and beside its models, before anything runs."""
     found = [*cautions_of_joints(scene), *_held_by_nothing(scene), *cautions_of_units(scene), *stale_models(scene)]
-    return [*found, *choices_of_frames(scene), *frames_that_damp_less(scene)]
+    return [*found, *choices_of_frames(scene), *frames_that_damp_less(scene), *cautions_of_meshes(scene)]
 
 
 def _held_by_nothing(scene: Scene) -> Iterator[Caution]:

@@ -11,7 +11,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.markers.component import Component
-from toolkit.reduced_model.material_questions import IN_SI, material_questions
+from toolkit.reduced_model.questions.material_questions import IN_SI, material_questions
 from toolkit.scene.scene import Scene
 
 THICK, THIN = 3.0, 2e-5

@@ -2,12 +2,22 @@
 
 import numpy as np
 
-from toolkit.foundation.kernel import kernel
+from toolkit.foundation.kernel import inlined, kernel
 from toolkit.foundation.near_ties import BAND
 from toolkit.joints.kernels.all_joints import evaluate_any_joint
 from toolkit.joints.kernels.composition import gap
-from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI
+from toolkit.joints.kernels.planar.pin_kernel import pin_rows
+from toolkit.joints.kernels.records import CURVE, FIRST_ROW, N_ROWS, PHI, PINNED
 from toolkit.markers.poses import update_positions
+
+
+@inlined
+def find_rows(plane, frames, functions, joints, j, markers, state, rest, work):
+    """Rows of one joint, in `work.row[PHI]`."""
+    if plane is not None and joints.of[j, PINNED]:
+        pin_rows(joints, j, state, work.row[PHI])
+        return
+    evaluate_any_joint(plane, frames, functions, joints, j, markers, state, rest, work)
 
 
 @kernel
@@ -21,7 +31,7 @@ def largest_drift(plan, functions, curves, weights, q, rest, found, work):
     for n in range(len(q)):
         update_positions(plane, frames, plan.markers, work.markers, q[n], rest)
         for j in range(len(plan.joints.of)):
-            evaluate_any_joint(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
+            find_rows(plane, frames, functions[0], plan.joints, j, plan.markers, work.markers, rest, work.joint)
             rows = plan.joints.of[j, N_ROWS]
             for i in range(rows):
                 target = 0.0

@@ -6,9 +6,10 @@ import numpy as np
 
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
-from toolkit.solvers.static.equilibrium import LEVELS, static_matrix
+from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.solvers.static.stability.critical_state import has_negative_stiffness, softest_motion
 from toolkit.solvers.static.stability.saddle import factorised, free_count
+from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
 from toolkit.system.solution import Solution
 
 LOOKED_AT, AMONG = 50, 5000
@@ -75,12 +76,12 @@ def _begins_at_rest(solution: Solution) -> bool:
         saddle = factorised(system, matrix)
     except SingularSystemError:
         return False
-    largest = np.abs(matrix[:n_b, :n_b] / weights / weights[:, None]).max()
+    largest = largest_entry(scaled_by(matrix, saddle.scale)[:n_b, :n_b])
     away = (weights * np.abs(saddle.solve(residual)[:n_b])).max()
     return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
 
 
-def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _static(solution: Solution, place: float) -> tuple[np.ndarray, StaticArray, np.ndarray]:
     """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
     system, n_q = solution.system, solution.system.n_q
     time, found = _state(solution, place)
@@ -90,7 +91,7 @@ def _static(solution: Solution, place: float) -> tuple[np.ndarray, np.ndarray, n
     scaled = system.dense(terms.I_acc)[:n_q, n_q:] / system.weights[:n_q, None]
     forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
     terms = system.evaluate(inputs, q, rest, forces)
-    return terms.inertial + terms.applied, system.dense(static_matrix(system, terms)), forces
+    return terms.inertial + terms.applied, static_array(system, terms), forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:

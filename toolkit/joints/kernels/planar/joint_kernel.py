@@ -21,8 +21,8 @@ from toolkit.joints.kernels.records import CONSTANT, CURVE, CURVED, FIRST_ROW, F
 from toolkit.markers.planar.marker_forces import add_force
 
 
-@inlined
-def evaluate_joint(functions, joints, j, state, acc, work):
+@kernel
+def evaluate_planar_joint(functions, joints, j, state, acc, work):
     """g and its derivatives at the poses of the two markers, and their contractions with rates and multipliers."""
     for side in range(2):
         m = joints.of[j, side]
@@ -34,12 +34,6 @@ def evaluate_joint(functions, joints, j, state, acc, work):
         curved_joint(functions, joints, j, acc, work)
     else:
         flat_joint(joints, j, acc, work)
-
-
-@kernel
-def evaluate_planar_joint(functions, joints, j, state, acc, work):
-    """`evaluate_joint` for Python."""
-    evaluate_joint(functions, joints, j, state, acc, work)
 
 
 @inlined

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.render.colors import INK
+from toolkit.render.round_numbers import MINUS
 from toolkit.render.space.plotter.lettering import letter
 from toolkit.render.space.plotter.panel import Place, SpatialPanel
 
@@ -31,7 +32,7 @@ def head_line(pane: SpatialPanel, title: str) -> None:
     """A title above the panel."""
     pane.plotter.subplot(0, 0)
     above = np.array([pane.place[0], pane.place[1] + pane.place[3] + 0.7 * pane.letter])
-    letter(pane.plotter, title, above, pane.letter, INK, ("left", "bottom"))
+    letter(pane.plotter, title.replace("-", MINUS), above, pane.letter, INK, ("left", "bottom"))
 
 
 def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
@@ -39,10 +40,14 @@ def color_bar(plotter: Any, actor: Any, title: str, letters: int) -> None:
     plotter.subplot(0, 0)
     width, height = plotter.window_size
     bar = plotter.add_scalar_bar(
-        " ", mapper=actor.mapper, vertical=False, n_labels=5, fmt="%.6g", position_x=0.06, position_y=0.7 * letters / height,
-        width=0.5, height=3 * letters / height, label_font_size=letters, color=INK, render=False,
+        " ", mapper=actor.mapper, vertical=False, n_labels=0, position_x=0.06, position_y=0.7 * letters / height,
+        width=0.5, height=3 * letters / height, color=INK, render=False,
     )  # fmt: skip
     bar.SetUnconstrainedFontSize(True)
+    low, high = actor.mapper.scalar_range
+    for share in np.linspace(0, 1, 5):
+        number = f"{low + share * (high - low):.6g}".replace("-", MINUS)
+        letter(plotter, number, np.array([(0.06 + 0.5 * share) * width, 2.6 * letters]), letters)
     letter(plotter, title, np.array([0.31 * width, 3.9 * letters]), letters)
 
 

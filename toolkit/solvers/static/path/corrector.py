@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from scipy.linalg import lapack
 
 from toolkit.foundation.errors import ConvergenceError
+from toolkit.solvers.static.path.bordered import Bordered
 from toolkit.solvers.static.path.path_equations import PathEquations
 from toolkit.solvers.static.path.path_point import PathPoint
-from toolkit.solvers.static.path.sparse_border import sparse_bordered_solve, sparse_solve
 from toolkit.solvers.static.stability.saddle import balanced, factorised, free_count
 from toolkit.solvers.static.stability.softness import softest
-from toolkit.solvers.static.stability.sparse_saddle import MANY
+from toolkit.solvers.static.stability.static_array import StaticArray
 
 ROUND_OFF = 1e-13
 """Correction below which nothing is left to gain; one that no longer halves has met round-off above it."""
@@ -27,7 +26,7 @@ class Corrected(NamedTuple):
     """A point of the path z (n + 1,), the static matrix (n, n) and d residual / d factor (n,) there, and Newton's iterations."""
 
     z: np.ndarray
-    matrix: np.ndarray
+    matrix: StaticArray
     load: np.ndarray
     iterations: int
 
@@ -84,34 +83,18 @@ def complete(equations: PathEquations, border: np.ndarray, found: Corrected, kno
 
 
 def bordered_solve(
-    equations: PathEquations, matrix: np.ndarray, load: np.ndarray, border: np.ndarray, rhs: np.ndarray
+    equations: PathEquations, matrix: StaticArray, load: np.ndarray, border: np.ndarray, rhs: np.ndarray
 ) -> np.ndarray:
-    """Solution of [A, f; b^T] x = rhs (n + 1,)."""
+    """Solution of [A, f; b^T] x = rhs (n + 1,), in coordinates of comparable size."""
     n, scale = equations.n, equations.scale
-    full = np.empty((n + 1, n + 1))
-    full[:n, :n], full[:n, n], full[n, :n], full[n, n] = (
-        balanced(equations.system, matrix, scale),
-        scale * load,
-        border[:n] * scale,
-        border[n],
-    )
-    column = np.abs(full[:n, n]).max(initial=0) or 1.0
-    full[:, n] /= column
-    row = np.abs(full[n]).max()
-    full[n] /= row
-    wanted = np.append(scale * rhs[:n], rhs[n] / row)
-    found = sparse_bordered_solve(full, wanted) if n >= MANY else None
-    if found is None:
-        found = sparse_solve(full, wanted) if n >= MANY else _dense_solve(full, wanted)
+    column, row, corner = scale * load, border[:n] * scale, border[n]
+    wide = max(np.abs(column).max(initial=0), abs(corner)) or 1.0
+    high = max(np.abs(row).max(initial=0), abs(corner / wide))
+    bordered = Bordered(balanced(equations.system, matrix, scale), column / wide, row / high, corner / wide / high)
+    found = bordered.solve(np.append(scale * rhs[:n], rhs[n] / high))
     if found is None or not np.all(np.isfinite(found)):
         raise ConvergenceError("the path has no single direction here")
-    return np.append(scale * found[:n], found[n] / column)
-
-
-def _dense_solve(matrix: np.ndarray, rhs: np.ndarray) -> np.ndarray | None:
-    """Solution with a matrix, which is overwritten; None if that is singular."""
-    factors, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=1)  # transposed it is as LAPACK wants it
-    return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
+    return np.append(scale * found[:n], found[n] / wide)
 
 
 def measure(equations: PathEquations, change: np.ndarray) -> float:

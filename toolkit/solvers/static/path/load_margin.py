@@ -13,7 +13,6 @@ from itertools import islice
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
 
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import NoLimitPointError
@@ -64,7 +63,7 @@ def factor_of_limit_point(system: System, options: RunOptions, z: np.ndarray) ->
     """
     equations = PathEquations(system, options, GrowingLoads(system, options))
     residual, matrix = equations.linearised(z)
-    left = softest_motion(system, csc_array(matrix.T))[1]
+    left = softest_motion(system, matrix.T)[1]
     left = left / (left @ equations.load(z, residual))
     q, acc = equations.padded(z)
     terms = system.evaluate(inputs_at(system, options, float(z[-1])), q, np.zeros_like(q), acc, design=True)

@@ -7,8 +7,8 @@ import numpy as np
 from toolkit.description.run_options import RunOptions
 from toolkit.equations.equations import Inputs, Terms
 from toolkit.solvers.static.acting import Acting
-from toolkit.solvers.static.equilibrium import static_matrix
 from toolkit.solvers.static.stability.saddle import balance
+from toolkit.solvers.static.stability.static_array import StaticArray, static_array
 from toolkit.system.system import System
 
 
@@ -25,10 +25,10 @@ class PathEquations:
         """Take the sizes of the equations' terms from a point, for the whole path."""
         self.scale = balance(self.system, self.linearised(z)[1])
 
-    def linearised(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def linearised(self, z: np.ndarray) -> tuple[np.ndarray, StaticArray]:
         """Residual (n,) and its derivative by [q; lam], (n, n)."""
         terms = self._terms(z, self.acting.at(float(z[-1])))
-        return np.real(terms.inertial + terms.applied), np.real(self.system.dense(static_matrix(self.system, terms)))
+        return np.real(terms.inertial + terms.applied), static_array(self.system, terms)
 
     def load(self, z: np.ndarray, residual: np.ndarray) -> np.ndarray:
         """d residual / d factor (n,) where the residual is known."""

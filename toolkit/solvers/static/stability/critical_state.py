@@ -10,8 +10,9 @@ from scipy.sparse.linalg import splu
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import CriticalStateError, SingularSystemError
 from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, made_of
-from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at, static_matrix
+from toolkit.solvers.static.equilibrium import Equilibrium, inputs_at
 from toolkit.solvers.static.stability.saddle import factorised
+from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array
 from toolkit.system.system import System
 
 NEAREST = 1e-6
@@ -28,10 +29,10 @@ ITERATIONS = 8
 
 def is_stable(system: System, options: RunOptions, state: Equilibrium, factor: float) -> bool:
     """Whether the stiffness is positive against all motions that the joints allow (no divergence; following forces may still flutter)."""
-    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor).toarray(), state.acc)
+    return not has_negative_stiffness(system, _matrix(system, options, state.q, state.acc, factor), state.acc)
 
 
-def has_negative_stiffness(system: System, matrix: np.ndarray, acc: np.ndarray) -> bool:
+def has_negative_stiffness(system: System, matrix: StaticArray, acc: np.ndarray) -> bool:
     """Whether the static matrix (n, n) at [a; lam] has a negative stiffness, by more than round-off, against a motion that joints allow."""
     try:
         if factorised(system, matrix).negative == 0:
@@ -39,6 +40,7 @@ def has_negative_stiffness(system: System, matrix: np.ndarray, acc: np.ndarray) 
     except SingularSystemError:
         pass  # a stiffness that is zero to round-off is not negative
     n_b, forces = system.n_b, np.append(np.zeros(len(system.numbering.states)), acc[system.n_q :])
+    matrix = as_dense(matrix)
     weights, phi_q = system.weights[:n_b], matrix[:n_b, n_b:].T
     free = free_motions(phi_q, weights)
     if not free.shape[1]:
@@ -95,7 +97,7 @@ def soft_motion(system: System, options: RunOptions, state: Equilibrium, factor:
     return softest_motion(system, _matrix(system, options, state.q, state.acc, factor))[1]
 
 
-def softest_motion(system: System, matrix: np.ndarray | csc_array) -> tuple[float, np.ndarray]:
+def softest_motion(system: System, matrix: StaticArray) -> tuple[float, np.ndarray]:
     """Stiffness of a static matrix nearest to zero and its motion, by inverse iteration; zero if it is singular to the last digit.
 
     Then a shift that no digit of the motion feels makes it regular, unless joints repeat each other.
@@ -120,6 +122,5 @@ def softest_motion(system: System, matrix: np.ndarray | csc_array) -> tuple[floa
     return (0.0 if singular else float(value)), motion
 
 
-def _matrix(system: System, options: RunOptions, q: np.ndarray, acc: np.ndarray, factor: float) -> csc_array:
-    terms = system.evaluate(inputs_at(system, options, factor), q, np.zeros_like(q), acc)
-    return csc_array(np.real(system.matrix(static_matrix(system, terms))))
+def _matrix(system: System, options: RunOptions, q: np.ndarray, acc: np.ndarray, factor: float) -> StaticArray:
+    return static_array(system, system.evaluate(inputs_at(system, options, factor), q, np.zeros_like(q), acc))

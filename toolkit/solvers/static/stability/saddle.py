@@ -6,9 +6,11 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigvals, lapack, qr
+from scipy.sparse import csr_array, diags_array
 
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.solvers.static.stability.sparse_saddle import SparseFactors, sparse_factors
+from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, largest_entry, scaled_by
 from toolkit.system.system import System
 
 SYMMETRIC = 1e-12
@@ -42,27 +44,32 @@ class Saddle(NamedTuple):
         return (self.scale * found.T).T.reshape(rhs.shape)
 
 
-def balance(system: System, matrix: np.ndarray) -> np.ndarray:
+def balance(system: System, matrix: StaticArray) -> np.ndarray:
     """The diagonal of D (n,)."""
     n_b, scale = system.n_b, np.ones(system.n)
     scale[:n_b] = 1 / system.weights[:n_b]
-    stiffness = np.abs(matrix[:n_b, :n_b] * scale[:n_b] * scale[:n_b, None]).max(initial=0)
-    ties = np.abs(matrix[:n_b, n_b:] * scale[:n_b, None]).max(initial=0)
+    scaled = scaled_by(matrix, scale)
+    stiffness, ties = largest_entry(scaled[:n_b, :n_b]), largest_entry(scaled[:n_b, n_b:])
     if stiffness > 0 and ties > 0:
         scale[n_b:] = stiffness / ties
     return scale
 
 
-def balanced(system: System, matrix: np.ndarray, scale: np.ndarray) -> np.ndarray:
+def balanced(system: System, matrix: StaticArray, scale: np.ndarray) -> StaticArray:
     """D A D; the columns of redundant constraints that were left out, whose forces are zero, are left out too."""
-    found: np.ndarray = matrix * scale
-    found *= scale[:, None]
-    for row in system.plan.dropped:
-        found[: system.n_b, row], found[row, row] = 0.0, -1.0
-    return found
+    found, dropped = scaled_by(matrix, scale), system.plan.dropped
+    if isinstance(found, np.ndarray):
+        for row in dropped:
+            found[: system.n_b, row], found[row, row] = 0.0, -1.0
+        return found
+    if not len(dropped):
+        return found
+    kept = np.ones(system.n)
+    kept[dropped] = 0.0
+    return csr_array(found @ diags_array(kept) - diags_array(1.0 - kept))
 
 
-def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = None) -> Saddle:
+def factorised(system: System, matrix: StaticArray, scale: np.ndarray | None = None) -> Saddle:
     """Factors of the matrix (n, n); `scale` is the diagonal of D, where it is known from one near by.
 
     Raises
@@ -72,13 +79,13 @@ def factorised(system: System, matrix: np.ndarray, scale: np.ndarray | None = No
     """
     scale = balance(system, matrix) if scale is None else scale
     scaled = balanced(system, matrix, scale)
-    largest = max(scaled.max(initial=0), -scaled.min(initial=0))
+    largest = largest_entry(scaled)
     if not np.isfinite(largest):
         raise SingularSystemError("the static equations hold values that are not finite")
-    skew = scaled - scaled.T
-    symmetric = bool(max(skew.max(initial=0), -skew.min(initial=0)) <= SYMMETRIC * largest)
+    symmetric = largest_entry(scaled - scaled.T) <= SYMMETRIC * largest
     if symmetric and (sparse := sparse_factors(system, scaled)) is not None:
         return Saddle(scale, sparse, np.zeros(0, int), symmetric, 0)
+    scaled = as_dense(scaled)
     if symmetric:
         factors, pivots, info = lapack.dsytrf(scaled, lower=1)
         negative = _negative_pivots(factors, pivots) - (system.n - system.n_b)

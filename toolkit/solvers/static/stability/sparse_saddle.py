@@ -12,10 +12,9 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
+from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry
 from toolkit.system.system import System
 
-MANY = 400
-"""Unknowns from which factors are sparse: dense ones take as long there, and eight times as long for twice as many."""
 HOLD = 10.0
 """Stiffness r of the joints in parts of the largest of the bodies."""
 TRUSTED = 1e-6
@@ -35,13 +34,12 @@ class SparseFactors(NamedTuple):
         return refined
 
 
-def sparse_factors(system: System, scaled: np.ndarray) -> SparseFactors | None:
-    """Factors of a symmetric matrix (n, n) in coordinates of comparable size; None if it is small, or not known to be stable."""
+def sparse_factors(system: System, scaled: StaticArray) -> SparseFactors | None:
+    """Factors of a symmetric matrix (n, n) in coordinates of comparable size; None if it is dense, or not known to be stable."""
     n_b = system.n_b
-    if system.n < MANY:
+    if isinstance(scaled, np.ndarray):
         return None
-    stiffness, ties = csc_array(scaled[:n_b, :n_b]), csc_array(scaled[n_b:, :n_b])
-    largest = abs(scaled[:n_b]).max()
+    stiffness, ties, largest = scaled[:n_b, :n_b], scaled[n_b:, :n_b], largest_entry(scaled[:n_b])
     if not _positive(csc_array(stiffness + HOLD / largest * (ties.T @ ties))):
         return None
     matrix = csc_array(scaled)

@@ -1,0 +1,1 @@
+"""A linkage of one's own: a crank, a coupler and a rocker."""

@@ -1,0 +1,132 @@
+"""A solid of one's own: an arm whose mesh is drawn here, or any mesh with two named groups of nodes, on a motor."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+
+from preprocessing.mesh.gmsh_session import load_gmsh
+from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.mesh.simplices import cut
+from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.projects.linkage.new_linkage import PER_KILOGRAM, PER_METRE, WORDS, refuse_units
+from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.solid.texts import BODY, README, SCENE
+from preprocessing.recipes.solids.body_tables import Region
+from preprocessing.recipes.solids.node_sets import nodes_in
+from toolkit.foundation.errors import InputError
+
+DENSITY, MODULUS = 2700.0, 70e9
+"""Of aluminium, in kg/m^3 and Pa."""
+WEIGHT, THIN = 0.5, 0.1
+"""Mass at the tip, in parts of the body's; thickness of a plane body, in parts of its length."""
+SWIFT = 0.14
+"""Duration of the quarter of a turn in parts of sqrt(length / m) s: the tip is accelerated by some five times its weight."""
+STEPS = 100
+
+
+@dataclass(frozen=True)
+class Solid:
+    """A mesh as it will lie in the folder, and the groups that the body is held and gripped at."""
+
+    name: str  # of its file
+    content: bytes
+    mesh: SolidMesh
+    clamp: str
+    grip: str
+
+
+def new_solid(
+    folder: str | Path, mesh: str | Path | None = None, clamp: str = "hub", grip: str = "tip", units: str = "mm-t-s"
+) -> list[Path]:
+    """Write a folder with a mesh, body.toml, scene.toml and README.md, and mesh.py if the mesh was drawn.
+
+    Parameters
+    ----------
+    folder : new, or empty
+    mesh : file of a mesh in the plane or in space, in the length of the units; without one an arm of 120 mm is drawn
+    clamp, grip : groups of nodes of the mesh: where the motor holds the body, and where the weight is
+    units : name of the system of units
+
+    Raises
+    ------
+    InputError
+        The folder is not empty or cannot be written, the mesh cannot be used, or it has no such groups.
+    """
+    refuse_units(units)
+    refuse_occupied(folder := Path(folder))
+    if clamp == grip:
+        raise InputError(f"the body cannot be held and gripped at the same group {clamp!r}. Give two groups: --clamp and --grip.")
+    if mesh is None:
+        if (clamp, grip) != ("hub", "tip"):
+            raise InputError("--clamp and --grip are groups of a mesh of your own: give it with --mesh, or leave them out.")
+        if units != "mm-t-s":
+            raise InputError("the arm that is drawn is in mm: leave --units out, or give a mesh of your own with --mesh.")
+        solid, script = drawn_arm()
+    else:
+        solid, script = _own(Path(mesh), clamp, grip), {}
+    texts = {"body.toml": BODY, "scene.toml": SCENE, "README.md": README}
+    filled = substituted(texts, _numbers(solid, folder, units, bool(script)))
+    return write_folder(folder, {solid.name: solid.content, **script, **filled})
+
+
+def _own(path: Path, clamp: str, grip: str) -> Solid:
+    """A mesh from a file, whose groups are checked."""
+    if not path.is_file():
+        raise InputError(f"there is no mesh {str(path)!r}. Mend the path, or leave --mesh out: then an arm is drawn.")
+    solid = Solid(path.name, path.read_bytes(), read_mesh(path), clamp, grip)
+    for option, group in (("--clamp", clamp), ("--grip", grip)):
+        if group not in solid.mesh.groups:
+            known = ", ".join(map(repr, solid.mesh.groups)) or "none"
+            raise InputError(f"the mesh {path.name!r} has no group {group!r}; there are {known}. Name one of them with {option}.")
+    return solid
+
+
+def drawn_arm() -> tuple[Solid, dict[str, bytes]]:
+    """The arm, and the script that has drawn it."""
+    load_gmsh()  # says what to install if it is not there
+    from preprocessing.projects.solid import arm
+
+    with TemporaryDirectory() as folder:
+        arm.main(path := Path(folder) / "arm.msh")
+        solid = Solid("arm.msh", path.read_bytes(), read_mesh(path), "hub", "tip")
+    return solid, {"mesh.py": Path(arm.__file__).read_bytes()}
+
+
+def _numbers(solid: Solid, folder: Path, units: str, drawn: bool) -> dict[str, object]:
+    """What the mesh and the units decide."""
+    mesh, length, kilogram = solid.mesh, PER_METRE[units], PER_KILOGRAM[units]
+    ends = [mesh.nodes[nodes_in(mesh, Region(group=group))] for group in (solid.clamp, solid.grip)]
+    plane, size = mesh.dimension == 2, mesh.size
+    reach = float(np.linalg.norm(ends[1].mean(axis=0) - ends[0].mean(axis=0)))
+    width = _short(THIN * size)
+    density = DENSITY * kilogram / length**3
+    mass = WEIGHT * density * volume(mesh) * (width if plane else 1.0)
+    inertia, down = mass * (0.1 * size) ** 2, 9.81 * length
+    duration = _short(SWIFT * np.sqrt(max(reach, 1e-3 * size) / length), 2)
+    return {
+        "what": "An arm" if drawn else "A solid", "words": WORDS[units], "units": units, "mesh": solid.name,
+        "modulus": _short(MODULUS * kilogram / length), "density": _short(density), "clamp": solid.clamp, "grip": solid.grip,
+        "section": f"\n[section]\nwidth = {width}\n" if plane else "", "count": 6 if plane else 4,
+        "dimension": "" if plane else "\ndimension = 3", "axis": "" if plane else ", axis = [0.0, 0.0, 1.0]",
+        "line_of_axis": "" if plane else "axis = [0.0, 0.0, 1.0]\n",
+        "z": "" if plane else "-z", "measure": ', measure = "absolute"' if plane else "",
+        "mass": _short(mass), "inertia": _short(inertia) if plane else [_short(inertia)] * 3, "heavier": f"{_short(2 * mass):g}",
+        "gravity": [0.0, _short(-down)] if plane else [0.0, 0.0, _short(-down)],
+        "duration": duration, "step": _short(duration / STEPS), "folder": shlex.quote(str(folder)),
+        "drawn": " `mesh.py` draws the mesh: change its numbers and run it." if drawn else "",
+    }  # fmt: skip
+
+
+def volume(mesh: SolidMesh) -> float:
+    """Area of a plane mesh, volume of a spatial one."""
+    corners = cut(mesh.nodes, mesh.blocks)[1].corners
+    return float(np.abs(np.linalg.det(corners[:, 1:] - corners[:, :1])).sum()) / (2 if mesh.dimension == 2 else 6)
+
+
+def _short(number: float, digits: int = 5) -> float:
+    return float(f"{number:.{digits}g}")

@@ -1,0 +1,229 @@
+"""A morphing wing of one's own from any airfoil file: skin and linkage of the reference wing, fitted into another section."""
+
+from __future__ import annotations
+
+import shlex
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from preprocessing.airfoil.airfoil import UNITS, largest_x, read_airfoil
+from preprocessing.curve.contour import Contour
+from preprocessing.curve.skin import Skin
+from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
+from preprocessing.projects.wing.texts import README, SCENE, SKIN, STUDY
+from preprocessing.recipes.skin.droop import drooped
+from toolkit.foundation.errors import InputError
+
+REFERENCE_CHORD = 550.0
+"""Chord of the reference wing in mm; a wing of another chord is a scaled copy, with the same stresses."""
+
+CHORDS = 1e-3, 1e6
+"""mm; the shortest and the longest that is meant: the torque goes with the cube of it."""
+
+LIKELY = 5.0, 1e5
+"""mm; chords that are believed of a file of lengths without being asked for."""
+
+CLAMP = 0.25
+"""Place of F and G along the chord."""
+
+DROOP = 6.0 / 550.0
+"""Depth in chords of the droop that is the target if none is given, as in the reference wing."""
+
+LINKAGE = {"A": (72.5 / 550, 0.42214), "B": (75.3 / 550, 0.15679), "D": (61.8 / 550, 0.47488)}
+"""Joints of the reference wing: place along the chord, and height as a part of the section's thickness there."""
+
+FRACTION = 1.1
+"""Largest x that can be meant as a fraction of the chord."""
+
+ELEMENTS, ON_SKIN = 30, {"C": 10, "E": 25}
+"""Of the skin; and behind how many of them, from F on, its joints are in the reference wing."""
+BACK, FARTHEST = -0.05, -0.95
+"""Part of an element by which a joint is nearer to F than that, and by which the study may move it there: between elements the skin has
+kinks, and no derivative along it. Farther from F the linkage is near to its snap-through."""
+TORQUES, THICKNESSES = (0.6, 1.5), (0.8, 5 / 3)
+"""Bounds of the study, in parts of what the scene has."""
+ALONG, ACROSS, BESIDE = 0.01, 0.15, 0.02
+"""How far the study may move joints: along the chord in parts of it, and in height in parts of the section's thickness there; of which so
+much is left beside the skin, wherever along the chord the joint is moved to."""
+
+
+@dataclass(frozen=True)
+class AirfoilFile:
+    """An airfoil file, and what its numbers are in: one of `UNITS`, or None for fractions of the chord unless they cannot be."""
+
+    path: Path
+    units: str | None
+    option: str = "--units"  # that would say it
+
+    def contour(self, chord: float) -> Contour:
+        """The section in mm.
+
+        Raises
+        ------
+        InputError
+            The file cannot be used, or it is not clear what its numbers are in.
+        """
+        if self.units is None and (largest := largest_x(self.path)) > FRACTION:
+            raise InputError(
+                f"airfoil {self.path.name}: x reaches {largest:g}, so its numbers are no fractions of the chord. Say what they are in: "
+                f"{self.option} percent, or {self.option} mm."
+            )
+        return Contour.through(read_airfoil(self.path, self.units, _in_units(chord, self.units)).points, chord)
+
+
+def _in_units(chord: float, units: str | None) -> float | None:
+    """A chord in mm in the unit of length that a file is in; None for parts of the chord."""
+    return {"mm": chord, "m": chord / 1000}.get(units or "")
+
+
+@dataclass(frozen=True)
+class Section:
+    """The section of the new wing, in mm."""
+
+    contour: Contour
+    skin: Skin
+    chord: float
+
+    @classmethod
+    def of(cls, airfoil: AirfoilFile, chord: float) -> Section:
+        """Read the airfoil and cut its skin at F and G."""
+        contour = airfoil.contour(chord)
+        start, end = (contour.at_x(CLAMP * chord, side) for side in ("upper", "lower"))
+        return cls(contour, Skin(contour, start, end), chord)
+
+    def along(self, name: str, part: float = BACK) -> float:
+        """Place of a joint of the skin along it from F, at a part of its element."""
+        return float(f"{(ON_SKIN[name] + part) * self.skin.length / ELEMENTS:.6g}")
+
+    def joint(self, along: float, height: float) -> list[float]:
+        """Place of a joint of the linkage."""
+        x = along * self.chord
+        lower, upper = (self.contour.position(self.contour.at_x(x, side))[1] for side in ("lower", "upper"))
+        return [float(f"{number:.5g}") for number in (x, lower + height * (upper - lower))]
+
+
+def new_wing(
+    folder: str | Path,
+    airfoil: str | Path,
+    target: str | Path | None = None,
+    chord: float | None = None,
+    units: str | None = None,
+    target_units: str | None = None,
+) -> list[Path]:
+    """Write a folder with airfoil.dat, target.dat, skin.toml, scene.toml, study.toml and README.md.
+
+    Parameters
+    ----------
+    folder : new, or empty
+    airfoil, target : airfoil files in one frame; without a target the nose droops by 1.1 % of the chord
+    chord : mm; if none is given that of an airfoil in mm or m is its largest x, and that of others the reference wing's
+    units, target_units : "fraction" of the chord, "percent" of it, "mm" or "m"; those of the target are the airfoil's if none are given
+
+    Raises
+    ------
+    InputError
+        The folder is not empty or cannot be written, an airfoil is missing or unreadable, or the two do not fit together.
+    """
+    folder, target = Path(folder), None if target is None else Path(target)
+    if target is None and target_units is not None:
+        raise InputError("--target-units belong to a target: give it with --target, or leave them out.")
+    own = AirfoilFile(Path(airfoil), _known(units))
+    wanted = None if target is None else AirfoilFile(target, _known(target_units or units), "--target-units")
+    refuse_occupied(folder)
+    section = Section.of(own, _chord_of(own, chord))
+    content = {
+        "airfoil.dat": own.path.read_bytes(),
+        "target.dat": _target(section, wanted),
+        **_texts(section, folder, own, wanted),
+    }
+    return write_folder(folder, content)
+
+
+def _known(units: str | None) -> str | None:
+    """What a skin file calls units that were asked for."""
+    choices = {"fraction": "chord", **{name: name for name in UNITS[1:]}}
+    if units is not None and units not in choices:
+        raise InputError(f"airfoil units {units!r} are unknown. Take one of {', '.join(choices)}.")
+    return None if units is None else choices[units]
+
+
+def _chord_of(airfoil: AirfoilFile, chord: float | None) -> float:
+    """The chord in mm that was asked for, or that of a file of lengths."""
+    if chord is None:
+        factor = {"mm": 1.0, "m": 1000.0}.get(airfoil.units or "")
+        chord = REFERENCE_CHORD if factor is None else factor * largest_x(airfoil.path)
+        if not LIKELY[0] <= chord <= LIKELY[1]:
+            raise InputError(
+                f"airfoil {airfoil.path.name}: x reaches {largest_x(airfoil.path):g}, which would be a chord of {chord:g} mm. Say what its "
+                f"numbers are in ({airfoil.option} fraction, percent, mm or m), or give that chord: --chord {chord:g}."
+            )
+    if not CHORDS[0] <= chord <= CHORDS[1]:
+        raise InputError(
+            f"a chord of {chord:g} mm cannot be. Give a length from {CHORDS[0]:g} to {CHORDS[1]:g} mm, for example --chord 550."
+        )
+    return chord
+
+
+def _target(section: Section, file: AirfoilFile | None) -> bytes:
+    """The target's file, if it fits to the skin; or a droop of the nose."""
+    if file is not None:
+        section.skin.target_positions(file.contour(section.chord), np.linspace(0, section.skin.length, 31))
+        return file.path.read_bytes()
+    rows = drooped(section.contour, section.skin, DROOP * section.chord, section.chord) / section.chord
+    lines = [f"nose drooped by {DROOP:.2%} of the chord", *(f" {x:.9f} {y:.9f}" for x, y in rows)]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def _units(airfoil: AirfoilFile, target: AirfoilFile | None) -> str:
+    """What skin.toml says of the units of both files."""
+    drooped_in = "chord" if target is None else target.units or "chord"
+    own = airfoil.units or "chord"
+    lines = [f'units = "{own}"  # of the numbers in airfoil.dat\n'] if own != "chord" else []
+    lines += [f'target_units = "{drooped_in}"\n'] if drooped_in != own else []
+    return "".join(lines)
+
+
+def _texts(section: Section, folder: Path, airfoil: AirfoilFile, target: AirfoilFile | None) -> dict[str, bytes]:
+    """Skin, scene and README; all lengths go with the chord, the torque with its cube: the stresses stay."""
+    scale = section.chord / REFERENCE_CHORD
+    torque = float(f"{4200 * scale**3:.4g}")
+    numbers = {
+        "chord": float(f"{section.chord:.12g}"), "units": _units(airfoil, target), "clamp_x": CLAMP * section.chord,
+        "thickness": 1.5 * scale, "width": 1000 * scale, "area": 100 * scale**2, "torque": torque,
+        **{name: section.joint(*place) for name, place in LINKAGE.items()},
+        "elements": ELEMENTS, **{f"arc_{name}": section.along(name) for name in ON_SKIN},
+    }  # fmt: skip
+    droop = f"here the nose drooped by {DROOP:.1%} of the chord, in place of a target of your own"
+    words = {
+        "name": f"`{airfoil.path.name}`", "folder": shlex.quote(str(folder)), "more": f"{1.1 * torque:g}",
+        "target": f"`{target.path.name}`" if target else droop,
+    }  # fmt: skip
+    bounds = _bounds(section, torque, 1.5 * scale)
+    texts = {"skin.toml": SKIN, "scene.toml": SCENE, "study.toml": STUDY, "README.md": README}
+    return substituted(texts, {**numbers, **bounds, **words})
+
+
+def _bounds(section: Section, torque: float, thickness: float) -> dict[str, str]:
+    """What the study may change, and how far."""
+    lines = []
+    for name, (along, height) in LINKAGE.items():
+        (x, y), chord = section.joint(along, height), section.chord
+        ends = (along - ALONG, along + ALONG)
+        lowest = max(section.joint(along, height - ACROSS)[1], *(section.joint(end, BESIDE)[1] for end in ends))
+        highest = min(section.joint(along, height + ACROSS)[1], *(section.joint(end, 1 - BESIDE)[1] for end in ends))
+        lines += [
+            f'"points.{name}.x" = {{ between = {_between(x - ALONG * chord, x + ALONG * chord)} }}',
+            f'"points.{name}.y" = {{ between = {_between(min(lowest, y), max(highest, y))} }}',
+        ]
+    return {
+        "M_t": _between(*(part * torque for part in TORQUES)),
+        "t_w": _between(*(part * thickness for part in THICKNESSES)),
+        "joints": "\n".join(lines),
+        **{f"along_{name}": str([section.along(name, FARTHEST), section.along(name)]) for name in ON_SKIN},
+    }
+
+
+def _between(low: float, high: float) -> str:
+    return str([float(f"{number:.5g}") for number in (low, high)])

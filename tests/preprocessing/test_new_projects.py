@@ -1,0 +1,110 @@
+"""`ffrf new linkage` and `ffrf new solid`: folders whose scenes run at once; what cannot be is refused before anything is written."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from preprocessing import build
+from preprocessing.mesh.mesh_file import read_mesh
+from preprocessing.projects.linkage.new_linkage import METRES, STIFFNESS, new_linkage
+from preprocessing.projects.solid.new_solid import WEIGHT, new_solid, volume
+from toolkit.command_line.cli import app
+from toolkit.reduced_model.file import save
+from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.direct import direct
+from toolkit.studies.study.checked_problem import problem_of
+from toolkit.studies.study.study_reader import read_study
+
+pytestmark = pytest.mark.usefixtures("read_here")
+
+BRACKET = Path(__file__).parents[2] / "models" / "bracket" / "bracket.msh"
+WING = Path(__file__).parents[2] / "models" / "morphing_wing"
+
+
+def test_a_crank_turns_fully():
+    """Grashof: the shortest and the longest bar are together shorter than the others, and the shortest is the crank."""
+    crank, *others = (np.hypot(*np.subtract(METRES[a], METRES[b])) for a, b in ("OA", "AB", "BC", "CO"))
+    assert crank + max(others) < sum(others) - max(others)
+    assert crank < min(others)
+
+
+@pytest.mark.parametrize(("units", "metre"), [("m-kg-s", 1.0), ("mm-t-s", 1000.0)])
+def test_a_new_linkage_holds_what_virtual_work_says(units, metre, tmp_path):
+    """After one turn crank and rocker stand upright, so that all weights move sideways and the coupler does not turn.
+
+    Both its ends move alike: 0.04 times the crank's rotation is 0.09 times the rocker's. The spring is loaded by 0.5 rad.
+    """
+    new_linkage(tmp_path / "linkage", units)
+    scene = read_scene(tmp_path / "linkage" / "scene.toml")
+    found = direct(scene, list(scene.design), "static")
+    ratio = 0.04 / 0.09
+    assert found.values["hold"] == pytest.approx(
+        -0.5 * STIFFNESS * metre * ratio, rel=1e-6
+    )  # Newton's tolerance, and digits of 2 pi
+    assert found.gradients["hold"]["k"] == pytest.approx(-0.5 * ratio, rel=1e-6)  # as above
+    assert set(problem_of(read_study(tmp_path / "linkage" / "study.toml")).variables) == {"x_B", "y_B", "k"}
+
+
+def test_a_new_solid_of_a_mesh_of_ones_own_runs(tmp_path):
+    new_solid(tmp_path / "solid", BRACKET, "crank", "pin")
+    written = tomllib.loads((tmp_path / "solid" / "scene.toml").read_text())
+    save(model := build(tmp_path / "solid" / "body.toml"), tmp_path / "solid" / "body.h5")
+    # the weight is half the body: the mesh is cut into straight pieces, the finite elements are curved by a thousandth of its area
+    assert written["bodies"]["weight"]["mass"] == pytest.approx(WEIGHT * float(model.invariants.mass), rel=1e-3)
+    scene = read_scene(tmp_path / "solid" / "scene.toml", {"solver.end_time": 0.004, "joints.motor.curve.height": 0.001})
+    found = direct(scene, list(scene.design), "static").values
+    assert 0 < found["stress"] < 1.0  # MPa: 18 g bend an arm of 12 cm
+
+
+def test_the_arm_of_a_new_solid_is_what_its_script_draws_and_is_held_and_gripped(tmp_path):
+    new_solid(tmp_path / "solid")
+    mesh = read_mesh(tmp_path / "solid" / "arm.msh")
+    for group, x, radius in (("hub", 0.0, 8.0), ("tip", 120.0, 5.0)):  # the walls of the bores; gmsh writes sixteen digits
+        np.testing.assert_allclose(np.hypot(*(mesh.nodes[mesh.groups[group], :2] - [x, 0.0]).T), radius, rtol=1e-6)
+    area = np.pi * (16**2 + 10**2) / 2 + 120 * (16 + 10) - np.pi * (8**2 + 5**2 + 6**2)  # half eyes and a web, less the bores
+    assert volume(mesh) == pytest.approx(8 * area, rel=0.02)  # the web meets the eyes beside their middles
+    assert b"gmsh.model.mesh.setOrder(2)" in (tmp_path / "solid" / "mesh.py").read_bytes()
+    body, scene = (tomllib.loads((tmp_path / "solid" / f"{name}.toml").read_text()) for name in ("body", "scene"))
+    assert (body["clamp"]["group"], body["interface_points"]["tip"]["group"], scene["dimension"]) == ("hub", "tip", 3)
+    assert scene["joints"]["motor"]["axis"] == scene["joints"]["hub"]["axis"] == [0.0, 0.0, 1.0]
+
+
+REFUSED = {
+    "mesh that is not there": (["solid", "--mesh", "none.msh"], "there is no mesh 'none.msh'.*leave --mesh out"),
+    "group that is not there": (["solid", "--mesh", str(BRACKET)], "no group 'hub'; there are 'crank', 'pin'.*--clamp"),
+    "other group that is not there": (["solid", "--mesh", str(BRACKET), "--clamp", "crank"], "no group 'tip'.*--grip"),
+    "units that no scene has": (["linkage", "--units", "cm"], "no units 'cm'. Take one of mm-t-s, m-kg-s"),
+    "groups of the drawn arm": (["solid", "--clamp", "foo"], "groups of a mesh of your own: give it with --mesh"),
+    "one group for both": (
+        ["solid", "--mesh", str(BRACKET), "--clamp", "pin", "--grip", "pin"],
+        "held and gripped at the same group",
+    ),
+    "fractions that are said to be mm": (
+        ["wing", "--airfoil", str(WING / "high_speed.dat"), "--units", "mm"],
+        "would be a chord of 1 mm.*--units fraction.*--chord",
+    ),
+    "units of the drawn arm": (["solid", "--units", "m-kg-s"], "is in mm: leave --units out"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+@pytest.mark.usefixtures("in_this_process")
+def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
+    (kind, *options), message = REFUSED[case]
+    done = CliRunner().invoke(app, ["new", kind, str(tmp_path / "mine"), *options])
+    assert (done.exit_code, done.stdout) == (1, "")
+    with pytest.raises(ValueError, match=message):
+        raise ValueError(done.stderr.replace("\n", " "))
+    assert not (tmp_path / "mine").exists()
+
+
+@pytest.mark.usefixtures("in_this_process")
+def test_the_command_says_what_it_wrote_and_a_second_one_overwrites_nothing(tmp_path):
+    first, second = (CliRunner().invoke(app, ["new", "linkage", str(tmp_path / "mine")]) for _ in range(2))
+    assert "then ffrf sensitivity" in first.stdout
+    assert (second.exit_code, "is not empty" in second.stderr) == (1, True)

@@ -1,0 +1,83 @@
+"""Bases without shapes that stretch a body: compression is not seen, and the verdict says so."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import toolkit as ffrf
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from preprocessing.recipes.frame.polygon_beam import polygon_beam
+from toolkit.reduced_model.file import save
+from toolkit.validity.bodies.compressed.unseen_tension import missed_part
+from toolkit.validity.bodies.deformation import chain
+
+SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
+EULER = np.pi**2 * 210e9 * 0.05 * 0.02**3 / 12 / 4
+SCENE = """
+units = "m-kg-s"
+[points]
+tip = {{ body = "strut", interface = "tip" }}
+[bodies]
+strut = {{ type = "flexible", model = "strut.h5", frame = "grounded" }}
+[loads]
+push = {{ type = "point-force", body = "strut", point = "tip", force = [{force}, 10.0] }}
+[responses]
+y = {{ type = "displacement", body = "strut", point = "tip", component = "y" }}
+"""
+
+
+def strut(folder, angle=0.0, **basis):
+    """A clamped strut under nine tenths of Euler's load, its far half turned by an angle."""
+    x = np.linspace(0, 1, 11)
+    bent = np.maximum(x - 0.5, 0.0)
+    nodes = np.column_stack([x - bent * (1 - np.cos(angle)), bent * np.sin(angle)])
+    save(polygon_beam(nodes, SECTION, {"tip": 1.0}, basis=BasisChoice(**basis)), folder / "strut.h5")
+    (folder / "scene.toml").write_text(SCENE.format(force=-0.9 * EULER))
+    return ffrf.read_scene(folder / "scene.toml")
+
+
+@pytest.mark.parametrize(
+    ("basis", "code"),
+    [
+        ({"kind": "full"}, "critical-load"),
+        ({"kind": "craig-bampton", "count": 1}, "critical-load"),
+        ({"kind": "eigenmodes", "count": 3}, "unseen-tension"),
+    ],
+)
+def test_compression_is_judged_or_said_to_be_unseen(basis, code, tmp_path):
+    """The deflection misses nine tenths of what buckling makes of it, whatever the basis."""
+    warnings = ffrf.compile(strut(tmp_path, **basis)).statics().verdict.warnings
+    assert {"critical-load", "unseen-tension"} & {each.code for each in warnings} == {code}
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.8])
+def test_the_missed_part_is_all_of_it_without_stretch_and_nothing_with_it(angle, tmp_path):
+    parts = []
+    for basis in ({"kind": "eigenmodes", "count": 1}, {"kind": "craig-bampton", "count": 0}):
+        scene = strut(tmp_path, angle, **basis)
+        behind = chain(scene, "strut")
+        tip = np.zeros((2, len(behind.shapes)))
+        tip[[0, 1], [-3, -2]] = 1.0
+        parts.append(missed_part(scene, "strut", behind, tip))
+    assert parts[0] == pytest.approx(1.0, abs=0.01 if angle == 0 else 0.3)  # bending of a kinked strut goes with some stretch
+    assert parts[1] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_weight_pulls_too_where_no_point_is_named(tmp_path):
+    strut(tmp_path, kind="eigenmodes", count=3)
+    text = (
+        (tmp_path / "scene.toml").read_text().split("[points]")[0]
+        + """
+[bodies]
+strut = { type = "flexible", model = "strut.h5", frame = "grounded" }
+[loads]
+weight = { type = "gravity", acceleration = [-9.81, 0.0] }
+[responses]
+energy = { type = "strain-energy" }
+"""
+    )
+    (tmp_path / "scene.toml").write_text(text)
+    warnings = ffrf.compile(ffrf.read_scene(tmp_path / "scene.toml")).statics().verdict.warnings
+    assert "its weight" in next(each.text for each in warnings if each.code == "unseen-tension")

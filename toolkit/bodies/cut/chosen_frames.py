@@ -1,0 +1,25 @@
+"""A flexible body whose number of floating frames was chosen by runs of the scene."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.bodies.cut.frame_choice import FrameChoice
+from toolkit.bodies.model_body import ModelBody
+
+
+class ChosenFrames(CuttableBody):
+    """What a scene writes of the body, with a number in the place of `frames = "auto"`."""
+
+    kind = ""
+    uncut_kind: ClassVar[type[ModelBody]]
+    """What the scene has written."""
+
+    choice: FrameChoice
+
+    def uncut(self) -> ModelBody:
+        """The body as the scene has written it, with the number that was chosen."""
+        chosen = {**dict(self), **self.model_values()}
+        del chosen["choice"]
+        return self.uncut_kind.model_construct(**chosen)

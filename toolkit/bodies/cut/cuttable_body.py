@@ -1,0 +1,75 @@
+"""What a scene writes of the floating frames of a flexible body, in the plane and in space."""
+
+# Without `from __future__ import annotations`, as `model_body`.
+from abc import abstractmethod
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, field_validator, model_validator
+
+from toolkit.bodies.model_body import DEPENDENCE, ModelBody
+from toolkit.description.quantity import Quantity
+
+
+class CuttableBody(ModelBody):
+    """A flexible body that a scene may cut into parts, each with a floating frame.
+
+    Attributes
+    ----------
+    frames
+        Into how many parts, with a floating frame each, the body is cut inside: one frame is exact for small rotations of the body against
+        it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
+        names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
+        branch, they are always cut.
+        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
+    geometric_error
+        With `frames = "auto"`: how far nodes may be from where ever more frames would bring them, in parts of the body's largest
+        displacement; by default 0.01.
+    """
+
+    kind = ""
+
+    frames: Annotated[int, Field(ge=1, strict=True)] | Literal["auto"] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
+    geometric_error: Annotated[Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] | None, Quantity("1")] = None
+
+    @field_validator("frames", mode="before")
+    @classmethod
+    def _number_or_nodes(cls, frames: object) -> object:
+        if (
+            isinstance(frames, bool | float)
+            or (isinstance(frames, str) and frames != "auto")
+            or (isinstance(frames, int) and frames < 1)
+        ):
+            raise ValueError('is a whole number from 1 up, "auto", or a list of nodes and interface points where the body is cut')
+        return frames
+
+    @model_validator(mode="after")
+    def _error_of_a_choice(self) -> "CuttableBody":
+        if self.geometric_error is not None and self.frames != "auto":
+            raise ValueError('`geometric_error` is what frames = "auto" chooses a number for; write that, or leave it out')
+        return self
+
+    def means(self, field: str) -> bool:
+        """An error that is wanted is no number of the body."""
+        return field != "geometric_error" and super().means(field)
+
+    @property
+    def dependence(self) -> tuple[str, ...]:
+        """Of the elements too, if they make parts."""
+        return (*DEPENDENCE, "element_derivatives", "element_affine") if self.parted else DEPENDENCE
+
+    @property
+    def parted(self) -> bool:
+        """Of more than one frame."""
+        return self.frames != 1
+
+    def poses(self, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Origins (n_t, d) and axes (n_t, d, d) of a frame that moves freely or not at all, from coordinates of the body (n_t, n)."""
+        written: Any = self
+        if not self.has_frame:
+            return np.tile(np.array(written.position), (len(q), 1)), np.tile(written.placement, (len(q), 1, 1))
+        return q[:, : self.moves], np.stack([self.frame_axes(each) for each in q])
+
+    @abstractmethod
+    def frame_axes(self, q: np.ndarray) -> np.ndarray:
+        """Rotation matrix (d, d) of a frame that moves freely, from coordinates of the body (n,)."""

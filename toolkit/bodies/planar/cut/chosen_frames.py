@@ -1,0 +1,16 @@
+"""A flexible body in the plane whose number of floating frames was chosen by runs of the scene."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from toolkit.bodies.cut.chosen_frames import ChosenFrames
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.planar.flexible import Flexible
+
+
+class PlanarChosenFrames(ChosenFrames, Flexible):
+    """It moves in the plane."""
+
+    kind = ""
+    uncut_kind: ClassVar[type[ModelBody]] = Flexible

@@ -1,0 +1,16 @@
+"""A flexible body in space whose number of floating frames was chosen by runs of the scene."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from toolkit.bodies.cut.chosen_frames import ChosenFrames
+from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.spatial.flexible import SpatialFlexible
+
+
+class SpatialChosenFrames(ChosenFrames, SpatialFlexible):
+    """It moves in space."""
+
+    kind = ""
+    uncut_kind: ClassVar[type[ModelBody]] = SpatialFlexible

@@ -1,0 +1,52 @@
+"""Whether the mesh of a body is fine enough for its stress: what its preprocessing has estimated, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.foundation.units import unit
+from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.model import ReducedModel
+
+COARSE = 0.15
+"""Error in the energy norm above which a mesh is questioned.
+
+Where the exact stress is known, with quadratic elements, the largest stress is then off by a tenth or more; estimates of meshes with few
+linear elements are too small by up to a half."""
+
+
+TOO_STIFF = 0.25
+"""The same above which displacements and frequencies are questioned too: the energy is off by its square, a twentieth and more."""
+
+
+def worst_case(model: ReducedModel) -> tuple[str, float] | None:
+    """The load case with the largest estimated error; None where nothing was estimated."""
+    return max(model.stress_errors.items(), key=lambda each: each[1], default=None)
+
+
+def told_mesh(model: ReducedModel) -> str:
+    """The estimate in a sentence; empty where there is none."""
+    worst = worst_case(model)
+    if worst is None:
+        return ""
+    return (
+        f"stress of this mesh off by some {100 * worst[1]:.2g} % in the energy norm ({worst[0]}, the worst of {len(model.stress_errors)} "
+        f"load cases), most of it near {_place(model)}"
+    )
+
+
+def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: float = COARSE) -> Iterator[Caution]:
+    """A caution of a mesh that is too coarse, for its stress or by another limit."""
+    worst = worst_case(model)
+    if worst is not None and worst[1] > limit:
+        yield Caution(
+            "coarse-mesh",
+            f"{where}: {told_mesh(model)}: more than {limit:.0%}. Mesh it finer there, or take elements with nodes between their corners, "
+            "and run ffrf-preprocess again.",
+            doubt,
+        )
+
+
+def _place(model: ReducedModel) -> str:
+    place = ", ".join(f"{value:.4g}" for value in model.stress_error_at.values())
+    return f"({place}) {unit(model.units, 'length')}"

@@ -1,0 +1,113 @@
+"""Moving pictures: drawn instants one after the other in a GIF file or an MP4 file."""
+
+from __future__ import annotations
+
+import subprocess
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from io import BytesIO
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.render.packages import RenderError
+
+MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
+"""Frames at most; ms that a motion takes, and that its last frame stands still."""
+
+
+def mp4(frames: Sequence[Any]) -> bytes:
+    """The same as a film (H.264), which has all colours; an odd row or column of pixels is left out, which the format does not have.
+
+    Raises
+    ------
+    RenderError
+        ffmpeg, which runs in a process of its own, fails; with what it says.
+    """
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    width, height = (size - size % 2 for size in frames[0].size)
+    rate = max(1, round(1000 * len(frames) / DURATION))
+    raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "-"]
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "film.mp4"
+        command = [
+            get_ffmpeg_exe(),
+            "-loglevel",
+            "error",
+            *raw,
+            "-c:v",
+            "libx264",
+            "-crf",
+            "18",
+            "-pix_fmt",
+            "yuv420p",
+            str(path),
+        ]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
+            assert process.stdin is not None
+            with suppress(BrokenPipeError):  # ffmpeg has ended, and says why
+                for frame in [*frames, *[frames[-1]] * -(-rate * PAUSE // 1000)]:
+                    process.stdin.write(frame.crop((0, 0, width, height)).tobytes())
+            _, said = process.communicate()
+        if process.returncode:
+            raise RenderError(
+                f"ffmpeg has made no film: {said.decode(errors='replace').strip()}. Take --animate, which makes a GIF."
+            )
+        return path.read_bytes()
+
+
+def gif(frames: Sequence[Any]) -> bytes:
+    """A file of frames (images of Pillow) with the colours of the last one; it is looped by whatever shows it."""
+    from PIL import Image
+
+    pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
+    palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    file = BytesIO()
+    reduced[0].save(file, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
+    return file.getvalue()
+
+
+def write_animation(
+    moments: Sequence[Any],
+    draw: Callable[..., None],
+    look: Any,
+    path: Path,
+    width: int,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> None:
+    """Draw all moments by `draw(moment, look, path, width)` and write them as one moving picture, in one stroke.
+
+    Parameters
+    ----------
+    path : Path
+        Its ending says what is written, ".gif" or ".mp4".
+    """
+    write_whole(path, ENCODED[path.suffix](drawn_frames(moments, draw, look, width, progress)))
+
+
+def drawn_frames(
+    moments: Sequence[Any],
+    draw: Callable[..., None],
+    look: Any,
+    width: int,
+    progress: Callable[[int, int], None] = lambda *_: None,
+) -> list[Any]:
+    """Images of Pillow of all moments."""
+    from PIL import Image
+
+    frames = []
+    with TemporaryDirectory() as folder:
+        for number, moment in enumerate(moments):
+            drawn = Path(folder) / "frame.png"
+            draw(moment, look, drawn, width)
+            with Image.open(drawn) as image:
+                frames.append(image.convert("RGB"))
+            progress(number + 1, len(moments))
+    return frames
+
+
+ENCODED: dict[str, Callable[[Sequence[Any]], bytes]] = {".gif": gif, ".mp4": mp4}
+"""Ending of a file -> what makes its content of frames."""

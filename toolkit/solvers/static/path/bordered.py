@@ -1,0 +1,72 @@
+"""A matrix with a border of one row and one column: a large sparse one by factors of the matrix alone."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import lapack
+from scipy.sparse import block_array, csc_array
+from scipy.sparse.linalg import splu
+
+from toolkit.solvers.static.stability.static_array import StaticArray
+
+TRUSTED = 1e-10
+"""Refinement of a solution, in parts of it, up to which it is believed: near a limit point the matrix alone is singular."""
+
+
+class Bordered(NamedTuple):
+    """[A, f; b^T, c]."""
+
+    matrix: StaticArray  # A (n, n)
+    column: np.ndarray  # f (n,)
+    row: np.ndarray  # b (n,)
+    corner: float  # c
+
+    def solve(self, rhs: np.ndarray) -> np.ndarray | None:
+        """Solution for rhs (n + 1,); None if there is none."""
+        if isinstance(self.matrix, np.ndarray):
+            return self._by_dense_factors(rhs)
+        found = self._by_the_matrix_alone(rhs)
+        return self._by_sparse_factors(rhs) if found is None else found
+
+    def _by_dense_factors(self, rhs: np.ndarray) -> np.ndarray | None:
+        n = len(self.column)
+        full = np.empty((n + 1, n + 1))
+        full[:n, :n], full[:n, n], full[n, :n], full[n, n] = self.matrix, self.column, self.row, self.corner
+        factors, pivots, info = lapack.dgetrf(full.T, overwrite_a=1)  # transposed it is as LAPACK wants it
+        return None if info else lapack.dgetrs(factors, pivots, rhs, trans=1)[0]
+
+    def _by_the_matrix_alone(self, rhs: np.ndarray) -> np.ndarray | None:
+        """Refined once; None where A alone is too near to singular."""
+        n = len(self.column)
+        try:
+            factors = splu(csc_array(self.matrix))
+        except RuntimeError:  # exactly singular
+            return None
+        along = factors.solve(self.column)
+        rest = self.corner - self.row @ along
+
+        def solved(wanted: np.ndarray) -> np.ndarray:
+            inside = factors.solve(wanted[:n])
+            last = (wanted[n] - self.row @ inside) / rest
+            return np.append(inside - last * along, last)
+
+        with np.errstate(all="ignore"):
+            found = solved(rhs)
+            change = solved(rhs - self._times(found))
+        good = np.all(np.isfinite(change)) and np.abs(change).max() <= TRUSTED * np.abs(found).max()
+        return found + change if good else None
+
+    def _by_sparse_factors(self, rhs: np.ndarray) -> np.ndarray | None:
+        """Of the whole, which takes longer."""
+        whole = block_array([[self.matrix, self.column[:, None]], [self.row[None], np.array([[self.corner]])]])
+        try:
+            found: np.ndarray = splu(csc_array(whole)).solve(rhs)
+        except RuntimeError:
+            return None
+        return found
+
+    def _times(self, x: np.ndarray) -> np.ndarray:
+        inside, last = x[:-1], x[-1]
+        return np.append(self.matrix @ inside + self.column * last, self.row @ inside + self.corner * last)

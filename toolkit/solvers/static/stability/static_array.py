@@ -1,0 +1,42 @@
+"""The static matrix [K, G; J, 0] of a state as an array: of many unknowns a sparse one, and what is done to both kinds alike."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+import numpy as np
+from scipy.sparse import csr_array, diags_array
+
+from toolkit.equations.equations import Terms
+from toolkit.solvers.direct_solve import MANY
+from toolkit.solvers.static.equilibrium import static_matrix
+from toolkit.system.system import System
+
+StaticArray: TypeAlias = np.ndarray | csr_array
+"""Of shape (n, n)."""
+
+
+def static_array(system: System, terms: Terms) -> StaticArray:
+    """The real part of the static matrix where terms are known, (n, n)."""
+    values = np.real(static_matrix(system, terms))
+    return system.matrix(values) if system.n >= MANY else system.dense(values)
+
+
+def as_dense(matrix: StaticArray) -> np.ndarray:
+    """The same with all its zeros."""
+    return matrix if isinstance(matrix, np.ndarray) else matrix.toarray()
+
+
+def scaled_by(matrix: StaticArray, scale: np.ndarray) -> StaticArray:
+    """D A D with D = diag(scale)."""
+    if isinstance(matrix, np.ndarray):
+        found: np.ndarray = matrix * scale
+        found *= scale[:, None]
+        return found
+    return csr_array(diags_array(scale) @ matrix @ diags_array(scale))
+
+
+def largest_entry(matrix: StaticArray) -> float:
+    """The largest size of an entry; what is not finite is handed on."""
+    entries = matrix if isinstance(matrix, np.ndarray) else matrix.data
+    return float(np.abs(entries).max(initial=0))

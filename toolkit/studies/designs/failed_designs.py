@@ -1,0 +1,35 @@
+"""Designs that could not be solved: said, or refused if all are."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from toolkit.foundation.errors import ToolkitError
+from toolkit.foundation.verdict import Caution
+from toolkit.studies.evaluation.evaluation import Evaluation
+
+
+class NoDesignError(ToolkitError, ArithmeticError):
+    """Not one design of a study could be solved."""
+
+
+def refuse_all_failed(found: Sequence[Evaluation]) -> None:
+    """Raise `NoDesignError` with the reasons, if all designs failed."""
+    if any(not each.failed for each in found):
+        return
+    reasons = Counter(each.reason for each in found).most_common(3)
+    raise NoDesignError(
+        f"not one of {len(found)} designs could be solved.\n"
+        + "\n".join(f"{count} times: {reason}" for reason, count in reasons)
+        + "\nMend the scene until `ffrf statics` or `ffrf simulate` solves it, or choose other designs."
+    )
+
+
+def failed_designs(found: Sequence[Evaluation], meaning: str, doubt: bool) -> Iterator[Caution]:
+    """That some designs could not be solved, what that means, and the most frequent reason."""
+    reasons = Counter(each.reason for each in found if each.failed)
+    if reasons:
+        reason, count = reasons.most_common(1)[0]
+        text = f"{sum(reasons.values())} of {len(found)} designs could not be solved{meaning} {count} of them: {reason}"
+        yield Caution("failed-designs", text, doubt=doubt)

@@ -1,0 +1,95 @@
+"""Polynomials of independent germs that are orthonormal for their distributions; those of one germ come from OpenTURNS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.util import find_spec
+from math import comb
+
+import numpy as np
+from numpy.polynomial import polynomial
+
+from toolkit.foundation.errors import InputError
+from toolkit.studies.distributions.marginal import Marginal
+
+
+@dataclass(frozen=True)
+class Basis:
+    """Products of polynomials of the germs, of all degrees up to one.
+
+    Attributes
+    ----------
+    coefficients
+        Of every germ, of its polynomials by their degrees: (degrees, powers), the power 0 first.
+    degrees
+        Of every product by the germs, (products, n); the first is the constant.
+    """
+
+    coefficients: tuple[np.ndarray, ...]
+    degrees: np.ndarray
+
+    def values(self, germs: np.ndarray) -> np.ndarray:
+        """Of all products at germs (count, n): (count, products)."""
+        found = np.ones((len(germs), len(self.degrees)))
+        for each, column, degrees in zip(self.coefficients, germs.T, self.degrees.T, strict=True):
+            found *= polynomial.polyval(column, each.T).T[:, degrees]
+        return found
+
+    def slopes(self, germs: np.ndarray) -> np.ndarray:
+        """Their derivatives by the germs, (count, n, products)."""
+        single = [polynomial.polyval(g, each.T).T for each, g in zip(self.coefficients, germs.T, strict=True)]
+        derived = [
+            polynomial.polyval(g, polynomial.polyder(each.T)).T for each, g in zip(self.coefficients, germs.T, strict=True)
+        ]
+        found = np.ones((len(germs), germs.shape[1], len(self.degrees)))
+        for j in range(germs.shape[1]):
+            for k, degrees in enumerate(self.degrees.T):
+                found[:, j] *= (derived if j == k else single)[k][:, degrees]
+        return found
+
+
+def basis_of(germs: tuple[Marginal, ...], degree: int) -> Basis:
+    """All products of a total degree at most.
+
+    Raises
+    ------
+    InputError
+        OpenTURNS is not installed.
+    """
+    if find_spec("openturns") is None:
+        raise InputError(
+            "polynomials of uncertain numbers need the package openturns, which is not installed. Install: pip install "
+            "'ffrf-toolkit[studies]'."
+        )
+    degrees = np.array(sorted(_degrees(len(germs), degree), key=lambda each: (sum(each), [-k for k in each])))
+    return Basis(tuple(_single(each, degree) for each in germs), degrees)
+
+
+def size_of(n: int, degree: int) -> int:
+    """How many products there are."""
+    return comb(n + degree, degree)
+
+
+def _degrees(n: int, most: int) -> list[tuple[int, ...]]:
+    if n == 0:
+        return [()]
+    return [(k, *rest) for k in range(most + 1) for rest in _degrees(n - 1, most - k)]
+
+
+def _single(germ: Marginal, degree: int) -> np.ndarray:
+    """Polynomials of one germ, orthonormal for its distribution."""
+    import openturns as ot
+
+    low, high = float(germ.least), float(germ.largest)
+    if germ.uniform:
+        distribution, unit = ot.Uniform(-1.0, 1.0), high
+    elif germ.infinite:
+        distribution, unit = ot.Normal(), 1.0
+    else:
+        bounds = ot.Interval([low], [high], [bool(np.isfinite(low))], [bool(np.isfinite(high))])
+        distribution, unit = ot.TruncatedDistribution(ot.Normal(), bounds), 1.0
+    family = ot.StandardDistributionPolynomialFactory(distribution)
+    found = np.zeros((degree + 1, degree + 1))
+    for k in range(degree + 1):
+        found[k, : k + 1] = np.array(family.build(k).getCoefficients()) / unit ** np.arange(k + 1)
+    return found

@@ -1,0 +1,1 @@
+"""One design of a study solved in all cases, and the store of all that were."""

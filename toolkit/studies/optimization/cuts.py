@@ -1,0 +1,49 @@
+"""Planes that cut off designs which could not be solved, as further constraints: a search may go on along them.
+
+    BACK |d| - (z - z_0) . d / |d| >= 0,    d = z_failed - z_0
+
+from the last design z_0 that could. A box about z_0 would stop the search in all other directions too.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.studies.optimization.methods.functions import Functions
+from toolkit.studies.optimization.program import Values
+
+BACK = 0.5
+"""Part of the way to a failed design up to which a search may go."""
+NEAREST = 1e-5
+"""Length of that way, in parts of the variables' ranges, below which nothing is left of it."""
+
+
+class Cuts:
+    """Planes, none at first."""
+
+    def __init__(self) -> None:
+        self._normals: list[np.ndarray] = []
+        self._limits: list[float] = []
+
+    def add(self, good: np.ndarray, failed: np.ndarray) -> bool:
+        """Cut off a failed design, which was sought from a good one; whether they are far enough from each other."""
+        way = failed - good
+        length = float(np.sqrt(way @ way))
+        if length < NEAREST:
+            return False
+        self._normals.append(way / length)
+        self._limits.append(BACK * length + float(good @ way) / length)
+        return True
+
+    def around(self, functions: Functions) -> Functions:
+        """The functions with the planes as further constraints."""
+        if not self._normals:
+            return functions
+        normals, limits = np.array(self._normals), np.array(self._limits)
+
+        def within(z: np.ndarray) -> Values:
+            found = functions(z)
+            slopes = np.vstack([found.dc.reshape(-1, len(z)), -normals])
+            return Values(found.f, found.df, np.concatenate([found.c, limits - normals @ z]), slopes)
+
+        return within

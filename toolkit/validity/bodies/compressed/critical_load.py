@@ -1,0 +1,86 @@
+"""Critical loads of flexible bodies: linear FFRF has no geometric stiffness, so that a body under compression never buckles in its frame.
+
+Among all states of a run those are looked at in which compression takes most of the elastic stiffness of a body, see
+`toolkit.validity.bodies.compressed.missed_deflections`. Where no body loses more than a small part of its elastic stiffness in its own
+frame, nothing is missing, and the whole scene need not be looked at: so it is with a column of many short bodies, which buckles in the
+equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.system.flexible_bodies import elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening, stiffening
+from toolkit.validity.bodies.compressed.missed_deflections import missed
+from toolkit.validity.bodies.deformation import flexible_bodies
+
+LIMIT = 0.05
+"""Part of a deflection that the equations may miss without a word; the same as that of the meter of large deformation."""
+DOUBTFUL = 0.5
+"""The same from which it is a doubt: a third of the critical load in a fixed frame. Below, what a run was asked for may not feel it."""
+AMONG = 5000
+"""The meter looks for the largest compression among at most so many states of a run."""
+STATES = 3
+"""Of so many the whole scene is looked at."""
+BOUNDLESS = 1e9
+"""Stands for a missed part without bound where states are compared."""
+
+
+class Compression(NamedTuple):
+    """How near to its critical load the body is that compression softens most."""
+
+    body: str
+    time: float
+    load: float  # mu: the forces in parts of the critical ones; zero if none are critical
+    missed: float  # part of deflections by small lateral loads that the equations miss, at most
+    feigned: float  # of an equilibrium: part by which they are too large at least, where the equations are softer than the body
+
+
+def compression(solution: Solution) -> Compression | None:
+    """The state nearest to a critical load; None where nothing is missing, or nothing is known."""
+    scene = solution.system.scene
+    known = {body: found for body in flexible_bodies(scene) if (found := stiffening(scene, body))}
+    states = [
+        Compression(body, float(solution.times[n]), *missed(solution, known, n)) for n, body in _softest(solution, known).items()
+    ]
+    if not states:
+        return None
+    return states[first_largest(np.array([min(max(each.missed, each.feigned), BOUNDLESS) + each.load for each in states]))]
+
+
+def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]:
+    """Numbers of the states in which compression takes most of the elastic stiffness of a body, and this body."""
+    places, parts = [], []
+    for body, law in known.items():
+        elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
+        for sense in (1.0,) if solution.steps else (1.0, -1.0):
+            for n in most_compressed(law, sense * elastic):
+                places.append((n, body))
+                parts.append(law.softening(sense * elastic[n]))
+    found: dict[int, str] = {}
+    while max(parts, default=0.0) > LIMIT and len(found) < STATES:
+        largest = first_largest(np.array(parts))
+        found.setdefault(*places.pop(largest))
+        parts.pop(largest)
+    return found
+
+
+def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
+    """Numbers of the states (n_t, n_f) whose compression softens the whole body most, and one element of it."""
+    stride = -(-len(elastic) // AMONG)
+    lost = -(elastic[::stride] @ law.forces.T) * law.compliances
+    found = {stride * first_largest(measure) for measure in (lost.sum(axis=1), lost.max(axis=1)) if measure.max() > 0}
+    return sorted(found)
+
+
+def critical_compressions(solution: Solution) -> Iterator[tuple[Compression, bool]]:
+    """The state nearest to a critical load, if deflections there are off by more than `LIMIT`, and whether to doubt."""
+    found = compression(solution)
+    if found is not None and (worst := max(found.missed, found.feigned)) > LIMIT:
+        yield found, not worst <= DOUBTFUL

@@ -1,0 +1,53 @@
+"""The largest ratio of two forms among the motions that joints allow, where there are many coordinates: by Lanczos' iteration.
+
+    A x = mu B x + phi_q^T nu,    phi_q x = 0
+
+with B positive against these motions. Dense eigenvalues of n coordinates cost n^3, these the few products with sparse factors of B.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from scipy.sparse import sparray
+from scipy.sparse.linalg import ArpackError, LinearOperator, eigsh
+
+from toolkit.solvers.static.stability.saddle import balance, balanced
+from toolkit.solvers.static.stability.sparse_saddle import sparse_factors
+from toolkit.solvers.static.stability.static_array import StaticArray
+from toolkit.system.system import System
+
+ACCURACY = 1e-8
+"""Of a ratio, in parts of it: far below what a verdict tells."""
+MOST = 50
+"""Of the iteration's twenty motions: a ratio that is apart from others is found in a few."""
+Flexibility = Callable[[np.ndarray], np.ndarray]
+"""From forces f (n,) to the motion x with B x + phi_q^T nu = f, phi_q x = 0."""
+
+
+def flexibility(system: System, matrix: StaticArray) -> Flexibility | None:
+    """Of a symmetric static matrix; None where it is dense, not known to be stable, or of more than bodies and joints."""
+    n_q, scale = system.n_q, balance(system, matrix)
+    factors = sparse_factors(system, balanced(system, matrix, scale)) if n_q == system.n_b else None
+    if factors is None:
+        return None
+
+    def motion(forces: np.ndarray) -> np.ndarray:
+        found: np.ndarray = scale[:n_q] * factors.solve(np.append(scale[:n_q] * forces.ravel(), np.zeros(system.n - n_q)))[:n_q]
+        return found
+
+    return motion
+
+
+def largest_ratio(matrix: sparray, metric: sparray, flexible: Flexibility) -> float | None:
+    """The largest mu of symmetric forms A and B (n, n); None if the iteration finds none, as where none is positive: most mu are near to
+    zero, and no number is near to zero in parts of it."""
+    n = metric.shape[0]
+    start = flexible(np.random.default_rng(0).normal(size=n))
+    solved = LinearOperator((n, n), matvec=flexible, dtype=float)
+    try:
+        found = eigsh(matrix, 1, metric, which="LA", v0=start, tol=ACCURACY, maxiter=MOST, Minv=solved, return_eigenvectors=False)
+    except ArpackError:
+        return None
+    return float(found[0])

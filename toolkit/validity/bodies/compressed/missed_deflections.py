@@ -1,0 +1,156 @@
+"""What the equations miss of deflections where forces compress flexible bodies, at one state of a scene.
+
+With the stiffness K_0 of the unloaded scene at a state, what the forces of that state add to it in the equations, K_1, and the geometric
+stiffness G of its elements, which the equations lack, the state is critical at lambda times its forces, where
+
+    (K_0 + lambda (K_1 + G)) x = 0,    phi_q x = 0,    mu = 1 / lambda
+
+The meter is by how much the equations miss the deflections that small lateral loads add at the state, at most over all such loads:
+
+    max kappa - 1,    (K_0 + K_1) x = kappa (K_0 + K_1 + G) x,    without bound from mu = 1 on
+
+which is mu / (1 - mu) where the frames do not turn, so that K_1 = 0. Where they turn, K_1 without G can take stiffness away under tension,
+too: a hinged bar whose frame is tied to its one end gives way at 3 EI / L^2. With mu_1 of K_1 alone an equilibrium's deflections are
+feigned by the part (mu_1 - mu) / (1 - mu_1); of motions it is not said, because spinning bodies have forces of inertia in K_1.
+
+Motions without any stiffness in K_0, those of a mechanism, follow the others: at rest so that they stay in balance, in a motion so that
+their momentum is zero.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import block_array, csr_array, lil_array
+
+from toolkit.solvers.free_motions import UNSYMMETRIC, free_motions, is_symmetric
+from toolkit.solvers.static.equilibrium import LEVELS
+from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, static_array
+from toolkit.system.flexible_bodies import elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.system.system import System
+from toolkit.validity.bodies.compressed.geometric_stiffness import Stiffening
+from toolkit.validity.bodies.compressed.many_coordinates import Flexibility, flexibility, largest_ratio
+
+STILL = 1e-12
+"""Stiffness of a motion, in coordinates of unit stiffness, below which it has none: a column of 20 bodies and 400 elements has 7e-11, a
+free motion 1e-17."""
+
+
+def missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[float, float, float]:
+    """Forces in parts of the critical ones, and parts of deflections that the equations miss and feign, at one state."""
+    state = _state(solution, known, n)
+    load, own, found = _of_many(state) or _of_few(state)
+    feigned = 0.0 if solution.steps or own <= load else (own - load) / (1 - own) if own < 1 else np.inf
+    return load, found, feigned
+
+
+class _State(NamedTuple):
+    """Static matrices [K, G; J, 0] of a state without its forces and with them, (n, n), and geometric stiffness and mass (n_q, n_q)."""
+
+    system: System
+    bare: StaticArray
+    loaded: StaticArray
+    geometric: StaticArray
+    mass: StaticArray | None  # of a motion
+
+
+def _state(solution: Solution, known: dict[str, Stiffening], n: int) -> _State:
+    system, n_q = solution.system, solution.system.n_q
+    pad, rest = np.zeros(system.n - n_q), np.zeros(system.n)
+    q, v = (np.append(np.real(state[n]), pad) for state in (solution.q, solution.v))
+    acc = np.real(np.append(solution.a[n], solution.multipliers[n]))
+    inputs = system.inputs(float(solution.times[n]), LEVELS)
+    bare = static_array(system, system.evaluate(system.inputs(float(solution.times[n]), LEVELS, 0.0), q, rest, rest))
+    terms = system.evaluate(inputs, q, v, acc)
+    geometric = np.zeros((n_q, n_q)) if isinstance(bare, np.ndarray) else lil_array((n_q, n_q))
+    for body, law in known.items():
+        where = elastic_coordinates(solution, body)
+        geometric[where, where] = law.matrix(np.real(solution.q[n, where]))
+    mass = system.matrix(np.real(terms.I_acc))[:n_q, :n_q] if solution.steps else None
+    return _State(system, bare, static_array(system, terms), geometric, mass)
+
+
+def _of_many(state: _State) -> tuple[float, float, float] | None:
+    """mu with and without what the equations miss, and the part of deflections that they do; None of few coordinates, or where it takes
+    dense matrices to tell: of mechanisms, of following forces, and where nothing is compressed.
+
+    Of mu without it is told only whether it is the larger one, and then how large it is.
+    """
+    if isinstance(state.bare, np.ndarray):
+        return None
+    n_q, geometric = state.system.n_q, csr_array(state.geometric)
+    at_rest, softened = state.bare[:n_q, :n_q], state.loaded[:n_q, :n_q]
+    forces = softened - at_rest
+    if not (is_symmetric(forces) and (yielding := _flexibility(state, at_rest))):
+        return None
+    load = largest_ratio(-(forces + geometric), at_rest, yielding)
+    if load is None or load <= 0:
+        return None
+    own = 0.0 if _flexibility(state, load * at_rest + forces) else largest_ratio(-forces, at_rest, yielding)
+    soft = _flexibility(state, softened + geometric) if load < 1 else None
+    found = np.inf if load >= 1 else largest_ratio(-geometric, softened + geometric, soft) if soft else None
+    return None if own is None or found is None else (load, own, max(found, 0.0))
+
+
+def _flexibility(state: _State, stiffness: StaticArray) -> Flexibility | None:
+    """What yields to forces where the joints are as they are, and the stiffness (n_q, n_q) is another one."""
+    n_q = state.system.n_q
+    columns, rows = state.bare[:n_q, n_q:], state.bare[n_q:, :n_q]
+    return flexibility(state.system, csr_array(block_array([[stiffness, columns], [rows, state.bare[n_q:, n_q:]]])))
+
+
+def _of_few(state: _State) -> tuple[float, float, float]:
+    """The same by dense matrices."""
+    at_rest, forces, geometric, inertia = _among_free(state)
+    stiffness, motions = _stiff_motions(at_rest)
+
+    def change(of_forces: np.ndarray) -> np.ndarray:
+        follow = _followed(motions, of_forces if inertia is None else inertia) / np.sqrt(stiffness)
+        found: np.ndarray = follow.T @ of_forces @ follow
+        return found
+
+    true, captured = change(forces + geometric), change(forces)
+    load, own, unit = _largest(-true), _largest(-captured), np.eye(len(stiffness))
+    missed = max(_largest(np.linalg.solve(unit + true, unit + captured)) - 1, 0.0) if load < 1 else np.inf
+    return load, own, missed
+
+
+def _among_free(state: _State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray | None]:
+    """K_0, K_1, G and, of a motion, M against the motions that joints allow, in coordinates of unit stiffness."""
+    system, n_q = state.system, state.system.n_q
+    bare, loaded = as_dense(state.bare), as_dense(state.loaded)
+    at_rest, weights = bare[:n_q, :n_q], system.weights[:n_q]
+    diagonal = np.diag(at_rest) / weights**2
+    stiff = diagonal > STILL * diagonal.max()
+    scale = weights * np.sqrt(np.where(stiff, diagonal, diagonal[stiff].min(initial=np.inf)))
+    free = free_motions(loaded[:n_q, n_q:].T, scale)
+    parts = [at_rest, loaded[:n_q, :n_q] - at_rest, as_dense(state.geometric)]
+    of_rest, of_forces, geometric = (free.T @ each @ free for each in parts)
+    return of_rest, of_forces, geometric, None if state.mass is None else free.T @ as_dense(state.mass) @ free
+
+
+def _stiff_motions(at_rest: np.ndarray) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """Positive stiffnesses (n,), their motions, and all others."""
+    values, vectors = np.linalg.eigh((at_rest + at_rest.T) / 2)
+    stiff = values > STILL
+    return values[stiff], (vectors[:, stiff], vectors[:, ~stiff])
+
+
+def _followed(motions: tuple[np.ndarray, np.ndarray], form: np.ndarray) -> np.ndarray:
+    """Stiff motions, with as much of those without stiffness as makes them orthogonal to these in a form."""
+    stiff, loose = motions
+    if not loose.shape[1]:
+        return stiff
+    return stiff - loose @ np.linalg.lstsq(loose.T @ form @ loose, loose.T @ form @ stiff, rcond=STILL)[0]
+
+
+def _largest(matrix: np.ndarray) -> float:
+    """The largest positive real eigenvalue, zero if there is none."""
+    if not len(matrix):
+        return 0.0
+    if is_symmetric(matrix):
+        return max(float(np.linalg.eigvalsh((matrix + matrix.T) / 2)[-1]), 0.0)
+    values = np.linalg.eigvals(matrix)
+    return float(values.real[np.abs(values.imag) <= UNSYMMETRIC * np.abs(values)].max(initial=0.0))

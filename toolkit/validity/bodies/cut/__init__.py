@@ -1,0 +1,1 @@
+"""Bodies with several floating frames, looked at as one body."""

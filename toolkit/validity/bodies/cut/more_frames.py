@@ -1,0 +1,29 @@
+"""How many frames would bring the geometric error of a body below its limit."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from toolkit.bodies.cut.cut_body import CutBody
+from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.scene.cut_scene import can_be_cut, fewest_cut, most_frames
+from toolkit.scene.scene import Scene
+
+
+def divided(scene: Scene, body: str, excess: float) -> str:
+    """What divides a body whose error is so many times what it may be: frames in a number where its model allows them.
+
+    The error falls with the square of the number.
+    """
+    written = scene.bodies[body]
+    if not isinstance(written, CuttableBody) or not can_be_cut(scene.model(written.model, "elements")):
+        return "several bodies in a row instead of one"
+    now = len(written.cuts) - 1 if isinstance(written, CutBody) else 1
+    enough, most = max(now + 1, fewest_cut(scene, body), int(np.ceil(now * np.sqrt(excess)))), most_frames(scene, body)
+    if enough > most:
+        return (
+            "a model with more elements, and frames to match"
+            if now == most
+            else f"frames = {most} in its table, one to every element"
+        )
+    return f"frames = {enough} in its table, which cuts it into so many parts with frames of their own"

@@ -1,0 +1,26 @@
+"""Flexible bodies whose mesh is too coarse for their stress, if a scene asks for it, or for their deflections."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from toolkit.bodies.model_body import ModelBody
+from toolkit.foundation.verdict import Caution
+from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF, mesh_questions
+from toolkit.responses.over_time.over_time import OverTime
+from toolkit.responses.stress.local_stress import LocalStress
+from toolkit.responses.stress.stress import StressResponse
+from toolkit.scene.scene import Scene
+
+
+def cautions_of_meshes(scene: Scene) -> Iterator[Caution]:
+    """A doubt for every body with a mesh that is too coarse for its stress, if that is asked for, or for its deflections."""
+    asked = {each.body for each in map(_looked_at, scene.responses.values()) if isinstance(each, StressResponse | LocalStress)}
+    for name, body in scene.bodies.items():
+        if isinstance(body, ModelBody):
+            limit = COARSE if name in asked else TOO_STIFF
+            yield from mesh_questions(scene.model(body.model), f"body {name!r}", doubt=True, limit=limit)
+
+
+def _looked_at(response: object) -> object:
+    return _looked_at(response.source) if isinstance(response, OverTime) else response
