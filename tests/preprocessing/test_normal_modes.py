@@ -157,6 +157,7 @@ def test_frequencies_without_modes_are_refused_with_what_is_reachable(every, hig
         count_by_frequency(every, highest)
 
 
+@pytest.mark.processors
 def test_a_count_by_frequency_or_static_error_takes_a_pair_of_the_ring_whole():
     frame = ring(24, 100.0, points={"P": 2.3, "Q": 11.0})
     modes = normal_modes(frame.pencil())

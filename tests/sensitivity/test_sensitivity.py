@@ -33,6 +33,7 @@ def largest_difference(reference: dict[str, dict[str, float]], other: dict[str, 
     return max(abs(a - b) / max(abs(a), np.finfo(float).tiny) for a, b in pairs)
 
 
+@pytest.mark.processors
 @pytest.mark.parametrize("kind", ["static", "transient"])
 def test_gradients_of_the_wing_agree_with_the_complex_step(kind):
     scene = read_scene(WING)
