@@ -20,6 +20,7 @@ UNREAD = {
     "shape": "no response asks for the distance to a target",
     "stress": "places of the stress points, for results files and pictures",
     "outline": "for pictures",
+    "interior": "for pictures",
     "elements": "no body of this model has several frames",
     "element_derivatives": "no body of this model has several frames and a parameter that changes",
     "element_affine": "no body of this model has several frames and a parameter that changes",
