@@ -17,7 +17,7 @@ from matplotlib.tri import Triangulation
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
-from toolkit.render.plane.solid_shape import SolidShape
+from toolkit.render.plane.solid_shape import SolidShape, solid_shape
 from toolkit.render.plane.symbols import symbols
 from toolkit.render.plane.window import drawn_thickness, figure_of, shown
 from toolkit.render.sheet import SIGNED
@@ -73,6 +73,15 @@ def draw_solid(axes: Axes, shape: SolidShape, colors: Normalize) -> None:
     known: Any = {"cmap": colormaps[SIGNED].with_extremes(bad=_UNTOLD), "norm": colors, **look}
     axes.add_collection(LineCollection(edges, colors=INK, linewidths=_BAND + 0.8, **look))
     axes.add_collection(LineCollection(edges, array=shape.stress, linewidths=_BAND, **known))
+
+
+def draw_sections(axes: Axes, moment: Configuration, bodies: Collection[str], edge: str = INK, filled: bool = False) -> None:
+    """Meshed bodies without their stress."""
+    for body in bodies:
+        shape = solid_shape(moment, body)
+        if shape is not None:
+            look: Any = {"edgecolor": edge, "facecolor": _UNTOLD if filled else "none", "linewidth": 0.8}
+            axes.add_patch(PathPatch(_section(shape.edges), zorder=_SOLID, **look))
 
 
 def _section(edges: np.ndarray) -> Path:
