@@ -20,9 +20,10 @@ import toolkit.render.space.probe as probe
 from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
@@ -374,6 +375,18 @@ def bare(bracket, monkeypatch):
     """The bracket of a model file that does not tell the stress inside."""
     monkeypatch.setattr("toolkit.render.plane.solid_shape._inside", lambda *_: None)
     return bracket
+
+
+def test_a_mass_that_is_fixed_to_a_point_is_drawn():
+    scene = pendulum().system.scene
+    mass = Rigid(mass=1.0, inertia=1.0, center="P")
+    joints = {**scene.joints, "glue": RigidJoint(bodies=("rod", "mass"), point="P")}
+    solution = rest(scene.model_copy(update={"bodies": {**scene.bodies, "mass": mass}, "joints": joints}), 0)
+    (square,) = of_kind(Configuration(solution, 0), "mass")
+    np.testing.assert_allclose(square.point, [1.0, 0.0], atol=1e-15)
+    assert "mass" in {
+        each.get_gid() for each in instant_figure(Configuration(solution, 0), choose_look(solution, [0])).axes[0].collections
+    }
 
 
 def test_a_meshed_body_is_drawn_with_the_stress_inside(bracket):

@@ -136,11 +136,12 @@ def draw_mechanism(
 
 
 def draw_symbols(axes: Axes, moment: Configuration) -> None:
-    """Pins as circles, everything else as lines, all of one size on paper."""
+    """Pins as circles, masses as squares, everything else as lines, all of one size on paper."""
+    filled = {"pin": "white", "mass": ROD}
     for symbol in symbols(moment):
-        pin = symbol.kind == "pin"
-        kind: Any = PolyCollection if pin else LineCollection
-        look: Any = {"facecolors": "white", "edgecolors": INK, "zorder": _PIN} if pin else {"colors": SUPPORT, "zorder": _SUPPORT}
+        fill = filled.get(symbol.kind)
+        kind: Any = PolyCollection if fill else LineCollection
+        look: Any = {"facecolors": fill, "edgecolors": INK, "zorder": _PIN} if fill else {"colors": SUPPORT, "zorder": _SUPPORT}
         place = {"offsets": [symbol.point], "offset_transform": axes.transData}
         drawn = kind(symbol.lines(_SYMBOL), linewidths=1.3, capstyle="round", gid=symbol.kind, **look, **place)
         drawn.set_transform(figure_of(axes).dpi_scale_trans)
