@@ -102,7 +102,8 @@ def _from_elements(
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
     of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
     changes = _changes(of_ratio, named, blocks, lame, values, ties)
-    return element_solid(mesh.nodes, matrices, rows, lame), changes, Elastic(blocks, mesh.nodes, lame)
+    elastic = Elastic(blocks, mesh.nodes, lame, ratio if state == "plane-strain" else 0.0)
+    return element_solid(mesh.nodes, matrices, rows, lame), changes, elastic
 
 
 def _changes(
