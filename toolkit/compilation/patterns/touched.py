@@ -34,7 +34,8 @@ def touched(
     """Row and variable of every such entry, ordered by row."""
     if not n_x:
         return ints([]), ints([])
-    pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
+    matrices = (constant.design_mass, constant.design_damping, constant.design_stiffness)
+    pairs = [(constant.force_row, constant.force_variable), *((each.row, each.variable) for each in matrices)]
     pairs += _by_floating(floating)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
