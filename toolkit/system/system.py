@@ -220,11 +220,18 @@ class System:
         return self.curve_values(times), found
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
-        """The first of these alone."""
-        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
-        for c, curve in enumerate(self.values.curves.values()):
-            found[:, c] = curve.evaluate(times)
-        return found
+        """The first of these alone; those of the last times are kept, as the parts of a run ask for the same ones."""
+        known, found = self._curve_values.get(0, (None, None))
+        if found is None or not np.array_equal(known, times):
+            found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+            for c, curve in enumerate(self.values.curves.values()):
+                found[:, c] = curve.evaluate(times)
+            self._curve_values[0] = times.copy(), found
+        return found.copy()
+
+    @cached_property
+    def _curve_values(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+        return {}
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
