@@ -34,6 +34,9 @@ from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
+REMEMBERED = 4
+"""Sets of times whose curves a system remembers: the start, the end and the steps of a run."""
+
 
 @dataclass(frozen=True)
 class System:
@@ -220,17 +223,20 @@ class System:
         return self.curve_values(times), found
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
-        """The first of these alone; those of the last times are kept, as the parts of a run ask for the same ones."""
-        known, found = self._curve_values.get(0, (None, None))
-        if found is None or not np.array_equal(known, times):
+        """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
+        key = times.dtype.str, times.tobytes()
+        found = self._curve_values.get(key)
+        if found is None:
             found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
             for c, curve in enumerate(self.values.curves.values()):
                 found[:, c] = curve.evaluate(times)
-            self._curve_values[0] = times.copy(), found
+            if len(self._curve_values) >= REMEMBERED:
+                self._curve_values.clear()
+            self._curve_values[key] = found
         return found.copy()
 
     @cached_property
-    def _curve_values(self) -> dict[int, tuple[np.ndarray, np.ndarray]]:
+    def _curve_values(self) -> dict[tuple[str, bytes], np.ndarray]:
         return {}
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
