@@ -12,8 +12,9 @@ from toolkit.system.system import System
 
 def marker_states(system: System, q: np.ndarray) -> Any:
     """All markers at coordinates (n_q,), at rest."""
-    markers, scratch = system.plan.markers, np.zeros((3, 3), system.dtype)
-    rest, state = np.zeros(system.n, system.dtype), markers.state(system.dtype)
+    markers, state = system.plan.markers, system.plan.markers.state(system.dtype)
+    rest: np.ndarray = np.zeros(system.n, system.dtype)
+    scratch: np.ndarray = np.zeros((3, 3), system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
     for function in (update_poses, update_pose_designs) if system.n_x else (update_poses,):
         system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, scratch)

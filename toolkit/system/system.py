@@ -34,8 +34,9 @@ from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
-REMEMBERED = 4
-"""Sets of times whose curves a system remembers: the start, the end and the steps of a run."""
+REMEMBERED, SHORT = 4, 10_000
+"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, as longer runs
+take so long that curves are nothing beside them."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +233,8 @@ class System:
                 found[:, c] = curve.evaluate(times)
             if len(self._curve_values) >= REMEMBERED:
                 self._curve_values.clear()
-            self._curve_values[key] = found
+            if len(times) <= SHORT:
+                self._curve_values[key] = found
         return found.copy()
 
     @cached_property
