@@ -108,6 +108,10 @@ class ModelBody(Body):
         """Invariants at the scene's parameter values."""
         return self.design_point(scene).invariants()
 
+    def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
+        """Those of some names alone, as others cost their time."""
+        return self.design_point(scene).some_invariants(*names)
+
     def whole_mass(self, scene: Placed) -> Any:
         """That of its reduced model."""
         return self.invariants(scene).mass

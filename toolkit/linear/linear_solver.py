@@ -7,7 +7,8 @@ import numpy as np
 from toolkit.foundation.kernel import copy, inner, kernel
 from toolkit.linear.dense_lu import dense_factor, dense_solve, dense_solve_block, to_dense
 from toolkit.linear.sparse_analysis import LUPlan
-from toolkit.linear.sparse_lu import factor, multiply, solve, solve_block
+from toolkit.linear.sparse_block import AT_ONCE, solve_block
+from toolkit.linear.sparse_lu import factor, multiply, solve
 
 SPARSE_TOLERANCE, DENSE_TOLERANCE = 1e-12, 1e-14
 """Smallest pivots, relative to the terms they are made of; recommended where they are tested."""
@@ -26,7 +27,7 @@ class LinearSolver(NamedTuple):
     lu: np.ndarray
     work: np.ndarray  # (n,)
     residual: np.ndarray  # (n,)
-    work_block: np.ndarray  # (n, n_x)
+    work_block: np.ndarray  # (n, n_x or AT_ONCE)
     residual_block: np.ndarray  # (n, n_x)
     weights: np.ndarray  # (n_q,) what makes coordinates comparable, see `numbering.weights`
     dense: np.ndarray  # (n, n), not touched unless needed
@@ -45,7 +46,7 @@ def linear_solver(plan: LUPlan, weights: np.ndarray, n_x: int, dtype: type) -> L
         np.zeros(int(plan.row_start[-1]), dtype),
         np.zeros(n, dtype),
         np.zeros(n, dtype),
-        np.zeros((n, n_x), dtype),
+        np.zeros((n, max(n_x, AT_ONCE)), dtype),
         np.zeros((n, n_x), dtype),
         weights,
         np.empty((n, n), dtype),

@@ -18,6 +18,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
+from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
@@ -124,6 +125,13 @@ def chain(scene: Scene, body: str) -> Chain | None:
     Those of bodies in space and of solids do not.
     """
     design = design_point(scene, body, "mesh", "stress", "interfaces")
+    if Chain not in design.kept:
+        design.kept[Chain] = _chain(design)
+    found: Chain | None = design.kept[Chain]
+    return found
+
+
+def _chain(design: DesignPoint) -> Chain | None:
     mesh, places = design.model.mesh, design.model.stress
     if mesh is None or places is None:
         return None
@@ -145,7 +153,10 @@ def _held(model: ReducedModel, elements: Elements, shapes: np.ndarray) -> np.nda
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
-    return {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    if Deformation not in solution.known:
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    found: dict[str, Deformation | None] = solution.known[Deformation]
+    return found
 
 
 def whole_bodies(scene: Scene) -> list[str]:
