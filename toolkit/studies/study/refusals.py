@@ -10,7 +10,7 @@ from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.study.study_file import LOAD_MARGIN, Study
-from toolkit.studies.study.wanted import in_norm, kind_of, mode_of, number_of
+from toolkit.studies.study.wanted import in_norm, kind_of, mode_of, norm_of, number_of
 
 
 def refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> None:
@@ -25,6 +25,7 @@ def refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> Non
         elif mode_of(study, name) is not None:
             _refuse_no_mode(study, scene, name)
         elif name not in known:
+            _refuse_frequency(study, name, place)
             why = f"{study.analysis} does not have it" if name in scene.responses else "there is none of that name"
             why += meant(name, [*known, *built_in])
             raise InputError(
@@ -44,11 +45,26 @@ def _without_norm(study: Study, asked: str, place: str) -> str:
         return asked
     if name == LOAD_MARGIN:
         raise InputError(f"{place}: the load margin is looked for up to a load factor, and cut off there: its gradient leaps.")
+    if (inner := in_norm(name)) is not None:
+        raise InputError(
+            f"{place}: {asked!r} asks for the gradient of a gradient's norm, which would be differences of differences. Write "
+            f"{norm_of(inner)!r}."
+        )
     if (limit is not None and limit.robust is not None) or (
         study.objective.robust is not None and asked in study.objective.weights
     ):
         raise InputError(f"{place}: norms of gradients are those at the means of uncertain numbers. Leave out `robust`.")
     return name
+
+
+def _refuse_frequency(study: Study, name: str, place: str) -> None:
+    """Refuse a frequency that only modes have built in."""
+    if (number := number_of(name)) is None:
+        return
+    raise InputError(
+        f'{place}: {name!r} is built in where analysis = "modes", but the analysis is {study.analysis!r}. Write analysis = "modes", or '
+        f'in the study\'s table [responses] one of your own, {{ type = "frequency", number = {number} }}, which counts by their order.'
+    )
 
 
 def _refuse_no_mode(study: Study, scene: Scene, name: str) -> None:
