@@ -234,3 +234,18 @@ def test_one_frame_of_many_is_asked_for_in_vain(tmp_path):
     for body, words in (("frames = 2, ", "stiffens at its cuts"), ('frame = "grounded", ', "is that of a frame that turns")):
         with pytest.raises(InputError, match=words):
             scene(tmp_path, TURNED, body + ASKED, dimension=3)
+
+
+def test_a_floating_blade_that_a_bearing_carries_round_is_not_trusted(tmp_path):
+    """In free flight about its centre of mass it is; started about its end, whose force it knows nothing of, it is not."""
+    text = BEAM.format(length=1.0).replace("elements = 1", "elements = 8").replace('clamp = ["root"]\n', "")
+    (tmp_path / "blade.toml").write_text(f'{text}[basis]\nkind = "eigenmodes"\nboundary = "free"\ncount = 4\n{ASKED}\n')
+    save(build(tmp_path / "blade.toml"), tmp_path / "blade.h5")
+    solver = "[solver]\nend_time = 2e-3\nstep = 1e-4\n"
+    held = TURNED.split("[joints.motor]")[0]
+    spun = "angular_velocity = [0.0, 0.0, 40.0], velocity = [0.0, {}, 0.0]"
+    flying = ffrf.compile(scene(tmp_path, solver, f"{spun.format(-20.0)}, {ASKED}", 3)).simulate()
+    carried = ffrf.compile(scene(tmp_path, held + solver, f"{spun.format(0.0)}, {ASKED}", 3)).simulate()
+    assert "missing-stiffening" not in flying.verdict.codes
+    assert "missing-stiffening" in carried.verdict.codes
+    assert not carried.verdict.trusted

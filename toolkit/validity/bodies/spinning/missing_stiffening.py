@@ -18,10 +18,7 @@ bending that each of them has, that is
 of the lowest frequencies, measured on 2 to 16 equal parts and up to 10 sqrt(E I / rho A) / L^2, to a factor of 1.5: their squares are
 those at rest and 1.17 and 0.17 Omega^2. A body that is free at one end bends as a cantilever under a uniform load, any other one
 everywhere alike.
-
-A body that its own spin stiffens (`spin_stiffening`) knows the forces of a spin about its frame's origin. If that is the distance a from
-the axis, it lacks what a does: of a clamped uniform beam the square of the lowest frequency grows by another 1.57 a / L Omega^2 (Southwell
-and Gough 1921), and L is twice the distance of its centre of mass.
+Of a body that its own spin stiffens see `partly_stiffened`.
 """
 
 from __future__ import annotations
@@ -42,41 +39,33 @@ from toolkit.solvers.spin.generator import angular_velocity
 from toolkit.system.flexible_bodies import deforming, design_point, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
+from toolkit.validity.bodies.spinning.partly_stiffened import DOUBTFUL, TOLD, off_the_axis, told
 from toolkit.validity.bodies.turning_frame import bending_compliance, lateral_compliance
 
 OF_SPEED, OF_TENSION = 0.58, 0.21
-OF_SPIN, OF_HUB = 1.17, 1.57
-"""Of (Omega / Omega_c)^2, and of that times a / L, in the square of the lowest frequency across the plane of the spin."""
 OF_CHORDS, ACROSS, WITHIN = 1 / 8, 0.57, 0.083
-TOLD, DOUBTFUL = 0.005, 0.025
-"""Parts of the lowest frequency above which it is told, and doubted: frequencies in the plane of the spin lack about twice as much."""
 
 
 def missing_stiffening(solution: Solution) -> Iterator[Caution]:
     """A caution of the body whose frequencies lack most, of a steady spin."""
     omega = np.real(angular_velocity(solution.system, solution.q[-1], solution.v[-1]))
     speed = float(np.sqrt(omega @ omega))
-    parts = {name: _part(solution, name, omega, speed) for name in _flexible(solution)}
+    parts = {name: _part(solution, name, speed) for name in _flexible(solution)}
     yield from _of_cut_bodies(solution)
     worst = max(parts, key=lambda name: parts[name], default=None)
     if worst is None or not parts[worst] > TOLD:
         return
     part = parts[worst]
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
-    across = f"the lowest frequency across the plane of the spin {lowers}"
+    text = (
+        f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
+        f"spin {lowers}, and those in this plane by more. Write spin_stiffening = true in its table, with a reduced model that was built "
+        "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
+        "left."
+    )
     if flexible_body(solution.system.scene, worst).spin_stiffening:
-        told = (
-            f"the spin stiffens {worst!r} by its own centrifugal forces, but not by those that joints carry on through it, nor by what the "
-            f"distance of its frame's origin from the axis adds to them: that lowers {across}. Clamp its frame nearer to the axis, or make "
-            "more bodies in a row of it."
-        )
-    else:
-        told = (
-            f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers {across}, and those in this plane by more. "
-            "Write spin_stiffening = true in its table, with a reduced model that was built for it. Or make more bodies in a row of it, "
-            "which stiffen at the joints between them; with twice as many a quarter of this is left."
-        )
-    yield Caution("missing-stiffening", told, doubt=part > DOUBTFUL)
+        text = told(worst, part)
+    yield Caution("missing-stiffening", text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
@@ -134,7 +123,7 @@ def _flexible(solution: Solution) -> list[str]:
     return [name for name, body in bodies.items() if body.turns and not isinstance(body, FramedPart)]
 
 
-def _part(solution: Solution, body: str, omega: np.ndarray, speed: float) -> float:
+def _part(solution: Solution, body: str, speed: float) -> float:
     scene = solution.system.scene
     gripped: dict[str, float] = {}
     for name, joint in scene.joints.items():
@@ -143,20 +132,12 @@ def _part(solution: Solution, body: str, omega: np.ndarray, speed: float) -> flo
             if grip == body and interface in (design_point(scene, body).model.interfaces or {}):
                 force = np.real(JointForce(joint=name, component="x").force(solution, 0)[0][: scene.dimension])
                 gripped[interface] = max(gripped.get(interface, 0.0), float(np.sqrt(force @ force)))
-    fast = (speed / critical_speed(scene, body, stiffened=False)) ** 2
-    own = OF_SPEED * fast
-    if flexible_body(scene, body).spin_stiffening:
-        known = 1 + OF_SPIN * fast
-        own = 1 - float(np.sqrt(known / (known + OF_HUB * _hub(solution, body, omega) * fast)))
+    found, where = flexible_body(scene, body), solution.coordinates(body)
+    if found.spin_stiffening:
+        (spin,) = found.spins(np.real(solution.q[-1:, where]), np.real(solution.v[-1:, where]))
+        own = off_the_axis(solution, body, spin, -1)
+    else:
+        own = OF_SPEED * (speed / critical_speed(scene, body)) ** 2
     pairs = [Chord(one, other) for one in gripped for other in gripped if one < other]
     carried = [min(gripped[pair[0]], gripped[pair[1]]) * lateral_compliance(solution, body, pair) for pair in pairs]
     return own + OF_TENSION * max(carried, default=0.0)
-
-
-def _hub(solution: Solution, body: str, omega: np.ndarray) -> float:
-    """a / L of a body: how far the origin of its frame is from the axis, in parts of twice its distance from the centre of mass."""
-    found = flexible_body(solution.system.scene, body)
-    inv = found.invariants(solution.system.scene)
-    length = 2 * float(np.linalg.norm(np.real(inv.first_moment[:, 0])) / np.real(inv.mass))
-    moved = np.real(solution.v[-1, solution.coordinates(body)][: found.moves])
-    return float(np.linalg.norm(moved) / np.sqrt(omega @ omega)) / length if length > 0 else 0.0
