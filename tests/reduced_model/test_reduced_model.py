@@ -97,6 +97,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
         "derivatives",
         "outline",
         "interior",
+        "spin",
         "surface",
         "surface_loads",
     }  # a skin is planar and has a mesh

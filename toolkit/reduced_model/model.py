@@ -14,6 +14,7 @@ from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.spin import Spin
 
 MEAN_AXES = "mean axes (Buckens)"
 """The reference condition of a body whose frame is held by none of its points."""
@@ -186,6 +187,7 @@ class ReducedModel:
     element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
+    spin: Spin | None = None  # of bodies whose file asks for it
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text

@@ -23,6 +23,7 @@ from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
 from preprocessing.recipes.solids.inside import inside
 from preprocessing.recipes.solids.mesh_error import mesh_error
+from preprocessing.recipes.solids.solid_spin import SolidSpin, solid_spin
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.stored_entries import ROUND_OFF
@@ -46,8 +47,12 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
-    rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes)
+    spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
+    rates = ((name, _rate(body, matrices, name, change, choice, free, shapes, z, spin)) for name, change in body.changes)
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
+    stored = None if spin is None else spin.stored(found.invariants, choice.kind == "full")
+    if spin and stored:
+        found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
     points = len(found.invariants.stress_operator)
     return {
         "dimension": body.mesh.dimension,
@@ -61,6 +66,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         **_drawn_parts(body, z, list(nominal), coloured=points > 0),
         **mesh_error(body.elastic, mass, stiffness, free, shapes),
         "interfaces": interfaces,
+        "spin": stored,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }
 
@@ -74,23 +80,26 @@ def _condition(choice: BasisChoice, clamp: str) -> str:
 def _rate(
     body: DiscreteBody,
     matrices: Matrices,
+    name: str,
     change: BodyChange,
     choice: BasisChoice,
     free: Freedom,
     shapes: SolidShapes,
     z: np.ndarray,
+    spin: SolidSpin | None,
 ) -> Rate:
     """With dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
     d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
     d_z[:, 0] = change.motion
+    stepped = change.freedom(body.clamped)
     if choice.derivative == "differentiated":
-        stepped = change.freedom(body.clamped)
         on_independent = change.on(free, stepped, matrices, shapes.averaged)
         if choice.chord is not None and change.moves:
             turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
             on_independent = replace(on_independent, turn=rate_of(turned))
         d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
-    return Rate(change.matrices, d_z, _item_rates(change, z, d_z))
+    more = spin.rates(name, change, stepped, d_z) if spin else {}
+    return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
 
 
 def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
