@@ -480,6 +480,11 @@ WRONG = {
         "objective: no response 'fall', there is none of that name; possible here: ",
         4,
     ),
+    "misspelt response": (
+        PLAIN.replace('"rise"', '"rize"'),
+        "objective: no response 'rize', there is none of that name, did you mean 'rise'; possible",
+        4,
+    ),
     "unknown constraint": (PLAIN + "[constraints]\nfall = { below = 1.0 }", "constraints.fall: no response 'fall'", 7),
     "unknown key": (PLAIN + "[serach]\nstarts = 2", "did you mean 'search'", 6),
     "empty bounds": (PLAIN.replace("[-60.0, -10.0]", "[-10.0, -60.0]"), "holds nothing", 3),

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import responses_of
@@ -27,6 +27,7 @@ def refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> Non
         elif name not in known:
             _refuse_frequency(study, name, place)
             why = f"{study.analysis} does not have it" if name in scene.responses else "there is none of that name"
+            why += meant(name, [*known, *built_in])
             raise InputError(
                 f"{place}: no response {name!r}, {why}; possible here: {listed([*known, *built_in])}. Others can "
                 "be written in the study's table [responses]."
