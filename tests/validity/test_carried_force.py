@@ -51,7 +51,7 @@ def test_its_deflections_are_off_by_what_the_force_along_it_does(folders, axis, 
     force = np.array([-part * EULER, 0.0, 0.0])
     force[axis] = 2e-2 * EULER  # a deflection of 1.6 % of the length, which turns the bar for 0.6 of that
     run, found = loaded(folders["craig-bampton"], force)
-    assert found.relative == pytest.approx(0.4 * abs(part) * EULER / stiffness, rel=0.02, abs=0.011)
+    assert found.relative == pytest.approx(0.4 * abs(part) * EULER / stiffness, rel=0.02, abs=0.013)
     assert ("large-deformation" in run.verdict.codes) == (found.relative > 0.05)
 
 
