@@ -45,6 +45,10 @@ class FramedPart(ModelBody):
         """Names of its elastic coordinates, with the numbers of its nodes for people."""
         raise NotImplementedError
 
+    def stiffening(self, scene: Placed) -> np.ndarray | None:
+        """None: a cut body stiffens at its cuts."""
+        return None
+
     def part(self, scene: Placed) -> Part:
         """The part at the scene's parameter values."""
         design = whole_design(scene, self.whole)
@@ -68,6 +72,10 @@ class FramedPart(ModelBody):
     def invariants(self, scene: Placed) -> Any:
         """Sums over its elements."""
         return self.part(scene).invariants
+
+    def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
+        """Some of these."""
+        return tuple(getattr(self.part(scene).invariants, name) for name in names)
 
     def nominal(self, scene: Placed) -> Any:
         """The same, without imaginary steps."""

@@ -24,6 +24,7 @@ from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.cut.joined_errors import BentPart, in_space, joined_errors
 from toolkit.validity.bodies.cut.places import displacements, undeformed_places
+from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
@@ -89,7 +90,10 @@ def flexible_bodies(scene: Scene) -> list[str]:
 
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
-    return {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    if Deformation not in solution.known:
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    found: dict[str, Deformation | None] = solution.known[Deformation]
+    return found
 
 
 def whole_bodies(scene: Scene) -> list[str]:
@@ -151,8 +155,11 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     """The meter's numbers for one body whose finite elements are known."""
     elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
     instants = largest_instants(elastic)
-    u = behind.displacements(elastic[instants])
-    moved, error = behind.distances(u), behind.distances(behind.second_order(u))
+    u, held_back = behind.displacements(elastic[instants]), kept_back(solution, body, instants)
+    lacks = behind.second_order(u)
+    if held_back is not None:
+        lacks = lacks + behind.displacements(held_back)
+    moved, error = behind.distances(u), behind.distances(lacks)
     worst = first_largest(error.max(axis=1))
     extent = np.ptp(behind.nodes, axis=0).max()
     rotation, time = behind.rotations(u)[worst].max(), solution.times[instants[worst]]

@@ -19,7 +19,7 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
-from toolkit.system.flexible_bodies import design_point
+from toolkit.system.flexible_bodies import design_point, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.turning_frame import compliance_across, motion_against_tangent
 from toolkit.validity.description.frame_choice import frame_choices
@@ -85,4 +85,7 @@ def _carried(
     largest = np.linalg.eigvalsh(across)[-1]
     if not compliance > SEEN * largest * length:
         return None
-    return Carried(-factor * largest * (elastic @ (row / scale)) / compliance, along, across / largest)
+    load = -factor * largest * (elastic @ (row / scale)) / compliance
+    if flexible_body(solution.system.scene, body).stiffening(solution.system.scene) is not None:
+        load = np.maximum(load, 0.0)  # its spin pulls at it, and that is in the equations
+    return Carried(load, along, across / largest)
