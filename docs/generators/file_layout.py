@@ -7,7 +7,7 @@ from typing import Any
 
 from docs.generators.comments import meanings, words
 from docs.generators.key_tables import cell
-from toolkit.reduced_model.file import MAPS, OPTIONAL, PARTS, SCHEMA, SCHEMA_VERSION, SPATIAL_PARTS
+from toolkit.reduced_model.file import MAPS, NAMED, OPTIONAL, PARTS, SCHEMA, SCHEMA_VERSION, SPATIAL_PARTS
 from toolkit.reduced_model.model import ReducedModel
 
 
@@ -29,7 +29,9 @@ def layout() -> str:
 def _section(name: str, meaning: str) -> str:
     kind = PARTS[name]
     (item,) = [item for item in fields(ReducedModel) if item.name == name]
-    head = f"### {name}/\n\n" + (f"{meaning[0].upper()}{meaning[1:]}: one group for each name.\n\n" if meaning else "")
+    head = f"### {name}/\n\n" + (
+        f"{meaning[0].upper()}{meaning[1:]}{': one group for each name' * (name in NAMED)}.\n\n" if meaning else ""
+    )
     if not is_dataclass(kind):
         return head + "Datasets of the names and shapes of `invariants/`, those alone that are not zero."
     below = f"{name}/NAME/" if "dict" in str(item.type) else f"{name}/"

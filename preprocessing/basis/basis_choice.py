@@ -30,6 +30,7 @@ class BasisChoice:
     static_error: float | None = None  # relative error of the compliance at the interface points
     derivative: str = "differentiated"  # or "frozen": the shapes stay what they are when the design changes
     chord: tuple[str, ...] | None = None  # two interface points that the body's frame goes through, instead of a clamp
+    spin_stiffening: bool = False  # whether the model tells how a spin of its frame stiffens the body
 
     @property
     def followed(self) -> tuple[str, ...] | None:
@@ -53,6 +54,11 @@ class BasisChoice:
         if len(self.chord) != 2 or self.chord[0] == self.chord[1]:
             raise InputError(
                 f"chord goes through two interface points; got {', '.join(self.chord) or 'none'}. Name two different ones."
+            )
+        if self.spin_stiffening:
+            raise InputError(
+                "spin_stiffening is that of a body whose frame is clamped, or floats about mean axes; a chord turns as the body "
+                "bends. Give the frame a clamp, or leave one of them out."
             )
         if self.boundary == "free":
             raise InputError(

@@ -93,7 +93,7 @@ def reduced_basis(
     parts: list[ElasticShapes] = [*interface, *(ModeShapes(found) for found in modes if found.count)]
     psi = np.column_stack([part.columns for part in parts])
     psi[boundary.still] = 0
-    _refuse_dependent(np.column_stack([_motions_of_the_frame(nodes), psi]), pencil.mass, boundary)
+    _refuse_dependent(np.column_stack([motions_of_the_frame(nodes), psi]), pencil.mass, boundary)
     return Basis(
         np.column_stack([undeformed(nodes), psi]),
         chord.condition if chord else MEAN_AXES if choice.boundary == "free" else clamped_in_tangent_frame(name),
@@ -167,18 +167,18 @@ def _count(choice: BasisChoice, every: NormalModes, interface_rows: Mapping[str,
     return choice.count or 0
 
 
-def _motions_of_the_frame(nodes: np.ndarray) -> np.ndarray:
+def motions_of_the_frame(nodes: np.ndarray) -> np.ndarray:
     """Nodal coordinates of the unit translations and rotations, (n, 3) or (n, 6)."""
     if nodes.shape[1] == 3:
         return spatial_motions(nodes)
-    motions = np.tile(np.eye(3), (len(nodes), 1))
+    motions = np.tile(np.eye(3, dtype=nodes.dtype), (len(nodes), 1))
     motions[0::3, 2], motions[1::3, 2] = -nodes[:, 1], nodes[:, 0]
     return motions
 
 
 def spatial_motions(nodes: np.ndarray) -> np.ndarray:
     """Nodal coordinates of the unit translations along and rotations about x, y and z, (6 n_nodes, 6), for nodes (n_nodes, 3)."""
-    motions = np.zeros((len(nodes), 6, 6))
+    motions = np.zeros((len(nodes), 6, 6), nodes.dtype)
     motions[:] = np.eye(6)
     motions[:, :3, 3:] = np.cross(np.eye(3)[None, :, :], nodes[:, None, :]).swapaxes(1, 2)
     return motions.reshape(-1, 6)

@@ -29,6 +29,7 @@ class Body:
     width: list
     held: list  # (m, n) rows that tie the frame to the body
     displacements: list  # (n,) linear, in the body's frame
+    loaded: list | None = None  # (n,) the same without what its spin keeps back; None where it keeps nothing
 
 
 @dataclass(frozen=True)
@@ -45,8 +46,8 @@ class Comparison:
 def compare(body: Body) -> Comparison:
     """Solve one body.
 
-    The forces are those that its linear elements need for the given displacements, F = K u: joint forces, loads and, in motion, inertia
-    and damping of the body, as far as its basis resolves them, in the directions that they have in the body's frame.
+    The forces are those that its linear elements need for the displacements without its spin, F = K u: joint forces, loads and, in
+    motion, inertia and damping of the body, as far as its basis resolves them, in the directions that they have in the body's frame.
 
     Raises
     ------
@@ -59,7 +60,7 @@ def compare(body: Body) -> Comparison:
     )
     linear, rest = fields["displacements"], np.zeros(len(fields["displacements"]))
     at_rest = frame.tangent(rest)
-    found = solve_corotational(frame, at_rest @ linear, fields["held"])
+    found = solve_corotational(frame, at_rest @ (linear if body.loaded is None else fields["loaded"]), fields["held"])
     stress, true = linear_stress(frame, linear), frame.stress(found)
     return Comparison(
         _largest(linear), _largest(found - linear), *(float(np.abs(each).max()) for each in (stress, true, true - stress))

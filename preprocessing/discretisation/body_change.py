@@ -12,6 +12,7 @@ from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.solids.basis_change import BasisChange
 from preprocessing.basis.solids.ties import Freedom, Tie, freedom
 from preprocessing.discretisation.discretisation import STEP
+from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 
 
@@ -23,6 +24,7 @@ class BodyChange:
     mesh: SolidMesh  # nodes real, or with an imaginary part of STEP times their motion
     ties: Mapping[str, Tie]  # of these nodes
     normals: Mapping[str, np.ndarray]  # of pressure surfaces at these nodes, see `BoundaryFaces.normals`
+    stressed: StressedSolid  # with a complex step in the parameter
 
     @property
     def motion(self) -> np.ndarray:

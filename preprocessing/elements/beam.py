@@ -74,3 +74,8 @@ def stretching(ends: np.ndarray) -> np.ndarray:
 def bending(ends: np.ndarray) -> np.ndarray:
     """Rows F (n_e, 2, 6) of the stiffness F^T F for unit E I."""
     return spatial_beam.bending(*_in_space(ends), SECOND)[:, :, IN_PLANE]
+
+
+def turning(ends: np.ndarray) -> np.ndarray:
+    """Rows F (n_e, 3, 6) whose squares sum up to the integral of the square of the slope along the element."""
+    return spatial_beam.turning(*_in_space(ends), SECOND)[:, :, IN_PLANE]

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, NamedTuple, Self
 
 import numpy as np
 
-from preprocessing.elements.blocks import Blocks, Places
+from preprocessing.elements.blocks import Blocks, Places, weighted_sum
 from preprocessing.elements.element import Coordinates, Element
-from preprocessing.elements.section import Patch
+from preprocessing.elements.section import Patch, monomial
+from preprocessing.elements.section_shape import Terms
 from preprocessing.elements.space import Pair, Space
 from toolkit.reduced_model.model import StressPoints
 
@@ -57,6 +59,16 @@ class BlockElement(Element):
         return Blocks(Places(elements, numbers, self.dofs[elements, : blocks.shape[2]], (n_rows, self.coordinates.n)), blocks)
 
 
+class Tension(NamedTuple):
+    """How the tension of some elements stiffens them: with E p(section) times their strain times the squares of their slopes."""
+
+    patch: Patch
+    elements: np.ndarray  # (n_e,) their numbers
+    terms: Terms  # of the polynomial p
+    strain: np.ndarray  # (n_e, p) rows of the strain along the element
+    slopes: np.ndarray  # (n_e, k, p) rows F whose squares sum up to the integral of the squares of the slopes
+
+
 @dataclass(frozen=True, eq=False)
 class LineElement(BlockElement):
     """Straight elements between two nodes, on which interface points lie.
@@ -83,6 +95,21 @@ class LineElement(BlockElement):
     def stepped(self) -> np.ndarray:
         """Which elements have a node that a complex step moves, (n_e,) truth values."""
         return np.any(np.imag(self.ends) != 0, axis=(1, 2))
+
+    def tensions(self) -> Iterator[Tension]:
+        """How tension stiffens the elements; a kind that does not say has no geometric stiffness."""
+        yield from ()
+
+    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
+        n, found = self.coordinates.n, list[tuple[Any, Blocks]]()
+        for patch, elements, terms, strain, slopes in self.tensions():
+            dofs = self.dofs[elements, : strain.shape[1]]
+            stretched = np.einsum("ep,ep->e", strain, displacement[dofs])
+            blocks = Blocks(
+                Places(elements, dofs, dofs, (n, n)), np.einsum("e,ekp,ekq->epq", stretched, slopes, slopes, optimize=True)
+            )
+            found += [(number * monomial(values, patch.monomial(youngs_modulus=1, **powers)), blocks) for number, powers in terms]
+        return weighted_sum(found, (n, n)) if found else super().geometric_stiffness(values, displacement)
 
     def changing(self) -> Self:
         """The same, where only elements that a complex step changes contribute; a kind that leaves all of them in is right, but slow."""

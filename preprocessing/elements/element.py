@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -14,6 +14,7 @@ from preprocessing.elements.blocks import Blocks
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import Terms
 from preprocessing.elements.space import Space
+from toolkit.foundation.errors import InputError
 
 
 class Contribution(NamedTuple):
@@ -97,3 +98,20 @@ class Element(ABC):
     @abstractmethod
     def contributions(self) -> Iterator[Contribution]:
         """The terms of mass, stiffness and stress, for unit parameters; complex-safe."""
+
+    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
+        """K_g, sparse (n, n): what the stress of a displacement (n,) adds to the stiffness, linear in it; complex-safe.
+
+        Parameters
+        ----------
+        values : of the parameters
+
+        Raises
+        ------
+        InputError
+            The kind does not tell it.
+        """
+        raise InputError(
+            f"{type(self).__name__} does not tell how its stress stiffens it, so that spin_stiffening cannot be had. Leave the key out of "
+            "[basis]."
+        )

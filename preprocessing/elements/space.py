@@ -4,6 +4,11 @@ With Z = [xi, Psi], theory section 1, the mass of a body enters its invariants b
 
     plane   G = Z^T (M_00 + M_11) Z, symmetric,   H = Z^T (M_01 - M_10) Z, antisymmetric
     space   Q_ab = Z^T M_ab Z for a <= b, symmetric for a = b
+
+The centrifugal forces of a body that spins with omega about its frame's origin are, with the symmetric parts of the M_ab,
+
+    plane   omega^2 (M_00 + M_11) xi
+    space   sum_ij omega_i omega_j F_ij,   F_ii = (sum_a M_aa - M_ii) xi,   F_ij = -M_ij xi
 """
 
 from __future__ import annotations
@@ -29,6 +34,10 @@ class Form(NamedTuple):
     part: Literal["symmetric", "antisymmetric", "whole"]  # antisymmetric: of the sum without its transpose
 
 
+Spin = tuple[tuple[Pair, float], ...]
+"""Of one product of angular velocities: the M_ab whose symmetric parts make its centrifugal forces, and their weights."""
+
+
 @dataclass(frozen=True)
 class Space:
     """The plane, or space."""
@@ -36,6 +45,7 @@ class Space:
     dimension: int
     pairs: tuple[Pair, ...]  # the component mass matrices, those with a = b first
     forms: tuple[Form, ...]
+    spins: tuple[Spin, ...]
     invariants: type
 
     def by_point(self, rows: Any, components: int) -> Any:
@@ -47,12 +57,14 @@ PLANE = Space(
     2,
     ((0, 0), (1, 1), (0, 1)),
     (Form("inertia", None, ((0, 0), (1, 1)), "symmetric"), Form("gyroscopic", None, ((0, 1),), "antisymmetric")),
+    ((((0, 0), 1.0), ((1, 1), 1.0)),),
     Invariants,
 )
 SPACE = Space(
     3,
     PAIRS,
     tuple(Form("second_moment", k, (pair,), "symmetric" if pair[0] == pair[1] else "whole") for k, pair in enumerate(PAIRS)),
+    tuple(tuple(((a, a), 1.0) for a in range(3) if a != pair[0]) if pair[0] == pair[1] else ((pair, -1.0),) for pair in PAIRS),
     SpatialInvariants,
 )
 SPACES = {each.dimension: each for each in (PLANE, SPACE)}

@@ -164,3 +164,11 @@ def bending(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
     at_ends = curvature(ends, triad, axis)
     rows = [at_ends.mean(axis=1), (at_ends[:, 1] - at_ends[:, 0]) / np.sqrt(12)]
     return np.sqrt(length(ends))[:, None, None] * np.stack(rows, axis=1)
+
+
+def turning(ends: np.ndarray, triad: np.ndarray, axis: int) -> np.ndarray:
+    """Rows F (n_e, 3, 12) whose squares sum up to the integral of v'^2, or w'^2, along the element (`axis` SECOND or THIRD)."""
+    powers = POWERS[:3]
+    root = np.linalg.cholesky(1 / (powers[:, None] + powers + 1))  # a slope is quadratic, and int r^j r^k dr = 1 / (j + k + 1)
+    slopes = _slope(ends, transverse(ends, triad, axis))[:, :3]
+    return np.sqrt(length(ends))[:, None, None] * np.einsum("jk,ejp->ekp", root, slopes)

@@ -62,6 +62,7 @@ class BasisTable(Table):
     chord: Annotated[list[InterfaceName], Field(min_length=2, max_length=2)] | None = (
         None  # two interface points that the body's frame goes through, instead of a clamp
     )
+    spin_stiffening: bool = False  # whether scenes may ask how a spin of the body's frame stiffens it, by spin_stiffening = true
 
     @model_validator(mode="after")
     def _can_be_had(self) -> BasisTable:
@@ -70,6 +71,11 @@ class BasisTable(Table):
         except InputError as error:
             raise ValueError(str(error)) from error
         return self
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        """Parts of a reduced model that are there because they were asked for."""
+        return ("spin",) if self.spin_stiffening else ()
 
     def choice(self) -> BasisChoice:
         """The same, as the reduction wants it."""

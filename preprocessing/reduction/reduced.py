@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from preprocessing.basis.basis import Basis
 from preprocessing.basis.basis_choice import BasisChoice
@@ -16,11 +17,14 @@ from preprocessing.discretisation.following_places import with_places
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.element_sums import element_sums
 from preprocessing.reduction.held_points import with_held_points
+from preprocessing.reduction.line_spin import line_spin
+from preprocessing.reduction.stored_entries import with_more
 from toolkit.foundation.units import unit
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.model import InterfacePoint, Invariants, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants
+from toolkit.reduced_model.spin import Spin
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class Reduced:
     elements: Elements | SpatialElements | None = None
     element_derivatives: dict[str, Derivatives] | None = None
     element_affine: dict[str, Polynomial] | None = None
+    spin: Spin | None = None
 
     def fields(self, units: str) -> dict[str, Any]:
         """Arguments of `ReducedModel`."""
@@ -48,7 +53,7 @@ class Reduced:
             "nominal": {name: float(np.real(value)) for name, value in self.space.values.items()},
             "nominal_units": {name: unit(units, quantity) for name, quantity in self.space.quantities.items()},
             **{name: getattr(self, name) for name in ("invariants", "derivatives", "affine", "interfaces", "stress")},
-            **{name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine")},
+            **{name: getattr(self, name) for name in ("elements", "element_derivatives", "element_affine", "spin")},
         }
 
 
@@ -74,8 +79,12 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     basis = reduced_basis(choice, mass, stiffness, nominal.nodes, clamped_node, clamp, nominal.interface_rows())
     exact = space.in_monomials if basis.constant else frozenset()
     changes = {parameter: space.change(nominal, parameter) for parameter in space.values if parameter not in exact}
+    held = _held(choice, clamped_node, len(nominal.nodes))
+    still = [] if choice.boundary == "free" else held
+    shapes = csr_array(basis.z) if choice.kind == "full" else basis.z
+    spin = line_spin(space, nominal, shapes, still, matrices) if choice.spin_stiffening else None
     rates = (
-        (parameter, Rate(change.matrices, d, _item_rates(change, basis, d)))
+        (parameter, Rate(change.matrices, d, _item_rates(change, basis, d) | (spin.rates(parameter, d) if spin else {})))
         for (parameter, change), d in zip(changes.items(), _shape_rates(basis, list(changes.values())), strict=True)
     )
     size = float(np.ptp(np.real(nominal.nodes), axis=0).max())
@@ -83,16 +92,14 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     found = contracted(
         nominal.parts, matrices, space.values, basis.z, rates, interfaces, computed=choice.kind != "full", exact=bool(exact)
     )
-    if not element_parts(choice.kind):
-        return Reduced(space, basis, *found, interfaces, nominal.stress_points)
-    return Reduced(
-        space,
-        basis,
-        *found,
-        interfaces,
-        nominal.stress_points,
-        *element_sums(space, nominal, _held(choice, clamped_node, len(nominal.nodes))),
-    )
+    by_monomials = spin.by_monomials(exact) if spin else {}
+    found = found._replace(derivatives=with_more(found.derivatives, by_monomials))
+    elements: tuple[Any, Any, Any] = (None, None, None)
+    if element_parts(choice.kind):
+        sums = element_sums(space, nominal, held)
+        elements = (sums.elements, sums.derivatives, sums.affine)
+    stored = None if spin is None else spin.stored(found.invariants, choice.kind == "full")
+    return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored)
 
 
 def element_parts(basis: str) -> tuple[str, ...]:

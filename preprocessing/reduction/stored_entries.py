@@ -89,6 +89,11 @@ def joined_rates(rates: Rates, parameters: Sequence[str]) -> dict[str, Derivativ
     return {item: _joined(rows) for item, rows in found.items()}
 
 
+def with_more(found: dict[str, Derivatives], others: Mapping[str, Derivatives]) -> dict[str, Derivatives]:
+    """The derivatives, and others of the same items by other parameters."""
+    return found | {item: found[item] + each if item in found else each for item, each in others.items()}
+
+
 def _joined(rows: Iterable[tuple[int, np.ndarray, np.ndarray]]) -> Derivatives:
     numbers, entries, values = zip(*((np.full(len(entry), k), entry, value) for k, entry, value in rows), strict=True)
     return Derivatives(np.concatenate(numbers), np.concatenate(entries), np.concatenate(values))

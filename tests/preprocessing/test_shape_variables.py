@@ -57,6 +57,7 @@ def built(folder, basis, tie="averaged", more=""):
     mesh = box("tetra10", (2, 1, 1), LENGTHS, bent=0.01)
     np.save(folder / "bulge.npy", bulge(mesh.nodes))
     top = mesh.groups["top"].tolist()
+    basis = f"{BASES[basis]}\nspin_stiffening = true"
     path = body_file(folder, mesh, basis, tie=tie, more=f"\n[pressure_surfaces.top]\nnodes = {top}\n{SHAPE}{more}")
     return path, mesh
 
@@ -65,7 +66,8 @@ def built(folder, basis, tie="averaged", more=""):
     ("basis", "tie"), [*((each, "averaged") for each in BASES), ("craig-bampton", "rigid"), ("free", "rigid")]
 )
 def test_responses_have_the_slopes_of_models_built_afresh(basis, tie, tmp_path):
-    """Of all items together: mass, compliance, frequencies, pressure, stress, and moments of the deformed body."""
+    """Of all items together: mass, compliance, frequencies, pressure, stress, stiffening by spins, and moments of the
+    deformed body."""
     path, _ = built(tmp_path, basis, tie)
     save(build(path), tmp_path / "body.h5")
     model = load(tmp_path / "body.h5")
@@ -84,7 +86,7 @@ def test_every_item_of_unique_shapes_has_the_derivative_of_models_built_afresh(b
     model = build(path)
     number = model.numbers["bulge"]
     fresh = {s: build(path, values={"bulge": s}) for h in (2e-3, 1e-3) for s in (h, -h)}
-    items = [*vars(model.invariants), "surface_loads.top.force", "surface_loads.top.moment"]
+    items = [*vars(model.invariants), "spin.stiffening", "surface_loads.top.force", "surface_loads.top.moment"]
     items += [f"interfaces.{name}.{array}" for name in ("hub", "tip") for array in ("position", "rotation")]
     for item in items:
         nominal = model.item(item)

@@ -279,6 +279,8 @@ def responses(design):
     q = np.linalg.solve(K, work)
     found += [force, moment[:, :, 0], work @ q]
     found.append(design.value("stress_operator")[5] @ q)
+    if design.model.spin is not None:
+        found.append(np.array([np.trace(np.linalg.solve(K, each)) for each in design.value("spin.stiffening")]))
     N, Q, zeta = design.value("first_moment"), design.value("second_moment"), np.append(1.0, 1e8 * q)
     return [*found, N @ zeta, np.einsum("i,pij,j->p", zeta, Q, zeta), tip.position[0] @ zeta, moment @ zeta]
 

@@ -15,6 +15,7 @@ from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
+from toolkit.reduced_model.spin import SPIN_STIFFENING
 
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""
@@ -32,6 +33,10 @@ class ModelBody(Body):
         Path of the reduced model, relative to the scene's folder.
     extrapolation
         What to do where a parameter leaves its nominal value and the file holds only a derivative there: refuse, or follow the tangent.
+    spin_stiffening
+        Whether the centrifugal forces of its frame's spin stiffen the body: blades and discs that spin fast. It needs a reduced model that
+        was built with `spin_stiffening = true` in `[basis]`, and a body of one frame, which turns. What accelerations of the frame, weight
+        and forces at points of the body do to its stiffness is not in it.
     """
 
     model_config = ConfigDict(extra="allow")
@@ -39,6 +44,7 @@ class ModelBody(Body):
 
     model: str
     extrapolation: Literal["none", "first-order"] = "none"
+    spin_stiffening: bool = False
 
     @property
     def dependence(self) -> tuple[str, ...]:
@@ -111,6 +117,27 @@ class ModelBody(Body):
     def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
         """Those of some names alone, as others cost their time."""
         return self.design_point(scene).some_invariants(*names)
+
+    def stiffening(self, scene: Placed) -> np.ndarray | None:
+        """The matrices (k, n_f, n_f) of `reduced_model.spin` at the scene's parameter values; None of a body that does not ask for them.
+
+        Raises
+        ------
+        InputError
+            Its reduced model does not hold them.
+        """
+        if not self.spin_stiffening:
+            return None
+        design = self.design_point(scene, "spin")
+        if design.model.spin is None:
+            name = next(name for name, body in scene.bodies.items() if body is self)
+            toml = next(iter(design.model.source), "the file that it is built from")
+            raise InputError(
+                f"bodies.{name}.spin_stiffening = true, but its reduced model {self.model!r} does not tell how a spin stiffens the body. "
+                f"Write spin_stiffening = true in the table [basis] of {toml} and build it again with ffrf-preprocess, or leave the key "
+                "out of the scene."
+            )
+        return design.value(SPIN_STIFFENING)
 
     def whole_mass(self, scene: Placed) -> Any:
         """That of its reduced model."""

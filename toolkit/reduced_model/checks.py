@@ -14,6 +14,7 @@ from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, SpatialElements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -24,7 +25,8 @@ from toolkit.reduced_model.model import (
     StressPoints,
     generalized_mass,
 )
-from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
+from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
+from toolkit.reduced_model.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.thin_arrays import listed, places, sparing
 
 RIGID = 1e-12
@@ -41,7 +43,7 @@ MAGNITUDE = LARGEST**3
 
 HIGHEST_POWER = 20
 
-PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads", "elements")
+PARTS_WITH_ITEMS = ("interfaces", "shape", "surface_loads", "elements", "spin")
 """Parts of which arrays can depend on parameters, besides the invariants."""
 
 SHAPES: dict[Any, dict[str, str]] = {
@@ -56,6 +58,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
     Outline: {"position": "p2z", "edges": "e3"},
+    Interior: {"position": "p2z", "triangles": "t3", "stress": "p4f", "modulus": ""},
     Elements: {
         "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
         "stiffness": "euu", "damping": "euu", "stress_operator": "su",
@@ -69,6 +72,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     },
     Surface: {"position": "p3z", "triangles": "t3", "lines": "l2"},
     SurfaceLoad: {"force": "3", "moment": "33z"},
+    Spin: {"stiffening": "gff"},
 }  # fmt: skip
 SPATIAL_POINT = {**SHAPES[InterfacePoint], "position": "k3z", "rotation": "k3z"}
 """One letter per axis: f elastic coordinates, z = 1 + f, s stress points, r = 3 nodes, u of one element, w = 1 + u, in space v and y;
@@ -96,7 +100,7 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
+    sizes: Sizes = {"2": 2, "3": 3, "4": 4, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     if "invariants" not in before:
         _check_matrices(model.invariants, path)
@@ -109,9 +113,11 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
     for name, load in (model.surface_loads or {}).items():
         _fit_all(path, f"surface_loads/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "elements", "surface"):
+    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
+    if model.spin is not None and "spin" not in before:
+        _check_spin(model.spin.stiffening, 1 if model.dimension == 2 else len(PAIRS), path)
     _check_numbers(model, path)
 
 
@@ -162,6 +168,14 @@ def _check_matrices(inv: Invariants | SpatialInvariants, path: Path) -> None:
         )
 
 
+def _check_spin(stiffening: np.ndarray, count: int, path: Path) -> None:
+    """One symmetric matrix in the plane, six in space."""
+    if len(stiffening) != count:
+        _refuse(path, SPIN_STIFFENING.replace(".", "/"), f"has {len(stiffening)} matrices instead of {count}")
+    if np.abs(stiffening - stiffening.swapaxes(1, 2)).max(initial=0) > ROUND_OFF * np.abs(stiffening).max(initial=0):
+        _refuse(path, SPIN_STIFFENING.replace(".", "/"), "is not symmetric")
+
+
 def _sizes(inv: Invariants | SpatialInvariants) -> dict[str, EntryScale]:
     """What a difference in every entry of the invariants is compared with.
 
@@ -195,6 +209,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         place = f"{'element_' * item.startswith('elements.')}affine/{item}"
         names = [
             *SHAPES[type(model.invariants)],
+            SPIN_STIFFENING,
             *(f"elements.{name}" for kind in (Elements, SpatialElements) for name in SHAPES[kind]),
         ]
         if item not in names:
@@ -204,7 +219,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
         _numbers_below(path, f"{place}/power", polynomial.power, HIGHEST_POWER + 1, "powers")
         _numbers_below(path, f"{place}/term", polynomial.term, len(polynomial.factor), "terms")
         _numbers_below(path, f"{place}/entry", polynomial.entry, _size(model, path, place, item), "entries")
-        if item.startswith("elements.") and model.elements is None:
+        if (item.startswith("elements.") and model.elements is None) or (item == SPIN_STIFFENING and model.spin is None):
             continue
         nominal = model.item(item)
         here = places(nominal, polynomial.entry)
@@ -244,6 +259,9 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")
     if outline is not None and not np.isin(outline.edges, np.arange(len(outline.position))).all():
         _refuse(path, "outline/edges", f"names points other than 0 to {len(outline.position) - 1}")
+    if model.interior is not None:
+        _numbers_below(path, "interior/triangles", model.interior.triangles, len(model.interior.position), "points")
+        _numbers_below(path, "interior/modulus", model.interior.modulus, len(model.nominal), "parameters")
     if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
         _refuse(path, "mesh/connectivity", f"names nodes other than 0 to {len(mesh.nodes) - 1}")
     if stress is None:

@@ -59,6 +59,10 @@ class DesignPoint:
     def _p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
+    def parameter(self, number: int) -> Any:
+        """Value of the parameter with a number, real or complex."""
+        return self._p[number]
+
     @cached_property
     def _steps(self) -> dict[int, Any]:
         """Steps off the nominal design by the number of the parameter."""

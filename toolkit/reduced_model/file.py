@@ -17,8 +17,10 @@ from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.spin import Spin
 
 if TYPE_CHECKING:
     import h5py
@@ -43,16 +45,18 @@ PARTS: dict[str, Any] = {
     "shape": Shape,
     "mesh": Mesh,
     "outline": Outline,
+    "interior": Interior,
     "elements": Elements,
     "element_derivatives": Derivatives,
     "element_affine": Polynomial,
     "surface": Surface,
     "surface_loads": SurfaceLoad,
+    "spin": Spin,
 }
-"""Groups of the file; those in `_NAMED` hold several named objects."""
+"""Groups of the file; those in `NAMED` hold several named objects."""
 SPATIAL_PARTS: dict[str, Any] = {"invariants": SpatialInvariants, "elements": SpatialElements}
 """What they hold in space instead."""
-_NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
+NAMED = ("derivatives", "affine", "interfaces", "surface_loads", "element_derivatives", "element_affine")
 
 
 def load(path: str | Path, parts: Collection[str] = tuple(PARTS), known: ReducedModel | None = None) -> ReducedModel:
@@ -107,7 +111,7 @@ def stored_bytes(path: str | Path) -> dict[str, int]:
 
 def _contents(model: Mapping[str, Any]) -> list[str]:
     """Names of all named objects: without one of them a model would be read as one that does not depend on a parameter."""
-    return [f"{part}/{name}" for part in _NAMED for name in model.get(part) or {}]
+    return [f"{part}/{name}" for part in NAMED for name in model.get(part) or {}]
 
 
 def _check_complete(contents: str, found: Mapping[str, Any]) -> None:
@@ -195,7 +199,7 @@ def _read_part(content: Content, name: str, dimension: int) -> Any:
     if name != "invariants" and not content.has(name):
         return None
     kind = SPATIAL_PARTS.get(name, PARTS[name]) if dimension == 3 else PARTS[name]
-    if name in _NAMED:
+    if name in NAMED:
         return {key: _read_object(kind, content, f"{name}/{key}") for key in content.group(name)}
     return _read_object(kind, content, name)
 

@@ -12,7 +12,9 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
+from toolkit.reduced_model.spin import Spin
 
 MEAN_AXES = "mean axes (Buckens)"
 """The reference condition of a body whose frame is held by none of its points."""
@@ -179,11 +181,13 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     outline: Outline | None = None
+    interior: Interior | None = None
     elements: Elements | SpatialElements | None = None  # of bodies that keep all nodal coordinates
     element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
     element_affine: dict[str, Polynomial] | None = None  # the same as `affine`
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
+    spin: Spin | None = None  # of bodies whose file asks for it
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text

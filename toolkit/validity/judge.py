@@ -12,6 +12,7 @@ from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
+from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
 from toolkit.validity.curves.idle_curves import idle_curves
 from toolkit.validity.curves.load_curves import unseen_curves
@@ -63,6 +64,7 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     if solution.steps:
         yield from unbalanced_energy(solution, found["energy_balance"])
         yield from excessive_speeds(solution)
+        yield from partly_stiffened(solution)
         yield from filter(None, [snap_through(solution)])
         yield from springs_through_zero(solution)
         yield from unseen_curves(solution)

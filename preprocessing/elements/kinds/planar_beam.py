@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from preprocessing.elements import beam
-from preprocessing.elements.block_element import LineElement
+from preprocessing.elements.block_element import LineElement, Tension
 from preprocessing.elements.element import Contribution, squared
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, Term, Terms
@@ -55,6 +55,12 @@ class PlanarBeam(LineElement):
             numbers, n_rows = 4 * elements[:, None] + np.arange(4), 4 * len(self.connectivity)
             for terms, rows in stressed:
                 yield Contribution("stress", patch, terms, self.placed_rows(elements, rows[here], numbers, n_rows))
+
+    def tensions(self) -> Iterator[Tension]:
+        """The normal force on the slopes."""
+        strain, slopes = self.modulus_factor * beam.strain(self.ends), beam.turning(self.ends)
+        for patch in self.patches:
+            yield Tension(patch, patch.elements, AREA, strain[patch.elements], slopes[patch.elements])
 
     def changing(self) -> PlanarBeam:
         return self if np.imag(self.modulus_factor) else replace(self, wanted=np.flatnonzero(self.stepped))

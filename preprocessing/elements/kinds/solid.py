@@ -14,13 +14,15 @@ from typing import Any
 import numpy as np
 
 from preprocessing.elements.element import Contribution, Coordinates, Element
-from preprocessing.elements.section import Patch
+from preprocessing.elements.section import Patch, monomial
 from preprocessing.elements.section_shape import ONE, Term, Terms
 from preprocessing.elements.solids.elasticity import SolidMatrices, in_block
 from preprocessing.elements.solids.finished import refuse_supports, scalar_mass
+from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows
 from preprocessing.elements.space import SPACES
 from preprocessing.mesh.solid_mesh import SolidMesh
+from toolkit.foundation.errors import InputError
 
 QUANTITIES = {
     "youngs_modulus": "stress", "density": "density", "width": "length", "stiffness_scale": "none", "mass_scale": "none",
@@ -44,6 +46,7 @@ class Solid(Element):
     stress: Any  # sparse (n_stress, n)
     parameters: Mapping[str, str]  # quantity -> name of the parameter
     across: Terms  # what mass and stiffness grow with besides the material: the width in the plane
+    stressed: StressedSolid | None = None  # None of finished matrices
 
     @property
     def coordinates(self) -> Coordinates:
@@ -61,8 +64,20 @@ class Solid(Element):
         yield Contribution("stiffness", patch, self.across, self.stiffness)
         yield Contribution("stress", patch, ONE, self.stress)
 
+    def geometric_stiffness(self, values: Mapping[str, Any], displacement: np.ndarray) -> Any:
+        if self.stressed is None:
+            raise InputError(
+                "finished matrices do not tell how the stress of a spin stiffens the body: spin_stiffening needs a mesh and its "
+                "elements. Leave the key out of [basis], or leave [matrices] out."
+            )
+        patch = Patch(ALL, self.parameters)
+        ((number, powers),) = self.across
+        return number * monomial(values, patch.monomial(youngs_modulus=1, **powers)) * self.stressed.stiffness(displacement)
 
-def element_solid(nodes: np.ndarray, matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any]) -> Solid:
+
+def element_solid(
+    nodes: np.ndarray, matrices: SolidMatrices, rows: Rows, lame: tuple[Any, Any], stressed: StressedSolid | None = None
+) -> Solid:
     """Of elements, or what a parameter changes of them.
 
     Parameters
@@ -70,7 +85,7 @@ def element_solid(nodes: np.ndarray, matrices: SolidMatrices, rows: Rows, lame: 
     lame : lambda / E and mu / E
     """
     stiffness, stress = (lame[0] * first + lame[1] * shear for first, shear in ((matrices.first, matrices.shear), rows))
-    return Solid(nodes, matrices.scalar_mass, stiffness, stress, MATERIAL, _width(nodes.shape[1]))
+    return Solid(nodes, matrices.scalar_mass, stiffness, stress, MATERIAL, _width(nodes.shape[1]), stressed)
 
 
 def _width(dimension: int) -> Terms:

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from preprocessing.elements import spatial_beam
-from preprocessing.elements.block_element import LineElement
+from preprocessing.elements.block_element import LineElement, Tension
 from preprocessing.elements.element import Contribution, squared
 from preprocessing.elements.section import Patch
 from preprocessing.elements.section_shape import ONE, SectionShape
@@ -104,6 +104,16 @@ class SpatialBeam(LineElement):
             for terms, blocks in zip((ONE, fibre.second, fibre.third), rows, strict=True):
                 if terms:
                     yield Contribution("stress", each.patch, terms, self.placed_rows(elements, blocks, numbers, int(first[-1])))
+
+    def tensions(self) -> Iterator[Tension]:
+        """The normal force on the slopes of the centre line, and its stress on how the fibres of a section turn when it twists."""
+        strain, torsion = spatial_beam.strain(self.ends, self.axes), spatial_beam.torsion(self.ends, self.axes)
+        bent = [spatial_beam.turning(self.ends, self.axes, axis) for axis in (SECOND, THIRD)]
+        slopes = np.concatenate(bent, axis=1)
+        for each in self.patches:
+            k, shape = each.patch.elements, each.shape
+            for terms, rows in ((shape.area, slopes), (shape.bending_2, torsion), (shape.bending_3, torsion)):
+                yield Tension(each.patch, k, terms, each.modulus_factor * strain[k], rows[k])
 
     def changing(self) -> SpatialBeam:
         found = self.stepped

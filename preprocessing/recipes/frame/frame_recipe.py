@@ -36,7 +36,7 @@ class FrameRecipe(Recipe[FrameFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        own = element_parts(self.file.basis.kind)
+        own = element_parts(self.file.basis.kind) + self.file.basis.parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", picture, *own)
 
     def _named(self) -> list[Path]:

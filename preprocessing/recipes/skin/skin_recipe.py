@@ -45,7 +45,7 @@ class SkinRecipe(Recipe[SkinFile]):
     @property
     def parts(self) -> tuple[str, ...]:
         picture = "mesh" if self.file.dimension == 2 else "surface"
-        own = element_parts(self.file.basis.kind)
+        own = element_parts(self.file.basis.kind) + self.file.basis.parts
         return ("invariants", "derivatives", "affine", "interfaces", "stress", "shape", picture, *own)
 
     def _named(self) -> list[Path]:

@@ -32,7 +32,10 @@ class BodyRecipe(Recipe[BodyFile]):
     name = "body.toml"
     schema = BodyFile
     seal = Seal("body, ")
-    parts = ("invariants", "derivatives", "affine", "interfaces", "stress")
+
+    @property
+    def parts(self) -> tuple[str, ...]:
+        return ("invariants", "derivatives", "affine", "interfaces", "stress", *self.file.basis.parts)
 
     @classmethod
     def means(cls, content: Mapping[str, Any]) -> bool:

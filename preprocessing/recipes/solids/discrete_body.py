@@ -17,6 +17,7 @@ from preprocessing.discretisation.discretisation import STEP
 from preprocessing.elements.kinds.solid import Solid, element_solid, finished_solid, parameters_of
 from preprocessing.elements.solids.elasticity import SolidMatrices, solid_matrices
 from preprocessing.elements.solids.elements import ElementBlock, element_blocks
+from preprocessing.elements.solids.geometric_stiffness import StressedSolid
 from preprocessing.elements.solids.stress import Rows, stress_rows
 from preprocessing.elements.solids.stress_error import Elastic
 from preprocessing.input.at_key import at_key
@@ -46,6 +47,7 @@ class DiscreteBody:
     boundary: Boundary | None  # None without elements
     pressure_surfaces: Mapping[str, BoundaryFaces]
     elastic: Elastic | None = None  # None without elements that were assembled here
+    element: Solid | None = None
 
 
 def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
@@ -72,7 +74,7 @@ def discrete_body(path: Path, file: BodyFile) -> DiscreteBody:
     else:
         solid = _from_files(named, made_with)
     parts = assemble(solid)
-    return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces, elastic)
+    return DiscreteBody(mesh, parts, values, others, changes, named.clamped, ties, named.boundary, named.surfaces, elastic, solid)
 
 
 def _ratio(file: BodyFile) -> float:
@@ -101,8 +103,10 @@ def _from_elements(
     slopes = tuple(rate_of(factor) for factor in lame_factors(ratio + 1j * STEP, state))
     weightless = SolidMatrices(sparse.csr_array(matrices.scalar_mass.shape), matrices.first, matrices.shear)
     of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
-    changes = _changes(of_ratio, named, blocks, lame, values, ties)
-    return element_solid(mesh.nodes, matrices, rows, lame), changes, Elastic(blocks, mesh.nodes, lame)
+    stepped = StressedSolid(blocks, lame_factors(ratio + 1j * STEP, state))
+    changes = _changes(of_ratio, named, blocks, lame, values, ties, stepped)
+    elastic = Elastic(blocks, mesh.nodes, lame, ratio if state == "plane-strain" else 0.0)
+    return element_solid(mesh.nodes, matrices, rows, lame, StressedSolid(blocks, lame)), changes, elastic
 
 
 def _changes(
@@ -112,9 +116,10 @@ def _changes(
     lame: tuple[Any, Any],
     values: Mapping[str, float],
     ties: Mapping[str, Tie],
+    stepped: StressedSolid,
 ) -> Iterator[tuple[str, BodyChange]]:
-    """What Poisson's ratio and the motions change, one after the other."""
-    yield "poisson_ratio", BodyChange(of_ratio.at(values), named.mesh, ties, {})
+    """What Poisson's ratio, of which there is a solid with a complex step, and the motions change, one after the other."""
+    yield "poisson_ratio", BodyChange(of_ratio.at(values), named.mesh, ties, {}, stepped)
     del of_ratio
     for name, motion in named.motions.items():
         yield name, _moved(named, blocks, motion, lame, values)
@@ -129,7 +134,7 @@ def _moved(
     rates = assemble(element_solid(mesh.nodes, own, _stress(named, blocks, motion), lame)).at(values)
     moved = replace(mesh, nodes=mesh.nodes + 1j * STEP * motion)
     normals = {key: BoundaryFaces(moved.nodes, each.faces).normals() for key, each in named.surfaces.items()}
-    return BodyChange(rates, moved, named.ties(moved.nodes), normals)
+    return BodyChange(rates, moved, named.ties(moved.nodes), normals, StressedSolid(blocks, lame, STEP * motion))
 
 
 def _from_files(named: NamedMesh, made_with: Mapping[str, float]) -> Solid:

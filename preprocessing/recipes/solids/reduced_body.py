@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,7 +21,9 @@ from preprocessing.elements.kinds.solid import QUANTITIES
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.recipes.solids.inside import inside
 from preprocessing.recipes.solids.mesh_error import mesh_error
+from preprocessing.recipes.solids.solid_spin import SolidSpin, solid_spin
 from preprocessing.reduction.contracted import Rate, contracted
 from preprocessing.reduction.held_points import with_held_points
 from preprocessing.reduction.stored_entries import ROUND_OFF
@@ -44,8 +47,12 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     nominal = {**body.values, **body.others}
     interfaces = {name: _interface(*each.motion(z), body.mesh.size) for name, each in body.ties.items()}
     interfaces = with_held_points(interfaces, z[:, 1:], body.mesh.size)
-    rates = ((name, _rate(body, matrices, change, choice, free, shapes, z)) for name, change in body.changes)
+    spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
+    rates = ((name, _rate(body, matrices, name, change, choice, free, shapes, z, spin)) for name, change in body.changes)
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
+    stored = None if spin is None else spin.stored(found.invariants, choice.kind == "full")
+    if spin and stored:
+        found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
     points = len(found.invariants.stress_operator)
     return {
         "dimension": body.mesh.dimension,
@@ -56,9 +63,10 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         **found._asdict(),
         "writers": {} if shapes.system is None else shapes.system.writers,
-        **_boundary_parts(body, z),
+        **_drawn_parts(body, z, list(nominal), coloured=points > 0),
         **mesh_error(body.elastic, mass, stiffness, free, shapes),
         "interfaces": interfaces,
+        "spin": stored,
         "stress": StressPoints(np.arange(points), np.zeros(points, int), np.ones(points, int)),
     }
 
@@ -72,29 +80,33 @@ def _condition(choice: BasisChoice, clamp: str) -> str:
 def _rate(
     body: DiscreteBody,
     matrices: Matrices,
+    name: str,
     change: BodyChange,
     choice: BasisChoice,
     free: Freedom,
     shapes: SolidShapes,
     z: np.ndarray,
+    spin: SolidSpin | None,
 ) -> Rate:
     """With dZ = [dxi, dPsi] (n, 1 + n_f), where Psi = T Psi^; frozen shapes are the same at every design."""
     d_z = np.zeros((body.mesh.n, 1 + shapes.columns.shape[1]))
     d_z[:, 0] = change.motion
+    stepped = change.freedom(body.clamped)
     if choice.derivative == "differentiated":
-        stepped = change.freedom(body.clamped)
         on_independent = change.on(free, stepped, matrices, shapes.averaged)
         if choice.chord is not None and change.moves:
             turned = chord_turn(Chord(*choice.chord), shapes.points, change.ties)
             on_independent = replace(on_independent, turn=rate_of(turned))
         d_z[:, 1:] = free.map @ shapes.rates(on_independent) + rate_of(stepped.map) @ shapes.columns
-    return Rate(change.matrices, d_z, _item_rates(change, z, d_z))
+    more = spin.rates(name, change, stepped, d_z) if spin else {}
+    return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
 
 
-def _boundary_parts(body: DiscreteBody, z: np.ndarray) -> dict[str, Any]:
-    """Outline of a plane body; surface of a spatial one, and pressures on it."""
+def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
+    """Outline and inside of a plane body; surface of a spatial one, and pressures on it."""
     if body.boundary is None or isinstance(body.boundary, BoundaryLines):
-        return {"outline": None if body.boundary is None else _outline(body.boundary, z)}
+        interior = inside(body.elastic, body.mesh, z, parameters) if coloured else None
+        return {"outline": None if body.boundary is None else _outline(body.boundary, z), "interior": interior}
     loads = {name: pressure_on(each.normals(), z) for name, each in body.pressure_surfaces.items()}
     return {"surface": surface_of(body.boundary, z), "surface_loads": loads}
 

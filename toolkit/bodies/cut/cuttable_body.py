@@ -49,6 +49,16 @@ class CuttableBody(ModelBody):
             raise ValueError('`geometric_error` is what frames = "auto" chooses a number for; write that, or leave it out')
         return self
 
+    @model_validator(mode="after")
+    def _one_turning_frame(self) -> "CuttableBody":
+        if self.spin_stiffening and self.parted:
+            raise ValueError(
+                "`spin_stiffening` is that of a body of one frame; one that is cut stiffens at its cuts: leave it or `frames` out"
+            )
+        if self.spin_stiffening and not self.turns:
+            raise ValueError('`spin_stiffening` is that of a frame that turns; write frame = "moving", or leave it out')
+        return self
+
     def means(self, field: str) -> bool:
         """An error that is wanted is no number of the body."""
         return field != "geometric_error" and super().means(field)

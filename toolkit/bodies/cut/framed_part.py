@@ -45,6 +45,10 @@ class FramedPart(ModelBody):
         """Names of its elastic coordinates, with the numbers of its nodes for people."""
         raise NotImplementedError
 
+    def stiffening(self, scene: Placed) -> np.ndarray | None:
+        """None: a cut body stiffens at its cuts."""
+        return None
+
     def part(self, scene: Placed) -> Part:
         """The part at the scene's parameter values."""
         design = whole_design(scene, self.whole)

@@ -18,7 +18,7 @@ class MarkerNumbers(NamedTuple):
 
 
 class FloatingNumbers(NamedTuple):
-    """Invariants of a flexible body with a moving frame; G and H on their common pattern."""
+    """Invariants of a flexible body with a moving frame; G, H and S on their common pattern."""
 
     mass: Any
     moment: np.ndarray  # (1 + n_f, 2) N^T
@@ -26,11 +26,12 @@ class FloatingNumbers(NamedTuple):
     column: np.ndarray
     inertia: np.ndarray
     gyroscopic: np.ndarray
+    stiffening: np.ndarray  # S on the same entries; () of a body that no spin stiffens
 
     @property
     def entries(self) -> int:
-        """Entries of G and H and of the three rows and columns of the frame."""
-        return len(self.row) + 3 * (2 * len(self.moment) + 1)
+        """Entries of G, H and S and of the three rows and columns of the frame."""
+        return len(self.row) + self.stiffening.size * (self.stiffening.ndim > 0) + 3 * (2 * len(self.moment) + 1)
 
 
 class PlanarBody(Body):

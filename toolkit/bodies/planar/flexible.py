@@ -165,5 +165,15 @@ class Flexible(CuttableBody, StartVelocity):
         if not self.has_frame:
             return None
         inv = self.invariants(scene)
-        row, column = np.nonzero((inv.inertia != 0) | (inv.gyroscopic != 0))
-        return FloatingNumbers(inv.mass, inv.first_moment.T, row, column, inv.inertia[row, column], inv.gyroscopic[row, column])
+        spin, told = self.stiffening(scene), (inv.inertia != 0) | (inv.gyroscopic != 0)
+        stiffening = np.zeros(()) if spin is None else np.pad(spin[0], ((1, 0), (1, 0)))
+        row, column = np.nonzero(told | (stiffening != 0))
+        return FloatingNumbers(
+            mass=inv.mass,
+            moment=inv.first_moment.T,
+            row=row,
+            column=column,
+            inertia=inv.inertia[row, column],
+            gyroscopic=inv.gyroscopic[row, column],
+            stiffening=stiffening if spin is None else stiffening[row, column],
+        )

@@ -26,7 +26,7 @@ class SpatialMarkerNumbers(NamedTuple):
 
 
 class SpatialFloatingNumbers(NamedTuple):
-    """Invariants of a body whose frame turns; all Q[a, b] on their common pattern."""
+    """Invariants of a body whose frame turns; all Q[a, b] and S[a, b] on their common pattern."""
 
     mass: Any
     moment: np.ndarray  # (1 + n_f, 3) N^T
@@ -34,6 +34,7 @@ class SpatialFloatingNumbers(NamedTuple):
     column: np.ndarray
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     axis: np.ndarray  # (3,) that a turning frame turns about
+    stiffening: np.ndarray  # (n_entries, 9) S_ab - delta_ab tr S / 2; () of a body that no spin stiffens
 
     @property
     def full(self) -> bool:
@@ -50,8 +51,8 @@ class SpatialFloatingNumbers(NamedTuple):
 
     @property
     def entries(self) -> int:
-        """Entries of all Q[a, b] and N, and the mass."""
-        return self.second.size + self.moment.size + 1
+        """Entries of all Q[a, b], S[a, b] and N, and the mass."""
+        return self.second.size + self.stiffening.size * (self.stiffening.ndim > 0) + self.moment.size + 1
 
 
 class SpatialBody(Body):

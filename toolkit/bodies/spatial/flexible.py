@@ -156,6 +156,26 @@ class SpatialFlexible(CuttableBody, SpatialBody):
         Q, moment, A = all_second_moments(inv.second_moment), inv.first_moment, self.placement
         if self.frame == "turning":
             Q, moment = np.einsum("ac,bd,cdij->abij", A, A, Q), A @ moment
-        row, column = np.nonzero(np.any(Q != 0, axis=(0, 1)))
-        second = np.moveaxis(Q[:, :, row, column], 2, 0).reshape(len(row), 9)
-        return SpatialFloatingNumbers(inv.mass, moment.T, row, column, second, self.unit_axis)
+        told, S = np.any(Q != 0, axis=(0, 1)), self._stiffening(scene)
+        row, column = np.nonzero(told if S is None else told | np.any(S != 0, axis=(0, 1)))
+
+        def entries(matrices: np.ndarray) -> np.ndarray:
+            found: np.ndarray = np.moveaxis(matrices[:, :, row, column], 2, 0).reshape(len(row), 9)
+            return found
+
+        stiffening = np.zeros(()) if S is None else entries(S)
+        return SpatialFloatingNumbers(inv.mass, moment.T, row, column, entries(Q), self.unit_axis, stiffening)
+
+    def _stiffening(self, scene: Placed) -> np.ndarray | None:
+        """S_ab - delta_ab tr S / 2 (3, 3, 1 + n_f, 1 + n_f), in the axes of a turning frame's undeformed configuration.
+
+        As a change of the moments Q_ab this is the kinetic energy -omega_a omega_b S_ab / 2, because of Q_ab the energy has
+        (tr Q delta_ab - Q_ab) / 2.
+        """
+        spin, A = self.stiffening(scene), self.placement
+        if spin is None:
+            return None
+        S = all_second_moments(np.pad(spin, ((0, 0), (1, 0), (1, 0))))
+        if self.frame == "turning":
+            S = np.einsum("ac,bd,cdij->abij", A, A, S)
+        return S - np.einsum("ab,ccij->abij", np.eye(3), S) / 2

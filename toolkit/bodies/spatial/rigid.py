@@ -87,7 +87,7 @@ class SpatialRigidBody(SpatialBody):
         arm = center - self.frame_origin(scene)
         second = moments + mass * np.outer(arm, arm)
         first = np.zeros(1, int)
-        return SpatialFloatingNumbers(mass, (mass * arm)[None], first, first, second.reshape(1, 9), self.unit_axis)
+        return SpatialFloatingNumbers(mass, (mass * arm)[None], first, first, second.reshape(1, 9), self.unit_axis, np.zeros(()))
 
 
 class SpatialRigid(GivenMass, SpatialRigidBody):

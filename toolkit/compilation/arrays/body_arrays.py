@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
@@ -105,6 +107,11 @@ def floating_part(
         blocks += [(number[b], x, part) for b, part in derivative.floating.items() if _changes(part)]
     falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
     n_f = [len(part.moment) - 1 for part in bodies]
+    inside = {k: stiffened_entries(part) for k, part in enumerate(bodies)}
+    stiffened = [
+        pattern.find(frame + 2 + part.row[e], frame + 2 + part.column[e])
+        for frame, part, e in zip(frames, bodies, inside.values(), strict=True)
+    ]
     positions, borders = [], []
     for frame, part, n in zip(frames, bodies, n_f, strict=True):
         positions.append(pattern.find(frame + 2 + part.row, frame + 2 + part.column))
@@ -124,6 +131,13 @@ def floating_part(
         inertia=np.concatenate([np.zeros(0, dtype), *(part.inertia for _, _, part in blocks)]).astype(dtype),
         gyroscopic=np.concatenate([np.zeros(0, dtype), *(part.gyroscopic for _, _, part in blocks)]).astype(dtype),
         entry_position=ints(positions),
+        stiffened_start=starts([len(inside[b]) for b, _, _ in blocks]),
+        stiffened_row=ints([bodies[b].row[inside[b]] for b, _, _ in blocks]),
+        stiffened_column=ints([bodies[b].column[inside[b]] for b, _, _ in blocks]),
+        stiffening=np.concatenate(
+            [np.zeros(0, dtype), *(part.stiffening[inside[b]] for b, _, part in blocks if len(inside[b]))]
+        ).astype(dtype),
+        stiffened_position=ints(stiffened),
         border_start=starts([len(border) for border in borders])[:-1],
         border=ints(borders),
         gravity=np.asarray(values.gravity).astype(dtype),
@@ -132,5 +146,11 @@ def floating_part(
     )
 
 
+def stiffened_entries(part: Any) -> np.ndarray:
+    """Those among the entries of a body's matrices that a spin stiffens, (n,) numbers."""
+    return np.flatnonzero((part.row > 0) & (part.column > 0)) if np.ndim(part.stiffening) else np.zeros(0, np.int64)
+
+
 def _changes(part) -> bool:
-    return any(np.any(np.asarray(value) != 0) for value in (part.mass, part.moment, part.inertia, part.gyroscopic))
+    every = (part.mass, part.moment, part.inertia, part.gyroscopic, part.stiffening)
+    return any(np.any(np.asarray(value) != 0) for value in every)

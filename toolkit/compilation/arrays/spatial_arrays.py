@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.kernels.spatial.floating_kernel import SpatialFloating
+from toolkit.compilation.arrays.body_arrays import stiffened_entries
 from toolkit.compilation.arrays.component_arrays import marker_changes
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering, grips_of
@@ -55,9 +56,11 @@ def spatial_floating_part(
     for x, derivative in enumerate(derivatives):
         blocks += [(number[b], x, part) for b, part in derivative.floating.items() if _changes(part)]
     falling = [x for x, derivative in enumerate(derivatives) if np.any(derivative.gravity != 0)]
-    positions, borders = [ints([])], []
-    for name, part in zip(names, bodies, strict=True):
+    positions, borders, stiffened = [ints([])], [], [ints([])]
+    inside = {k: stiffened_entries(part) for k, part in enumerate(bodies)}
+    for name, part, within in zip(names, bodies, inside.values(), strict=True):
         frame, size = numbering.first[name], scene.body(name).frame_size
+        stiffened.append(pattern.find(frame + size - 1 + part.row[within], frame + size - 1 + part.column[within]))
         if not part.full:
             positions.append(pattern.find(frame + size - 1 + part.row, frame + size - 1 + part.column))
         local = frame + np.arange(size - 1 + len(part.moment))
@@ -84,6 +87,13 @@ def spatial_floating_part(
         entry_column=ints([part.column for part, _ in lists]),
         second=np.ascontiguousarray(np.concatenate([empty, *(second for _, second in lists)]), dtype),
         entry_position=ints(positions),
+        stiffened_start=starts([len(inside[b]) for b, _, _ in blocks]),
+        stiffened_row=ints([bodies[b].row[inside[b]] for b, _, _ in blocks]),
+        stiffened_column=ints([bodies[b].column[inside[b]] for b, _, _ in blocks]),
+        stiffening=np.ascontiguousarray(
+            np.concatenate([empty, *(part.stiffening[inside[b]] for b, _, part in blocks if len(inside[b]))]), dtype
+        ),
+        stiffened_position=ints(stiffened),
         border_start=starts([len(border) for border in borders])[:-1],
         border=ints(borders),
         gravity=np.asarray(values.gravity).astype(dtype),
@@ -95,7 +105,7 @@ def spatial_floating_part(
 def _changes(part: Any) -> bool:
     if np.any(part.axis):
         raise InputError("the axis of a turning frame cannot be a design variable: it defines the frame's coordinate.")
-    return any(np.any(np.asarray(value) != 0) for value in (part.mass, part.moment, part.second))
+    return any(np.any(np.asarray(value) != 0) for value in (part.mass, part.moment, part.second, part.stiffening))
 
 
 def spatial_marker_arrays(

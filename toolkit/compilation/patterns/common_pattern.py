@@ -11,7 +11,7 @@ import numpy as np
 
 from toolkit.compilation.quantities import Quantities
 
-SHARED = ("mass", "damping", "stiffness", "inertia", "gyroscopic", "second")
+SHARED = ("mass", "damping", "stiffness", "inertia", "gyroscopic", "second", "stiffening")
 """Matrices of a body that share their entries."""
 SMALLEST_SQUARE = 8
 """Rows from which matrices are worked with as a whole, if at least half of their entries can differ from zero."""

@@ -13,6 +13,7 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.deformation import Deformation, chain, deformation_of, flexible_bodies
+from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 PROGRAM = "preprocessing.corotational.command"
 
@@ -47,7 +48,9 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     if behind is None:
         raise InputError(_without_beams(scene, body))
     estimate = deformation_of(behind, solution, body)
-    elastic = np.real(solution.q[solution.times == estimate.time][:1, elastic_coordinates(solution, body)])
+    instant = np.flatnonzero(solution.times == estimate.time)[:1]
+    elastic = np.real(solution.q[instant][:, elastic_coordinates(solution, body)])
+    held_back = kept_back(solution, body, instant)
     content = {
         "nodes": behind.elements.nodes,
         "connectivity": behind.elements.connectivity,
@@ -55,6 +58,8 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
         "held": behind.held,
         "displacements": behind.displacements(elastic)[0],
     }
+    if held_back is not None:
+        content["loaded"] = behind.displacements(elastic + held_back)[0]
     done = run(PROGRAM, [], json.dumps([{name: value.tolist() for name, value in content.items()}]))
     if done.returncode:
         raise InputError(f"body {body!r} at t = {estimate.time:g}: {done.stderr.strip()}")

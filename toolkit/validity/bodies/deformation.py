@@ -28,6 +28,7 @@ from toolkit.validity.bodies.cut.joined_errors import BentPart, joined_errors
 from toolkit.validity.bodies.cut.places import displacements, undeformed_places
 from toolkit.validity.bodies.element_sections import Elements, Sections, sections
 from toolkit.validity.bodies.second_order import clamped_rows, displacements_under, mean_rows, second_order_displacement
+from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 LIMIT = 0.05
 """Part of the largest displacement that the geometric error may be: an element that turns by 0.1 rad, 6 degrees, is about there.
@@ -217,8 +218,11 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     """The meter's numbers for one body whose finite elements are known."""
     elastic = np.real(solution.q[:, elastic_coordinates(solution, body)])
     instants = largest_instants(elastic)
-    u = behind.displacements(elastic[instants])
-    moved, error = distances(u), distances(behind.second_order(u))
+    u, held_back = behind.displacements(elastic[instants]), kept_back(solution, body, instants)
+    lacks = behind.second_order(u)
+    if held_back is not None:
+        lacks = lacks + behind.displacements(held_back)
+    moved, error = distances(u), distances(lacks)
     worst = first_largest(error.max(axis=1))
     extent = np.ptp(behind.elements.nodes, axis=0).max()
     rotation, time = np.abs(u[worst, 2::3]).max(), solution.times[instants[worst]]

@@ -87,8 +87,8 @@ def excessive_speeds(solution: Solution) -> Iterator[Caution]:
         yield Caution(
             "critical-speed",
             f"{body} spins with {speed:.4g} rad/s, faster than its critical speed of {critical:.4g} rad/s. Linear FFRF lacks "
-            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, or make several "
-            "bodies in a row of it.",
+            "centrifugal stiffening, so that the body bends out without bound or to a wrong state. Spin it slower, write "
+            "spin_stiffening = true in its table, or make several bodies in a row of it.",
         )
 
 

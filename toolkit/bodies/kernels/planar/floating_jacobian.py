@@ -82,6 +82,8 @@ def add_elastic_jacobian(part, b, v, acc, I_acc, I_q, A_q, A_v):
             I_q[at] -= alpha * part.gyroscopic[e]
             A_q[at] -= omega * omega * part.inertia[e]
             A_v[at] -= 2 * omega * part.gyroscopic[e]
+    for e in range(part.stiffened_start[b], part.stiffened_start[b + 1]):
+        A_q[part.stiffened_position[e]] += omega * omega * part.stiffening[e]
 
 
 @inlined

@@ -11,6 +11,10 @@ With z^ = [1; c], z' = [0; c'], a^ = [0; c''], J = [[0, -1], [1, 0]] and invaria
 
 Every term is linear in the invariants, so the design derivative is the same formula with their derivatives. Stiffness and damping
 belong to the constant part.
+
+The spin of a body that it stiffens has G - S in the place of G, but not in the product with a^: the kinetic energy
+z' G z' / 2 + ... + theta'^2 z^ (G - S) z^ / 2 is that of the body whose points come nearer to the axis as it bends, and from it all these
+terms follow, so that energy and momenta balance.
 """
 
 from typing import NamedTuple
@@ -39,6 +43,11 @@ class Floating(NamedTuple):
     inertia: np.ndarray
     gyroscopic: np.ndarray
     entry_position: np.ndarray  # (entries of bodies,) where they are stored, if row and column > 0
+    stiffened_start: np.ndarray  # (n_blocks + 1,) into the next three: none of a body that no spin stiffens
+    stiffened_row: np.ndarray  # entries of S, numbered in z^
+    stiffened_column: np.ndarray
+    stiffening: np.ndarray
+    stiffened_position: np.ndarray  # (entries of bodies,) where they are stored
     border_start: np.ndarray  # (n_b,) into the next: (3, 3 + n_f) rows, then (n_f, 3)
     border: np.ndarray
     gravity: np.ndarray  # (2,)
@@ -54,7 +63,7 @@ class FloatingWork(NamedTuple):
     """Products of one block with the current state."""
 
     first: np.ndarray  # (3, 2): N z^, N z', N a^, rotated by A
-    products: np.ndarray  # (6, 1 + n_f): G z^, G z', G a^, H z^, H z', H a^
+    products: np.ndarray  # (6, 1 + n_f): (G - S) z^, (G - S) z', G a^, H z^, H z', H a^
 
 
 @inlined
@@ -86,6 +95,10 @@ def multiply_block(part, block, q, v, acc, work):
         for j, factor in enumerate((z, dz, ddz)):
             work.products[j, i] += part.inertia[e] * factor
             work.products[3 + j, i] += part.gyroscopic[e] * factor
+    for e in range(part.stiffened_start[block], part.stiffened_start[block + 1]):
+        i, k = part.stiffened_row[e], part.stiffened_column[e]
+        work.products[0, i] -= part.stiffening[e] * q[frame + 2 + k]
+        work.products[1, i] -= part.stiffening[e] * v[frame + 2 + k]
 
 
 @inlined

@@ -16,6 +16,7 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     product,
     transposed_product,
 )
+from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
 from toolkit.foundation.kernel import inner
 from toolkit.kinematics.spatial import second_products
 
@@ -198,6 +199,8 @@ def spatial_linearized(part, frames, state, q, v, acc, scale, work, inertial, ap
         add_turning_block(part, frames, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
         if part.n_f[b] > 0:
             add_bent_rows(part, state, b, acc, part.gravity, scale, work, border, I_acc, I_q, A_q, A_v)
+        if part.stiffened_start[b + 1] > part.stiffened_start[b]:
+            add_stiffened_jacobian(part, state, b, work, border, I_q, A_q, A_v)
         if part.full[b] == 1:
             add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v)
         else:

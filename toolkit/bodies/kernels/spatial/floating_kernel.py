@@ -20,6 +20,7 @@ import numpy as np
 
 from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
 from toolkit.bodies.kernels.spatial.small_matrices import add_nine_rows, add_three_rows, along, product, turned_dot
+from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_residual
 from toolkit.foundation.kernel import inner
 
 
@@ -46,6 +47,11 @@ class SpatialFloating(NamedTuple):
     entry_column: np.ndarray
     second: np.ndarray  # (n_entries, 9) Q[a, b], b running fastest
     entry_position: np.ndarray  # (entries of bodies,) where they are stored, if row and column > 0
+    stiffened_start: np.ndarray  # (n_blocks + 1,) into the next three: none of a body that no spin stiffens, see `stiffening`
+    stiffened_row: np.ndarray  # entries of R, numbered in z^
+    stiffened_column: np.ndarray
+    stiffening: np.ndarray  # (n_entries, 9) R[a, b], b running fastest
+    stiffened_position: np.ndarray  # (entries of bodies,) where they are stored
     border_start: np.ndarray  # (n_b,) into the next
     border: (
         np.ndarray
@@ -57,7 +63,7 @@ class SpatialFloating(NamedTuple):
     def work(self, dtype: type) -> "SpatialFloatingWork":
         """Scratch memory."""
         n = 1 + int(max(self.n_f, default=0))
-        shapes = [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)]
+        shapes = [(3, 3), (3, n), (3, 9)] + [(9, n)] * 3 + [(3, 3)] * 8 + [(12, 3, 3)] + [(4, 4)] * 2 + [(5, n)] + [(9, n)] * 2
         return SpatialFloatingWork(*(np.zeros(shape, dtype) for shape in shapes))
 
 
@@ -82,6 +88,8 @@ class SpatialFloatingWork(NamedTuple):
     curved_inertial: np.ndarray  # (4, 4) products with A_kl
     curved_applied: np.ndarray
     lines: np.ndarray  # (5, 1 + n_f) scratch memory
+    stiff_q: np.ndarray  # (9, 1 + n_f): R[a, b] z^, b running fastest
+    stiff_v: np.ndarray  # with z'
 
 
 @inner
@@ -107,6 +115,8 @@ def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, 
         add_bent_residual(
             part, frames, block, b, acc, gravity, scale, work, inertial[first : first + n], applied[first : first + n]
         )
+        if part.stiffened_start[block + 1] > part.stiffened_start[block]:
+            add_stiffened_residual(frames, b, work, applied[first : first + n])
 
 
 @inner

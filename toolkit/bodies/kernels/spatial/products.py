@@ -5,6 +5,7 @@ time, which is seven times faster than a list of entries. Those of bodies with m
 """
 
 from toolkit.bodies.kernels.spatial.small_matrices import by_transpose, transposed_product
+from toolkit.bodies.kernels.spatial.stiffening import multiply_stiffened
 from toolkit.foundation.kernel import inner
 
 
@@ -34,6 +35,8 @@ def multiply_spatial_block(part, frames, block, q, v, acc, work):
             rate += z[i] * d_row[i]
             growth += z[i] * dd_row[i]
         work.s_q[k // 3, k % 3], work.s_v[k // 3, k % 3], work.s_acc[k // 3, k % 3] = total, rate, growth
+    if part.stiffened_start[block + 1] > part.stiffened_start[block]:
+        multiply_stiffened(part, block, n, work)
     by_transpose(frames.A[body], work.s_acc, 1.0, work.inertial)
     by_transpose(frames.X[body], work.s_q, 1.0, work.inertial)
     by_transpose(frames.V[body], work.s_v, 2.0, work.applied)

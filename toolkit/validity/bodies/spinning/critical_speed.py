@@ -5,6 +5,8 @@ the plane all of it): it is stable as long as this matrix is positive definite, 
 motions of the body held by its frame.
 
     C = sum_a Q[a, a] - sum_ab n_a n_b Q[a, b]        elastic rows and columns, n: unit vector of the axis in the body
+
+Of a body that its spin stiffens, sum_ab n_a n_b S[a, b] is taken from it.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from toolkit.foundation.near_ties import first_largest
+from toolkit.reduced_model.spin import stiffness_of_spin
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, flexible_body
 from toolkit.system.solution import Solution
@@ -25,20 +28,21 @@ def spinning_bodies(scene: Scene) -> list[str]:
     return [name for name, body in deforming(scene).items() if body.turns]
 
 
-def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None) -> float:
+def critical_speed(scene: Scene, body: str, axis: np.ndarray | None = None, stiffened: bool = True) -> float:
     """The speed of the body's frame, in rad/time, beyond which the linear body is unstable.
 
     Parameters
     ----------
     axis : direction (3,) in the axes of the reduced model, of a body in space; by default that of a turning frame, or of the angular
         velocity at the start, or the most critical of the three axes of the model
+    stiffened : whether with the stiffening that the body asks for
     """
     given = [axis] if axis is not None else _likely_axes(scene, body)
-    return min(_critical(scene, body, each) for each in given)
+    return min(_critical(scene, body, each, stiffened) for each in given)
 
 
-def _critical(scene: Scene, body: str, axis: np.ndarray) -> float:
-    stiffness, mass = _scaled(scene, body, axis)
+def _critical(scene: Scene, body: str, axis: np.ndarray, stiffened: bool) -> float:
+    stiffness, mass = _scaled(scene, body, axis, stiffened)
     last = len(mass) - 1  # the largest eigenvalue of K^-1 C is exact, where the smallest of C^-1 K would drown in round-off
     largest = float(eigh(mass, stiffness, eigvals_only=True, subset_by_index=[last, last])[0])
     return float(1 / np.sqrt(largest)) if largest > 0 else np.inf
@@ -89,9 +93,12 @@ def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:
     return True
 
 
-def _scaled(scene: Scene, body: str, axis: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _scaled(scene: Scene, body: str, axis: np.ndarray, stiffened: bool = True) -> tuple[np.ndarray, np.ndarray]:
     """K, scaled to a unit diagonal, and C for an axis of any length in the same scale, (n_f, n_f)."""
-    inv = flexible_body(scene, body).invariants(scene)
-    mass, stiffness = np.real(inv.mass_across(axis / np.linalg.norm(axis))), np.real(inv.stiffness)
+    found, unit = flexible_body(scene, body), axis / np.linalg.norm(axis)
+    inv, stiffening = found.invariants(scene), found.stiffening(scene)
+    mass, stiffness = np.real(inv.mass_across(unit)), np.real(inv.stiffness)
+    if stiffened and stiffening is not None:
+        mass = mass - stiffness_of_spin(np.real(stiffening), unit)
     scale = 1 / np.sqrt(np.diag(stiffness))
     return scale[:, None] * stiffness * scale, scale[:, None] * mass * scale

@@ -18,6 +18,7 @@ bending that each of them has, that is
 of the lowest frequencies, measured on 2 to 16 equal parts and up to 10 sqrt(E I / rho A) / L^2, to a factor of 1.5: their squares are
 those at rest and 1.17 and 0.17 Omega^2. A body that is free at one end bends as a cantilever under a uniform load, any other one
 everywhere alike.
+Of a body that its own spin stiffens see `partly_stiffened`.
 """
 
 from __future__ import annotations
@@ -35,15 +36,14 @@ from toolkit.reduced_model.cut.part_model import FIRST, LAST
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene.scene import Scene
 from toolkit.solvers.spin.generator import angular_velocity
-from toolkit.system.flexible_bodies import deforming, design_point
+from toolkit.system.flexible_bodies import deforming, design_point, flexible_body
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
+from toolkit.validity.bodies.spinning.partly_stiffened import DOUBTFUL, TOLD, off_the_axis, told
 from toolkit.validity.bodies.turning_frame import bending_compliance, lateral_compliance
 
 OF_SPEED, OF_TENSION = 0.58, 0.21
 OF_CHORDS, ACROSS, WITHIN = 1 / 8, 0.57, 0.083
-TOLD, DOUBTFUL = 0.005, 0.025
-"""Parts of the lowest frequency above which it is told, and doubted: frequencies in the plane of the spin lack about twice as much."""
 
 
 def missing_stiffening(solution: Solution) -> Iterator[Caution]:
@@ -57,13 +57,15 @@ def missing_stiffening(solution: Solution) -> Iterator[Caution]:
         return
     part = parts[worst]
     lowers = f"by about {part:.1%}" if part < 1 else "by any amount"
-    yield Caution(
-        "missing-stiffening",
+    text = (
         f"centrifugal stiffening inside of {worst!r} is not in these numbers, which lowers the lowest frequency across the plane of the "
-        f"spin {lowers}, and those in this plane by more. Linear FFRF stiffens a chain of bodies at the joints between them: make more "
-        "bodies in a row of it; with twice as many a quarter of this is left.",
-        doubt=part > DOUBTFUL,
+        f"spin {lowers}, and those in this plane by more. Write spin_stiffening = true in its table, with a reduced model that was built "
+        "for it. Or make more bodies in a row of it, which stiffen at the joints between them; with twice as many a quarter of this is "
+        "left."
     )
+    if flexible_body(solution.system.scene, worst).spin_stiffening:
+        text = told(worst, part)
+    yield Caution("missing-stiffening", text, doubt=part > DOUBTFUL)
 
 
 def _of_cut_bodies(solution: Solution) -> Iterator[Caution]:
@@ -130,7 +132,12 @@ def _part(solution: Solution, body: str, speed: float) -> float:
             if grip == body and interface in (design_point(scene, body).model.interfaces or {}):
                 force = np.real(JointForce(joint=name, component="x").force(solution, 0)[0][: scene.dimension])
                 gripped[interface] = max(gripped.get(interface, 0.0), float(np.sqrt(force @ force)))
-    own = OF_SPEED * (speed / critical_speed(scene, body)) ** 2
+    found, where = flexible_body(scene, body), solution.coordinates(body)
+    if found.spin_stiffening:
+        (spin,) = found.spins(np.real(solution.q[-1:, where]), np.real(solution.v[-1:, where]))
+        own = off_the_axis(solution, body, spin, -1)
+    else:
+        own = OF_SPEED * (speed / critical_speed(scene, body)) ** 2
     pairs = [Chord(one, other) for one in gripped for other in gripped if one < other]
     carried = [min(gripped[pair[0]], gripped[pair[1]]) * lateral_compliance(solution, body, pair) for pair in pairs]
     return own + OF_TENSION * max(carried, default=0.0)

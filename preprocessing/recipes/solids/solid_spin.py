@@ -1,0 +1,83 @@
+"""How a spin stiffens a solid, with its dependence on every parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from preprocessing.assembly.assembly import Matrices
+from preprocessing.assembly.invariants import polynomial_of
+from preprocessing.basis.solids.ties import Freedom
+from preprocessing.discretisation.body_change import BodyChange
+from preprocessing.discretisation.discretisation import STEP
+from preprocessing.elements.section import monomial
+from preprocessing.mesh.solid_mesh import rigid_motions
+from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.reduction.spin_stiffening import (
+    SpinStiffening,
+    Spun,
+    without_round_off_of_rate,
+    without_round_off_of_spin,
+)
+from preprocessing.reduction.stored_entries import AnyInvariants
+from toolkit.reduced_model.dependence import Polynomial
+from toolkit.reduced_model.spin import SPIN_STIFFENING, Spin
+
+
+@dataclass(frozen=True, eq=False)
+class SolidSpin:
+    """Of a body at its nominal design."""
+
+    body: DiscreteBody
+    matrices: Matrices
+    floats: bool
+    found: SpinStiffening
+
+    def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
+        """For the reduced model; `selected`: of shapes that select coordinates."""
+        value = self.found.value
+        return Spin(without_round_off_of_spin(value, inv) if selected else value)
+
+    def polynomial(self, spin: Spin, names: list[str]) -> dict[str, Polynomial]:
+        """Stress by centrifugal forces grows with the density, in the plane its forces with the width too, and no modulus changes it."""
+        values = {**self.body.values, **self.body.others}
+        factors = tuple((name, 1) for name in ("density", "width") if name in values)
+        flat = spin.stiffening.ravel()
+        here = np.flatnonzero(flat)
+        found = polynomial_of([(factors, here, flat[here] / monomial(values, factors))], names)
+        return {SPIN_STIFFENING: found}
+
+    def rates(self, parameter: str, change: BodyChange, stepped: Freedom, d_z: np.ndarray) -> dict[str, np.ndarray]:
+        """Derivative by what changes the elements, and Z by d_z."""
+        nominal, element = self.found.nominal, self.body.element
+        assert element is not None
+        turned = Spun(
+            replace(element, stressed=change.stressed),
+            self.body.values,
+            self.matrices.stepped(change.matrices, 1j * STEP),
+            stepped.map,
+            nominal.z + 1j * STEP * d_z,
+            _motions(change.mesh.nodes, stepped, change.ties, self.floats),
+        )
+        value = float({**self.body.values, **self.body.others}[parameter])
+        return {SPIN_STIFFENING: without_round_off_of_rate(self.found.rate(turned), self.found.value, value)}
+
+
+def solid_spin(body: DiscreteBody, matrices: Matrices, free: Freedom, z: np.ndarray, floats: bool) -> SolidSpin:
+    """Of a body that is clamped, or floats about mean axes.
+
+    Raises
+    ------
+    InputError
+        Its matrices come from another program.
+    """
+    assert body.element is not None
+    nodes = body.mesh.nodes
+    spun = Spun(body.element, body.values, matrices, free.map, z, _motions(nodes, free, body.ties, floats))
+    return SolidSpin(body, matrices, floats, SpinStiffening(spun, free.places(nodes, body.ties)))
+
+
+def _motions(nodes: np.ndarray, free: Freedom, ties: Any, floats: bool) -> np.ndarray | None:
+    return free.coordinates_of(rigid_motions(nodes), ties) if floats else None
