@@ -51,14 +51,14 @@ nodes, along = model.mesh.nodes, model.shape.arc_length
 middle, ahead = (np.column_stack([np.interp(places + step, along, xy) for xy in nodes.T]) for step in (0, 0.1))
 outward = (ahead - middle) @ np.array([[0, -1], [1, 0]]) * 10  # the skin runs from F over the nose to G
 titles = ("by the thickness of every element, MPa per mm", "by the height of every bump, MPa per mm")
-for axes, names, title in zip(figure.subplots(1, 2), (thicknesses, heights), titles, strict=True):
+for axes, names, title in zip(figure.subplots(1, 2, sharex=True, sharey=True), (thicknesses, heights), titles, strict=True):
     slope = np.array([slopes[name] for name in names])
     ends = np.stack([nodes[:-1], nodes[1:]] if names is thicknesses else [middle, middle + 15 * outward], axis=1)
     axes.plot(*nodes.T, color="0.7")
     lines = LineCollection(ends, array=slope, cmap=SIGNED, norm=symmetric(np.clip(slope, -20, 20)), linewidths=8)
     figure.colorbar(axes.add_collection(lines), ax=axes, location="bottom", extend="min" if slope.min() < -20 else "neither")
     for label, node in {"F": 0, "C": 10, "E": 25, "G": 30}.items():
-        axes.annotate(label, nodes[node], xytext=(9, 9 - 18 * (node > 15)), textcoords="offset points", ha="center", va="center")
+        axes.annotate(label, nodes[node], xytext=(9, 13 - 26 * (node > 15)), textcoords="offset points", ha="center", va="center")
     axes.set(title=title, aspect="equal")
     axes.margins(0.1)
     axes.axis("off")

@@ -16,6 +16,7 @@ from preprocessing.curve.contour import Contour
 from toolkit.foundation.errors import InputError
 
 UNITS = ("chord", "percent", "mm", "m")
+WORDS = {"chord": "fractions of the chord", "percent": "percent of the chord"}
 _CHORD_RANGE = (0.9, 1.1)  # largest x of a section in fractions of its chord
 
 
@@ -68,6 +69,10 @@ class Airfoil:
         return Contour.through(self.points, 1.0)
 
 
+class ScaleError(InputError):
+    """Numbers of an airfoil file that cannot be in the units that were given."""
+
+
 def read_airfoil(path: str | Path, units: str | None = None, chord: float | None = None) -> Airfoil:
     """Read a Selig, XFOIL plain, Lednicer (with or without header), OpenVSP .af or single-element MSES file.
 
@@ -93,7 +98,7 @@ def read_airfoil(path: str | Path, units: str | None = None, chord: float | None
         loop = normal_form(_scaled(loop, divisor, units))
         warnings = loop.warnings + check(loop)
     except InputError as error:
-        raise InputError(f"airfoil {path.name}: {error}") from error
+        raise type(error)(f"airfoil {path.name}: {error}") from error
     loop.points.flags.writeable = False
     return Airfoil(loop.name or path.stem, loop.points, loop.format, loop.repairs, warnings)
 
@@ -126,10 +131,11 @@ def _scaled(loop: Loop, divisor: float, units: str | None) -> Loop:
     low, high = _CHORD_RANGE
     if not low <= largest / divisor <= high:
         if units is None:
-            remedy = 'State units="percent", or units="mm" or "m" with chord=<length>, or scale the file'
+            remedy = "Say what its numbers are in, percent, or mm or m with the length of the chord, or scale the file"
         else:
-            remedy = f"Check units={units!r}" + (f" and chord={divisor:g}" if units in ("mm", "m") else "")
-        raise InputError(
+            read = f"{units} with a chord of {divisor:g} {units}" if units in ("mm", "m") else WORDS[units]
+            remedy = f"Its numbers were read as {read}: say what they are in"
+        raise ScaleError(
             f"x reaches {largest:g}, that is {largest / divisor:g} chord where {low:g} to {high:g} is expected. {remedy}."
         )
     return replace(loop, points=loop.points / divisor)

@@ -17,7 +17,7 @@ from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words,
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.reduced_model.questions.material_questions import material_questions
-from toolkit.reduced_model.questions.mesh_questions import mesh_questions, told_mesh
+from toolkit.reduced_model.questions.mesh_questions import mesh_questions, mesh_record, told_mesh
 
 app = typer.Typer(pretty_exceptions_enable=False)
 
@@ -128,7 +128,7 @@ def _built(path: Path, output: Path, values: dict[str, float], wish: Wish, remar
     if stress := told_mesh(model):
         told += f"\nEstimated: {stress}."
     record = {"file": str(output), "built": found is None, "elastic_coordinates": model.n_f, "interface_points": interfaces}
-    record["stress_error"] = {"cases": model.stress_errors, "place": model.stress_error_at} if model.stress_errors else None
+    record["stress_error"] = mesh_record(model)
     return Done(told, record, warnings)
 
 

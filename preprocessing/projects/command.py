@@ -56,18 +56,31 @@ def solid(
     as_json: AsJson = False,
 ) -> None:
     """Write the files of a new solid and say what to do with them."""
-    from preprocessing.projects.solid.new_solid import new_solid
+    from preprocessing.projects.solid.new_solid import new_solid, size_question
 
     following = (f"ffrf-preprocess {folder}/body.toml", f"ffrf statics {folder}/scene.toml", f"ffrf simulate {folder}/scene.toml")
-    _tell(lambda: new_solid(folder, mesh, clamp, grip, units), following, as_json)
+    _tell(
+        lambda: new_solid(folder, mesh, clamp, grip, units),
+        following,
+        as_json,
+        asked=lambda: size_question(mesh, units) if mesh else "",
+    )
 
 
-def _tell(made: Callable[[], list[Path]], following: tuple[str, ...], as_json: bool, remark: str = "") -> None:
-    """Make a folder; say what is in it, and what comes next."""
+def _tell(
+    made: Callable[[], list[Path]],
+    following: tuple[str, ...],
+    as_json: bool,
+    remark: str = "",
+    asked: Callable[[], str] = lambda: "",
+) -> None:
+    """Make a folder; say what is in it, what it makes one ask, and what comes next."""
     with errors_in_words(as_json):
         files = [str(file) for file in made()]
+        if warning := asked():
+            typer.echo(f"warning: {warning}", err=True)
         if as_json:
-            print_json({"files": files, "next": list(following)})
+            print_json({"files": files, "next": list(following), "warnings": [warning] if warning else []})
             return
         typer.echo("\n".join(f"{file} written." for file in files))
         if remark:

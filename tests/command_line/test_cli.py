@@ -18,6 +18,7 @@ from preprocessing.recipes.build_model import read_recipe
 from toolkit.command_line import cli
 from toolkit.command_line.announcements import compile_before
 from toolkit.command_line.cli import app
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
 from toolkit.foundation.errors import InputError
 from toolkit.scene_file.reader import read_scene
@@ -215,6 +216,11 @@ def test_a_wrong_key_is_told_with_its_line_but_not_one_that_the_file_does_not_ho
 def test_files_of_the_other_half_of_the_toolkit_are_told_apart():
     skin = str(ROOT / "models" / "morphing_wing" / "skin.toml")
     assert "describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess" in refused("simulate", skin)
+    study = refused("simulate", str(ROOT / "models" / "morphing_wing" / "study.toml"))
+    assert (
+        "study.toml is a study of the scene 'scene.toml', not a scene. Give that scene, or the study to `ffrf optimize`" in study
+    )
+    assert "is a folder. Give the path of a scene (.toml) in it" in refused("render", str(MODELS))
     with pytest.raises(InputError, match="is a scene, not a flexible body: analyse it with `ffrf simulate"):
         read_recipe(SCENE)
 
@@ -357,7 +363,11 @@ def test_an_interrupt_ends_a_command_with_one_line_and_the_code_of_shells():
     command = [sys.executable, "-c", code, "statics", SCENE]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 128 + signal.SIGINT
-    assert done.stderr == "interrupted: files that were finished are kept, none is half written.\n"
+    told = "interrupted: files that were finished are kept, none is half written."
+    assert done.stderr == f"{told}\n"
+    assert done.stdout == ""
+    done = subprocess.run([*command, "--json"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert (done.returncode, json.loads(done.stdout)) == (128 + signal.SIGINT, {"error": told})
 
 
 def test_paths_of_models_start_at_the_scene_not_at_the_working_directory(tmp_path, monkeypatch):
@@ -491,3 +501,29 @@ def test_pictures_of_no_motion_and_options_of_a_motion_are_refused_together(opti
     assert done.exit_code == 1
     assert "out, or --static" in done.stderr
     assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_keeps_files_that_no_command_has_written(tmp_path):
+    (tmp_path / "curves.png").write_text("mine")
+    told = refused("render", SCENE, "--output", str(tmp_path))
+    assert "curves.png' is there, and ffrf has not written it" in told
+    assert [file.name for file in tmp_path.iterdir()] == ["curves.png"]
+    (tmp_path / "curves.png").unlink()
+    for _ in range(2):  # its own it may replace
+        (prepare_folder(tmp_path, "curves.png") / "curves.png").write_text("ours")
+    (tmp_path / "history.svg").write_text("mine")
+    with pytest.raises(InputError, match=r"history\.svg' is there"):
+        prepare_folder(tmp_path, "history.*")
+
+
+def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monkeypatch):
+    ends = []
+    monkeypatch.setattr("atexit.register", lambda *call: ends.append(call))
+    for used in (False, True):
+        folder = prepare_folder(tmp_path / "outer" / "inner", "curves.png")
+        assert folder.is_dir()
+        if used:
+            (folder / "curves.png").write_text("ours")
+        for end, *what in ends:
+            end(*what)
+        assert (tmp_path / "outer").exists() is used

@@ -196,3 +196,17 @@ def test_a_number_that_becomes_zero_leaves_a_place_that_does_no_harm():
     ]
     for name, value in values[1][0].items():
         np.testing.assert_allclose(values[0][0][name], value, rtol=1e-10)  # sums in another order
+
+
+def test_curves_that_a_system_remembers_are_those_of_its_own_numbers():
+    scene = read_scene(next(path for path in MODELS if path.parent.name == "morphing_wing"))
+    system = prepare(scene)
+    (curve,) = system.values.curves.values()
+    sets = [np.linspace(0.0, 1.0 + 0.1 * k, 5) for k in range(6)]  # more than are remembered
+    for times in (*sets, *sets):
+        found = system.curve_values(times)
+        assert np.array_equal(found[:, 0], curve.evaluate(times))
+        found[:] = np.nan  # whoever has them may write to them
+    (path,) = (each for each in scene.available_paths() if each.endswith("curve.duration"))
+    moved = scene.with_number(path, 2.0 * scene.number(path))
+    assert np.array_equal(renewed(system, moved, [path]).curve_values(sets[0]), prepare(moved).curve_values(sets[0]))

@@ -11,6 +11,7 @@ from toolkit.linear import dense_lu, sparse_lu
 from toolkit.linear.elimination_order import minimum_degree
 from toolkit.linear.linear_solver import linear_solver, solve_once, updates_of
 from toolkit.linear.sparse_analysis import analyse
+from toolkit.linear.sparse_block import AT_ONCE, solve_block
 
 EPS = np.finfo(float).eps
 TOLERANCE = 1e-12  # as recommended in sparse_lu
@@ -60,8 +61,10 @@ def solved(matrix, n_q, rhs, run=lambda function: function):
     status, plan, lu = factorized(matrix, n_q, run)
     assert status == -1
     x = rhs.astype(lu.dtype)
-    solve = sparse_lu.solve if rhs.ndim == 1 else sparse_lu.solve_block
-    run(solve)(plan, lu, x, np.full_like(x, np.nan))
+    if rhs.ndim == 1:
+        run(sparse_lu.solve)(plan, lu, x, np.full_like(x, np.nan))
+    else:
+        run(solve_block)(plan, lu, x, np.full((len(x), max(x.shape[1], AT_ONCE)), np.nan, x.dtype))
     return x
 
 
@@ -125,9 +128,10 @@ def test_every_column_of_a_block_is_the_solution_of_its_vector(columns):
 def test_a_wide_block_has_the_bits_of_narrow_ones():
     rng = np.random.default_rng(0)
     matrix, n_q = mechanism(rng)
-    rhs = rng.normal(size=(len(matrix), 16))
-    narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 16, 4)]
-    assert np.array_equal(solved(matrix, n_q, rhs), np.hstack(narrow))
+    rhs = rng.normal(size=(len(matrix), 24))
+    narrow = [solved(matrix, n_q, rhs[:, x : x + 4].copy()) for x in range(0, 24, 4)]
+    for columns in (5, 12, 24):  # by eight, by eight and four, by rows
+        assert np.array_equal(solved(matrix, n_q, rhs[:, :columns].copy()), np.hstack(narrow)[:, :columns])
 
 
 def test_multiplications_of_a_factorisation_are_counted():

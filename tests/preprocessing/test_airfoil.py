@@ -246,13 +246,13 @@ def test_stated_units_give_fractions_of_the_chord(factor, options, read):
 
 @pytest.mark.parametrize("factor", [100, 550, 2, 0.5])
 def test_unclear_scale_is_refused_with_the_options(factor, read):
-    with pytest.raises(InputError, match=rf'section.dat: x reaches {factor:g}.*units="percent".*"mm" or "m" with chord='):
+    with pytest.raises(InputError, match=rf"section.dat: x reaches {factor:g}.*percent, or mm or m with the length of the chord"):
         read(lines(naca0012() * factor))
 
 
 @pytest.mark.parametrize(("options", "message"), [
-    ({"units": "percent"}, "x reaches 550, that is 5.5 chord .* Check units='percent'"),
-    ({"units": "mm", "chord": 55.0}, "x reaches 550, that is 10 chord .* Check units='mm' and chord=55"),
+    ({"units": "percent"}, "x reaches 550, that is 5.5 chord .* read as percent of the chord: say what"),
+    ({"units": "mm", "chord": 55.0}, "x reaches 550, that is 10 chord .* read as mm with a chord of 55 mm: say what"),
     ({"units": "mm"}, "units 'mm' need chord="),
     ({"units": "mm", "chord": -1.0}, "units 'mm' need chord="),
     ({"chord": 550.0}, "goes with units 'mm' or 'm' only"),

@@ -13,8 +13,7 @@ from preprocessing.corotational.solve import solve_corotational
 from preprocessing.mesh.curve_mesh import CurveMesh
 from tests.models.frames import cantilever, matrices, ring
 from toolkit.foundation.errors import InputError
-from toolkit.validity.bodies.element_sections import Elements
-from toolkit.validity.bodies.second_order import mean_rows
+from toolkit.validity.bodies.chains.second_order import mean_rows
 
 LENGTH, MODULUS, THICKNESS, WIDTH = 100.0, 70000.0, 0.1, 10.0
 EI = MODULUS * WIDTH * THICKNESS**3 / 12
@@ -153,7 +152,7 @@ def test_a_free_body_is_held_by_its_mean_motion_and_bends_as_its_halves_do():
     """A beam on mean axes between two opposite end moments M = E I angle / L: an arc of a circle, symmetric about its middle."""
     n, angle = 20, 1.0
     frame = cantilever(n, LENGTH)
-    held = mean_rows(Elements(frame.nodes, frame.connectivity))
+    held = mean_rows(frame.nodes, frame.connectivity)
     loads = tip_load(3 * n + 3, 2, EI * angle / LENGTH)
     loads[2] = -loads[-1]
     u = solve_corotational(beam(frame), loads, held).reshape(-1, 3)

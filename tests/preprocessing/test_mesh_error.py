@@ -19,6 +19,7 @@ from preprocessing.elements.solids.stress_error import Elastic, stress_errors
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.discrete_body import lame_factors
 from tests.models.solid_bodies import box, cantilever, rectangle, write_body
+from toolkit.command_line.cli import app as runtime
 from toolkit.reduced_model.file import load
 from toolkit.reduced_model.questions.mesh_questions import COARSE, TOO_STIFF
 from toolkit.scene_file.reader import read_scene
@@ -133,7 +134,13 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
     assert not record["built"]
     assert any("Mesh it finer there" in each for each in record["warnings"])
     model = load(tmp_path / "body.h5")
-    assert record["stress_error"] == {"cases": model.stress_errors, "place": model.stress_error_at}
+    judged = record["stress_error"]
+    assert (judged["cases"], judged["place"]) == (model.stress_errors, model.stress_error_at)
+    assert judged["told"] in done.stdout
+    assert "in the energy norm" in judged["measure"]
+    told = CliRunner().invoke(runtime, ["inspect", str(tmp_path / "body.h5")]).stdout
+    assert judged["measure"] in told
+    assert judged["told"] in told
     assert set(model.stress_errors) == {*(f"interface shape {k}" for k in (1, 2, 3)), "mode 1", "mode 2"}
     assert max(model.stress_errors.values()) > COARSE
     for response, limit in (
@@ -143,6 +150,9 @@ def test_a_coarse_mesh_is_told_by_the_command_by_the_file_and_by_scenes_that_ask
         (tmp_path / "scene.toml").write_text(SCENE.replace("RESPONSE", response))
         codes = [each.code for each in cautions_of_scene(read_scene(tmp_path / "scene.toml")) if each.doubt]
         assert ("coarse-mesh" in codes) is (max(model.stress_errors.values()) > limit)
+    scene = ["inspect", str(tmp_path / "scene.toml"), "--no-measure"]
+    assert json.loads(CliRunner().invoke(runtime, [*scene, "--json"]).stdout)["receipt"]["meshes"] == {"body.h5": judged}
+    assert f"body.h5: estimated: {judged['told']}" in CliRunner().invoke(runtime, scene).stdout
 
 
 def test_a_body_with_all_coordinates_is_judged_under_its_weight_and_a_fine_one_is_not_questioned(tmp_path):

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from preprocessing import build
 from preprocessing.mesh.mesh_file import read_mesh
 from preprocessing.projects.linkage.new_linkage import METRES, STIFFNESS, new_linkage
-from preprocessing.projects.solid.new_solid import WEIGHT, new_solid, volume
+from preprocessing.projects.solid.new_solid import WEIGHT, new_solid, size_question, volume
 from toolkit.command_line.cli import app
 from toolkit.reduced_model.file import save
 from toolkit.scene_file.reader import read_scene
@@ -104,6 +104,26 @@ def test_what_cannot_be_is_refused_with_nothing_written(case, tmp_path):
 
 
 @pytest.mark.usefixtures("in_this_process")
+def test_a_mesh_of_an_unlikely_size_is_questioned_by_its_units(tmp_path):
+    command = [
+        "new",
+        "solid",
+        str(tmp_path / "a"),
+        "--mesh",
+        str(BRACKET),
+        "--clamp",
+        "crank",
+        "--grip",
+        "pin",
+        "--units",
+        "m-kg-s",
+    ]
+    done = CliRunner().invoke(app, command)
+    assert "The mesh is 153 m long if its numbers are m" in done.stderr
+    assert "--units mm-t-s" in done.stderr
+    assert size_question(BRACKET, "mm-t-s") == ""
+
+
 def test_the_command_says_what_it_wrote_and_a_second_one_overwrites_nothing(tmp_path):
     first, second = (CliRunner().invoke(app, ["new", "linkage", str(tmp_path / "mine")]) for _ in range(2))
     assert "then ffrf sensitivity" in first.stdout

@@ -157,11 +157,13 @@ def test_frequencies_without_modes_are_refused_with_what_is_reachable(every, hig
         count_by_frequency(every, highest)
 
 
+@pytest.mark.processors
 def test_a_count_by_frequency_or_static_error_takes_a_pair_of_the_ring_whole():
     frame = ring(24, 100.0, points={"P": 2.3, "Q": 11.0})
     modes = normal_modes(frame.pencil())
-    between = modes.frequencies[:2].mean()  # of two numbers that are equal but for round-off
-    assert count_by_frequency(modes, min(between, modes.frequencies[1] * (1 - 1e-15))) == 2
+    low, high = modes.frequencies[:2]  # equal but for round-off, on some processors to the last digit
+    for wanted in (low * (1 - 1e-12), (low + high) / 2, high * (1 + 1e-12)):
+        assert count_by_frequency(modes, wanted) == 2
     errors = static_errors(modes, np.vstack(list(frame.interface_rows().values())))
     for k in (1, 3, 5):
         assert count_by_static_error(modes, np.vstack(list(frame.interface_rows().values())), errors[k]) == k + 1

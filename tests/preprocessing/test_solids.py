@@ -13,10 +13,12 @@ from preprocessing.basis.solids.ties import freedom, tie
 from preprocessing.elements.solids.elasticity import solid_matrices
 from preprocessing.elements.solids.elements import element_blocks
 from preprocessing.elements.solids.stress import stress_rows
+from preprocessing.elements.solids.stress_error import Elastic
 from preprocessing.mesh.outline import outline_of
 from preprocessing.mesh.solid_mesh import SolidMesh, rigid_motions
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
 from preprocessing.recipes.solids.discrete_body import discrete_body, lame_factors
+from preprocessing.recipes.solids.inside import nodal_stress
 from tests.models.solid_bodies import (
     DENSITY,
     KINDS,
@@ -69,9 +71,23 @@ def test_bent_elements_resist_no_rigid_motion_and_reproduce_constant_stress(kind
     for quantity, (a, b) in {"xx": (0, 0), "yy": (1, 1), "xy": (0, 1)}.items():
         first, shear = stress_rows(quantity, blocks, outline)
         np.testing.assert_allclose((by_lambda * first + by_mu * shear) @ u, sigma[a, b], rtol=1e-12)
+    ratio = 0.3 if state == "plane-strain" else 0.0
+    nodal = nodal_stress(Elastic(blocks, mesh.nodes, (by_lambda, by_mu), ratio), u[:, None])[:, :, 0]
+    across = ratio * np.trace(sigma)
+    np.testing.assert_allclose(nodal, np.tile([sigma[0, 0], sigma[1, 1], across, sigma[0, 1]], (len(mesh.nodes), 1)), atol=1e-12)
     first, shear = stress_rows("tangential", blocks, outline)
     along = np.einsum("ei,ij,ej->e", outline.tangents, sigma, outline.tangents)
     np.testing.assert_allclose((by_lambda * first + by_mu * shear) @ u, along, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_triangles_for_pictures_cover_the_body_once(kind, tmp_path):
+    interior = cantilever(tmp_path, rectangle(kind, (4, 2), 2.0, 0.5)).interior
+    (x_1, y_1), (x_2, y_2), (x_3, y_3) = (interior.position[corner, :, 0].T for corner in interior.triangles.T)
+    areas = ((x_2 - x_1) * (y_3 - y_1) - (x_3 - x_1) * (y_2 - y_1)) / 2
+    assert areas.min() > 0
+    assert areas.sum() == pytest.approx(2.0 * 0.5, rel=1e-12)  # round-off
+    assert len(np.unique(interior.triangles)) == len(interior.position)
 
 
 def test_outline_follows_the_outer_line_and_then_the_hole():

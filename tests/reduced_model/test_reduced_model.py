@@ -96,6 +96,7 @@ def test_parts_that_were_not_asked_for_are_none_and_not_read(monkeypatch):
     assert {name.split("/")[0] for name, _ in read} >= set(PARTS) - {
         "derivatives",
         "outline",
+        "interior",
         "spin",
         "surface",
         "surface_loads",

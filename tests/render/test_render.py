@@ -11,17 +11,19 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.colors import to_rgba
 from PIL import Image
+from scipy.spatial import cKDTree
 
 import toolkit.render.space.probe as probe
 from tests.models.cases import CASES, write_models
 from tests.models.pictures import distinct_colors, image, rest
 from tests.models.scenes import hanging_skin
-from toolkit.bodies.planar.rigid import Rod
+from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
@@ -353,17 +355,75 @@ def test_only_a_revolute_on_the_ground_has_a_triangle(wing):
     np.testing.assert_allclose(support.point, [72.5, 1.3], rtol=1e-12)  # A, round-off
 
 
-@pytest.fixture(scope="module")
-def bracket():
-    """The meshed bracket, turned and bent in made-up states."""
-    solution = rest(read_scene(SCENE.parents[1] / "bracket" / "scene.toml"), 2)
+def bent(scene):
+    """A scene with the meshed bracket, turned and bent in made-up states."""
+    solution = rest(scene, 2)
     where = solution.coordinates("rod")
     solution.q[:, where.start + 2] = solution.times / solution.times[-1]
     solution.q[:, where.start + 3] = 1e-2 * solution.times / solution.times[-1]
     return solution
 
 
-def test_a_meshed_body_is_drawn_with_its_stress_along_its_boundary(bracket):
+@pytest.fixture(scope="module")
+def bracket():
+    """The meshed bracket."""
+    return bent(read_scene(SCENE.parents[1] / "bracket" / "scene.toml"))
+
+
+@pytest.fixture
+def bare(bracket, monkeypatch):
+    """The bracket of a model file that does not tell the stress inside."""
+    monkeypatch.setattr("toolkit.render.plane.solid_shape._inside", lambda *_: None)
+    return bracket
+
+
+def test_a_mass_that_is_fixed_to_a_point_is_drawn():
+    scene = pendulum().system.scene
+    mass = Rigid(mass=1.0, inertia=1.0, center="P")
+    joints = {**scene.joints, "glue": RigidJoint(bodies=("rod", "mass"), point="P")}
+    solution = rest(scene.model_copy(update={"bodies": {**scene.bodies, "mass": mass}, "joints": joints}), 0)
+    (square,) = of_kind(Configuration(solution, 0), "mass")
+    np.testing.assert_allclose(square.point, [1.0, 0.0], atol=1e-15)
+    assert "mass" in {
+        each.get_gid() for each in instant_figure(Configuration(solution, 0), choose_look(solution, [0])).axes[0].collections
+    }
+
+
+def test_a_meshed_body_is_drawn_with_the_stress_inside(bracket):
+    """At a free edge in plane stress von Mises' stress is the one along the edge; the error of this mesh is 2 % of the largest."""
+    look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
+    shape = solid_shape(moment, "rod")
+    inside, middles = shape.inside, shape.edges[:, 2]
+    distance, here = cKDTree(inside.points).query(middles)
+    assert distance.max() < 1e-9  # round-off of some 100 mm: nodes of the boundary are among those of the inside
+    holes = [np.linalg.norm(middles - moment.position("rod", point), axis=1) for point in ("T", "P")]
+    free = np.minimum(*holes) > 22  # mm; the edges of the holes are held, and have stress across them
+    largest = np.abs(inside.stress).max()
+    assert free.sum() > 50
+    assert np.abs(shape.stress - inside.stress[here])[free].max() < 0.05 * largest
+    figure = instant_figure(moment, look)
+    (panel, *_) = figure.axes
+    (shades,) = [each for each in panel.collections if isinstance(each, TriMesh)]
+    np.testing.assert_array_equal(shades.get_array(), inside.stress)
+    assert look.stress_limit >= largest > 0
+    assert not [each for each in panel.collections if isinstance(each, LineCollection) and each.get_array() is not None]
+    assert [each.get_label() for each in meanings([window(look.points)], look, moment)] == [
+        "meshed bodies: von Mises stress, negative in compression"
+    ]
+
+
+def test_stress_inside_follows_the_modulus_and_is_not_drawn_along_a_tangent(bracket):
+    scene, known = bracket.system.scene, solid_shape(Configuration(bracket, 2), "rod").inside.components
+    path = "bodies.rod.youngs_modulus"
+    twice = bent(scene.with_number(path, 2 * scene.number(path)))
+    np.testing.assert_allclose(solid_shape(Configuration(twice, 2), "rod").inside.components, 2 * known, rtol=1e-14)
+    rod = scene.bodies["rod"].model_copy(update={"extrapolation": "first-order", "poisson_ratio": 0.34})
+    other = bent(scene.model_copy(update={"bodies": {**scene.bodies, "rod": rod}}))
+    assert solid_shape(Configuration(other, 2), "rod").inside is None
+
+
+def test_a_meshed_body_is_drawn_with_its_stress_along_its_boundary_where_no_other_is_known(bare):
+    bracket = bare
     look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
     shape = solid_shape(moment, "rod")
     known = np.real(stress_operator(bracket.system.scene, "rod")[:, 0]) @ moment.elastic("rod")
@@ -382,7 +442,8 @@ def test_a_meshed_body_is_drawn_with_its_stress_along_its_boundary(bracket):
     ]
 
 
-def test_a_meshed_body_without_stress_along_its_boundary_is_drawn_without_colours(bracket, monkeypatch):
+def test_a_meshed_body_without_stress_is_drawn_without_colours(bare, monkeypatch):
+    bracket = bare
     monkeypatch.setattr("toolkit.render.plane.solid_shape.stress_components", lambda *_: np.zeros((7, 1)))
     look, moment = choose_look(bracket, [2]), Configuration(bracket, 2)
     assert np.isnan(solid_shape(moment, "rod").stress).all()

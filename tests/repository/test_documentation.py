@@ -203,7 +203,7 @@ def test_the_way_of_a_number_tells_the_numbers_of_the_code():
         f"{plan.n_q} coordinates $q$, {plan.n - plan.n_q} multipliers, so {plan.n} unknowns, {len(solution.times)} times" in text
     )
     entries = {len(getattr(system.values.constant[1], name)) for name in ("mass", "damping", "stiffness")}
-    assert entries == {len(plan.constant.design_entry)} == {792}
+    assert entries == {len(plan.constant.design_stiffness.value)} == {792}
     assert text.count("792") == 2
     assert f"Only {len(np.unique(plan.touched_row))} of the {plan.n} equations" in text
     assert f"is {solution.dq.shape} in the end" in text

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
-from toolkit.analyses.free_motion import free_motion_states
+from toolkit.analyses.free_motion import farthest, free_motion_states
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid, Rod
@@ -336,6 +336,9 @@ def test_bodies_that_a_removed_support_sets_free_are_counted_and_named(removed, 
         solve_statics(system)
     drawn = free_motion_states(system)
     assert len(drawn.names) == 1 + int(ways[0])
+    swing = free_motion_states(system, 20)
+    np.testing.assert_allclose(swing.q[[int(time) for time in farthest(swing, 20)]], drawn.q, atol=1e-12)  # sin(pi / 2) is 1
+    assert np.abs(np.diff(swing.q, axis=0)).max(axis=1).min() > 0
     padded = np.hstack([drawn.q, np.zeros((len(drawn.q), system.n - system.n_q))])
     terms = [system.evaluate(system.inputs(0.0, np.array([0, 0, 1.0])), q, 0 * q, 0 * q) for q in padded]
     gaps = [np.abs(each.applied[system.n_q :] * system.weights[system.n_q :]).max() for each in terms]

@@ -22,9 +22,9 @@ from toolkit.sensitivity.evaluation import values_of
 from toolkit.sensitivity.numerical import numerical
 
 AGREEMENT = 5e-10
-"""Two orders of the same sums, for a skin that is 1e6 times stiffer in stretching than in bending: seen are 2e-10, whatever the
-tolerance of Newton's method; a skin that is four times thicker leaves 2e-11. The last digit of the stored stiffness alone moves the
-gradients by 5e-9, but both of them alike."""
+"""Two orders of the same sums, for a skin that is 1e6 times stiffer in stretching than in bending: seen are 2e-10 in statics and
+7e-11 in motions, whatever the tolerance of Newton's method; a skin that is four times thicker leaves 2e-11. The last digit of the
+stored stiffness alone moves the gradients by 5e-9, but both of them alike."""
 
 
 def largest_difference(reference: dict[str, dict[str, float]], other: dict[str, dict[str, float]]) -> float:
@@ -33,6 +33,7 @@ def largest_difference(reference: dict[str, dict[str, float]], other: dict[str, 
     return max(abs(a - b) / max(abs(a), np.finfo(float).tiny) for a, b in pairs)
 
 
+@pytest.mark.processors
 @pytest.mark.parametrize("kind", ["static", "transient"])
 def test_gradients_of_the_wing_agree_with_the_complex_step(kind):
     scene = read_scene(WING)

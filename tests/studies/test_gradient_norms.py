@@ -84,6 +84,7 @@ def test_uncertain_numbers_have_no_scales_for_a_norm(tmp_path):
 WRONG = {
     "unknown": (SLOPE.replace("of rise", "of fall"), "constraints.gradient of fall: no response 'fall'"),
     "margin": (SLOPE.replace("of rise", "of load_margin"), "cut off there: its gradient leaps"),
+    "twice": (SLOPE.replace("of rise", "of gradient of rise"), "differences of differences. Write 'gradient of rise'"),
     "robust": (SLOPE.replace("below = 0.12", "below = 0.12, robust = 1.0"), "Leave out `robust`"),
 }
 

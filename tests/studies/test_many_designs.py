@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import random
+import re
 import signal
 import socket
 import subprocess
@@ -19,7 +20,6 @@ from tests.models.studies import SWEEP, UNCERTAIN, sweep_file
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.hdf5 import reading
 from toolkit.studies.places.place import Place, done_at
-from toolkit.studies.places.study_error import StudyError
 from toolkit.studies.sweep.swept import Swept
 
 ROOT = Path(__file__).parents[2]
@@ -60,13 +60,36 @@ def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
         list(done_at(Place(dask="tcp://127.0.0.1:9"), str, {1: 2}))
 
 
-def end_this_process(task: int) -> None:
+KILLED = """
+import os, signal
+from toolkit.studies.places.place import Place, done_at
+def end_this_process(task):
     os.kill(os.getpid(), signal.SIGKILL)
-
-
-def test_a_killed_process_is_an_error_that_says_what_to_do():
-    with pytest.raises(StudyError, match=r"a process of the study was killed.*Ask for fewer processes"):
+if __name__ == "__main__":
+    try:
         list(done_at(Place(processes=2), end_this_process, {1: 1, 2: 2}))
+    except StudyError as error:
+        print(error)
+"""
+
+
+def script(folder: Path, text: str) -> list[str]:
+    """Command that runs a text in a process of its own; what is killed around it harms no other test."""
+    (folder / "script.py").write_text(text)
+    return [sys.executable, str(folder / "script.py")]
+
+
+def test_a_killed_process_is_an_error_that_says_what_to_do(tmp_path):
+    done = subprocess.run(
+        script(tmp_path, KILLED),
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert re.search(r"a process of the study was killed.*Ask for fewer processes", done.stdout)
 
 
 SLEEPING = """
@@ -80,10 +103,7 @@ if __name__ == "__main__":
 @pytest.mark.skipif(not Path("/proc/self").exists(), reason="children are found by what Linux tells")
 def test_processes_of_a_killed_study_end_too(tmp_path):
     """They are at their tasks, which would go on for a minute."""
-    (tmp_path / "sleeping.py").write_text(SLEEPING)
-    parent = subprocess.Popen(
-        [sys.executable, str(tmp_path / "sleeping.py")], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)}
-    )
+    parent = subprocess.Popen(script(tmp_path, SLEEPING), cwd=ROOT, env={**os.environ, "PYTHONPATH": str(ROOT)})
     children = Path(f"/proc/{parent.pid}/task/{parent.pid}/children")
     until = time.monotonic() + 60
     while (

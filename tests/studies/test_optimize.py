@@ -21,6 +21,7 @@ import toolkit as ffrf
 from tests.models.truss import STIFFNESS, force, force_slope, height, limit_load, snapped_height, write_truss
 from toolkit.command_line.cli import app
 from toolkit.foundation.errors import InputError
+from toolkit.sensitivity.certificate.certificate import NothingVerifiedError, certify
 from toolkit.studies.evaluation.evaluation import Evaluation, State
 from toolkit.studies.evaluation.evaluator import Evaluator
 from toolkit.studies.evaluation.fingerprint import fingerprint
@@ -301,6 +302,24 @@ def test_a_symmetric_start_is_no_optimum_because_its_slopes_vanish(tmp_path, wis
     assert "depends on shift" not in str(found.verdict)
 
 
+@pytest.mark.parametrize("off", [1e-9, 1e-5])
+def test_a_derivative_that_vanishes_at_an_optimum_is_certified_by_what_its_response_is(tmp_path, off):
+    """In the middle between both supports what is left of it is round-off, which no other method repeats; neither do differences."""
+    (tmp_path / "scene.toml").write_text(SYMMETRIC.replace("[-1.0, 0.0]", f"[{-1.0 + off!r}, 0.0]"))
+    text = 'scene = "scene.toml"\n[variables]\nshift = { between = [-0.3, 0.3], of = ["points.L.x", "points.R.x"] }\n'
+    (tmp_path / "study.toml").write_text(f'{text}[objective]\nminimize = "rise"\n[search]\noptimality = 1e-9\n')
+    found = ffrf.optimize(tmp_path / "study.toml")
+    assert found.variables["shift"] == pytest.approx(-off / 2, rel=1e-5)
+    assert found.verdict.trusted, found.verdict
+    certificate = certify(found.scene, ["shift"], "static")
+    assert certificate.verified(1e-8) == 0  # round-off has no digits in common
+    assert certificate.vanish(1e-8)
+    assert certificate.verdict.trusted
+    certificate.check(1e-8)
+    with pytest.raises(NothingVerifiedError):
+        replace(certificate, zeros={"rise": {"shift": 1e-7}}).check(1e-8)
+
+
 def test_a_load_margin_that_is_cut_off_decides_nothing_and_that_is_said(tmp_path):
     """From a tenth of the limit load on nothing is seen of it: the largest margin is at least 10."""
     variables = f'scene = "scene.toml"\n[variables]\n{LOAD} = {{ between = [-12.0, -2.0] }}\n'
@@ -426,6 +445,11 @@ WRONG = {
     "unknown response": (
         PLAIN.replace('"rise"', '"fall"'),
         "objective: no response 'fall', there is none of that name; possible here: ",
+        4,
+    ),
+    "misspelt response": (
+        PLAIN.replace('"rise"', '"rize"'),
+        "objective: no response 'rize', there is none of that name, did you mean 'rise'; possible",
         4,
     ),
     "unknown constraint": (PLAIN + "[constraints]\nfall = { below = 1.0 }", "constraints.fall: no response 'fall'", 7),

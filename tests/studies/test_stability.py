@@ -391,6 +391,9 @@ def test_cells_beyond_the_allowed_steps_are_not_run():
     assert min(steps.map.axes[0].values) >= 0.5 / 20
     assert {cell.run.name for cell in loads.cells.values()} == {"not run"}
     assert study.own.run.reason == "50 steps, more than 20 (--most-steps)"
+    (said,) = [each for each in study.verdict.warnings if each.code == "cut-reference"]
+    assert said.doubt  # coarser than the scene itself
+    assert "steps down to 0.0001 were wanted for the reference, but those up to 0.01 need more than 20 steps" in said.text
 
 
 def test_given_times_are_refined_between_them_and_have_no_step_map(tmp_path):
@@ -420,6 +423,8 @@ def test_the_command_prints_limits_and_writes_picture_and_numbers(tmp_path):
     assert (tmp_path / "stability.png").stat().st_size > 10_000
     record = json.loads((tmp_path / "stability.json").read_text())
     assert list(record["maps"]) == ["step", "load"]
+    assert [each["code"] for each in record["warnings"]] == ["cut-reference"]  # a hundredth of the step needs 5000
+    assert record["verdict"]["trusted"]
     cells = record["maps"]["load"]["cells"]
     assert {cell["run"]["class"] for cell in cells} <= set(CLASSES)
 

@@ -291,6 +291,7 @@ def test_a_response_that_is_zero_is_compared_with_what_its_variables_do(pendulum
         ({"axes": "modes"}, "needs a flexible body with a skin file"),
         ({"axes": "step,tolerance=" + "/".join(f"1e-{k / 1000 + 3}" for k in range(1000))}, "at most 2000"),
         ({"budgets": ["speed=1e-3"]}, "no response 'speed' to have a budget; the scene has move_x"),
+        ({"budgets": ["move_z=1e-3"]}, "no response 'move_z' to have a budget, did you mean 'move_y'; the scene has"),
         ({"budgets": ["move_x=-1"]}, "is no budget"),
         ({"budgets": ["move_x"]}, "is no budget"),
         ({"budgets": ["all=nan"]}, "is no budget"),

@@ -27,10 +27,17 @@ from toolkit.reduced_model.file import load, save
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.preparation import prepare, solve
+from toolkit.validity.bodies.chains.element_sections import Elements, Sections, sections
+from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.planar_chain import planar_forms
+from toolkit.validity.bodies.chains.second_order import (
+    mean_rows,
+    second_order_displacement,
+    second_order_forces,
+    stiffness_matrix,
+)
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
-from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, chain, deformation, deformations, distances, largest_instants
-from toolkit.validity.bodies.element_sections import Elements, Sections, sections
-from toolkit.validity.bodies.second_order import mean_rows, second_order_displacement, second_order_forces, stiffness_matrix
+from toolkit.validity.bodies.deformation import INSTANTS, LIMIT, deformation, deformations, largest_instants
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -57,8 +64,12 @@ def corotational(elements: Elements, made_of: Sections) -> Corotational:
 def linear(elements: Elements, made_of: Sections, load: np.ndarray) -> np.ndarray:
     """Displacements of the chain clamped at its first node, exact for a straight beam."""
     u = np.zeros(len(load))
-    u[3:] = np.linalg.solve(stiffness_matrix(elements, made_of).toarray()[3:, 3:], load[3:])
+    u[3:] = np.linalg.solve(stiffness_matrix(planar_forms(elements, made_of)).toarray()[3:, 3:], load[3:])
     return u
+
+
+def distances(u: np.ndarray) -> np.ndarray:
+    return np.hypot(u[0::3], u[1::3])
 
 
 def true_error(elements: Elements, made_of: Sections, held: np.ndarray, u: np.ndarray) -> float:
@@ -142,8 +153,8 @@ def test_second_order_forces_are_what_corotational_elements_add_to_linear_ones()
     frame = ring(9, 50.0)
     elements = Elements(frame.nodes, frame.connectivity)
     made_of, u = uniform(elements), np.random.default_rng(1).normal(size=27)
-    body, exact = corotational(elements, made_of), second_order_forces(elements, made_of, u[None])[0]
-    stiffness, sizes = stiffness_matrix(elements, made_of), np.array([1e-3, 5e-4, 2.5e-4])
+    body, exact = corotational(elements, made_of), second_order_forces(planar_forms(elements, made_of), u[None])[0]
+    stiffness, sizes = stiffness_matrix(planar_forms(elements, made_of)), np.array([1e-3, 5e-4, 2.5e-4])
     rest = [np.abs((body.force(h * u) - h * (stiffness @ u)) / h**2 - exact).max() for h in sizes]
     assert np.polyfit(np.log(sizes), np.log(rest), 1)[0] == pytest.approx(1, abs=0.02)  # terms of fourth order are 1e-2
 
@@ -155,7 +166,7 @@ def test_an_end_moment_shortens_a_cantilever_by_a_sixth_of_the_angle_squared():
     load = np.zeros(3 * n + 3)
     load[-1] = made_of.bending[0] * angle / 100.0
     u = linear(elements, made_of, load)
-    u_2 = second_order_displacement(elements, made_of, held, u[None])[0]
+    u_2 = second_order_displacement(planar_forms(elements, made_of), held, u[None])[0]
     chords = (np.arange(n) + 0.5) / n
     np.testing.assert_allclose(u_2[-3], -100.0 * angle**2 / 2 * np.mean(chords**2), rtol=1e-8)  # condition times round-off
     np.testing.assert_allclose(u_2[-3], -100.0 * angle**2 / 6, rtol=1 / (2 * n**2))
@@ -168,7 +179,7 @@ def test_tension_stiffens_a_cantilever_as_the_theory_of_second_order_says():
     elements, made_of, held = straight(n)
     load = np.zeros(3 * n + 3)
     load[-3], load[-2] = pull, push
-    u_2 = second_order_displacement(elements, made_of, held, linear(elements, made_of, load)[None])[0]
+    u_2 = second_order_displacement(planar_forms(elements, made_of), held, linear(elements, made_of, load)[None])[0]
     expected = -2 / 15 * pull * push * 100.0**5 / made_of.bending[0] ** 2
     np.testing.assert_allclose(u_2[-2], expected, rtol=2 / n**2)  # the geometric stiffness of straight chords
 
@@ -184,7 +195,7 @@ def test_the_estimate_for_a_cantilever_is_within_its_factor_of_corotational_elem
     else:
         load[-2] = 2 * made_of.bending[0] * angle / 100.0**2
     u = linear(elements, made_of, load)
-    estimate = distances(second_order_displacement(elements, made_of, held, u[None])).max()
+    estimate = distances(second_order_displacement(planar_forms(elements, made_of), held, u[None])[0]).max()
     assert 1 / FACTOR < estimate / true_error(elements, made_of, held, u) < FACTOR
 
 
@@ -192,10 +203,10 @@ def test_a_free_body_is_measured_against_its_mean_motion():
     """A straight free beam between opposite end moments: it bends symmetrically, and its ends come nearer by a^2 L / 24 in all."""
     n, angle = 20, 0.1
     elements, made_of, _ = straight(n)
-    held = mean_rows(elements)
+    held = mean_rows(elements.nodes, elements.connectivity)
     s = np.linspace(-0.5, 0.5, n + 1)
     u = np.column_stack([0 * s, 50.0 * angle * s**2, angle * s]).ravel()
-    u_2 = second_order_displacement(elements, made_of, held, u[None])[0].reshape(-1, 3)
+    u_2 = second_order_displacement(planar_forms(elements, made_of), held, u[None])[0].reshape(-1, 3)
     np.testing.assert_allclose(u_2[0, 0] - u_2[-1, 0], 100.0 * angle**2 / 24, rtol=2 / n**2)  # the chords turn less than the ends
     np.testing.assert_allclose(held @ u_2.ravel(), 0, atol=1e-8)
 
@@ -238,7 +249,7 @@ def test_the_forces_of_the_check_are_those_of_the_joints():
     solution = wing(1.0)
     behind = chain(solution.system.scene, "skin")
     u = behind.displacements(np.real(solution.q[:, solution.coordinates("skin")]))[0]
-    forces = (stiffness_matrix(behind.elements, behind.made_of) @ u).reshape(-1, 3)
+    forces = (stiffness_matrix(behind.forms) @ u).reshape(-1, 3)
     signs = {"C": (10, -1), "E": (25, -1), "G": (30, 1)}  # a joint exerts its force on its first body
     for joint, (node, sign) in signs.items():
         expected = [sign * JointForce(joint=joint, component=name).value(solution) for name in ("x", "y", "torque")]

@@ -10,8 +10,8 @@ from preprocessing.basis.basis_choice import BasisChoice
 from preprocessing.elements.section import Section
 from preprocessing.recipes.frame.polygon_beam import polygon_beam
 from toolkit.reduced_model.file import save
+from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.compressed.unseen_tension import missed_part
-from toolkit.validity.bodies.deformation import chain
 
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
 EULER = np.pi**2 * 210e9 * 0.05 * 0.02**3 / 12 / 4

@@ -114,6 +114,10 @@ class ModelBody(Body):
         """Invariants at the scene's parameter values."""
         return self.design_point(scene).invariants()
 
+    def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
+        """Those of some names alone, as others cost their time."""
+        return self.design_point(scene).some_invariants(*names)
+
     def stiffening(self, scene: Placed) -> np.ndarray | None:
         """The matrices (k, n_f, n_f) of `reduced_model.spin` at the scene's parameter values; None of a body that does not ask for them.
 

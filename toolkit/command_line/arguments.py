@@ -96,18 +96,3 @@ def _like(scene: Scene, pattern: str) -> list[str]:
     if not found:
         raise InputError(f"no path is like {pattern!r}; available: {listed(scene.available_paths())}.")
     return found
-
-
-def prepare_folder(path: Path) -> Path:
-    """Make the folder that results go to, before anything long begins.
-
-    Raises
-    ------
-    InputError
-        It cannot be made, or it is a file.
-    """
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{str(path)!r} cannot be made a folder ({error.strerror}). Give another with --output.") from error
-    return path

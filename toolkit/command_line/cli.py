@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperGroup
 
 from toolkit.command_line.announcements import Kind, at_work
-from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, prepare_folder, read
+from toolkit.command_line.arguments import Changes, KeepAll, SceneFile, Static, Variables, design_of, read
 from toolkit.command_line.commands.campbell_command import campbell
 from toolkit.command_line.commands.certification import certify
 from toolkit.command_line.commands.deformation_check import check_deformation
@@ -27,6 +27,7 @@ from toolkit.command_line.commands.tradeoff import tradeoff
 from toolkit.command_line.commands.uncertainty_command import uncertainty
 from toolkit.command_line.commands.warm_up import warm_up
 from toolkit.command_line.keeping import (
+    SWING,
     Models,
     Output,
     SceneOrResults,
@@ -37,6 +38,7 @@ from toolkit.command_line.keeping import (
     refuse_contrary,
     text_of,
 )
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import print_files, print_verdict, warn
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
@@ -239,18 +241,20 @@ def render(
     quiet: Quiet = False,
 ) -> None:
     """Simulate the scene, or read its results, and draw it at several instants, or its equilibrium."""
-    from toolkit.render.pictures import refuse_what_cannot_be_drawn, render_solution
+    from toolkit.analyses.free_motion import farthest
+    from toolkit.render.pictures import file_names, refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
     refuse_contrary(static, free_motions, animate, film, times)
     view = View(perspective, triads, kind)
     solve = motion_of(file, changes, models, quiet, lambda scene: refuse_what_cannot_be_drawn(scene, view, film), static)
     if free_motions:
-        solve, times = free_motions_of(file, changes, times), None
-    folder = prepare_folder(output)
+        frames = SWING if animate else 1
+        solve, times = free_motions_of(file, changes, times, frames), None
+    folder = prepare_folder(output, *file_names(kind, animate, film))
     solution = solve()
     if free_motions:
-        times = list(solution.times)
+        times = farthest(solution, frames)
     print_files(render_solution(solution, folder, times, width, view, animate, film), solution.verdict, as_json, quiet)
 
 

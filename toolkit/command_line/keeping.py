@@ -61,13 +61,17 @@ def is_results(path: Path) -> bool:
 
 
 def check_options(file: Path, changes: list[str] | None, models: Path | None) -> None:
-    """Refuse changes of results, and a folder of models with a scene.
+    """Refuse a folder, changes of results, and a folder of models with a scene.
 
     Raises
     ------
     InputError
-        They were given together.
+        What was given cannot be meant, or not together.
     """
+    if file.is_dir():
+        raise InputError(
+            f"{str(file)!r} is a folder. Give the path of a scene (.toml) in it, or of results that --output kept (.h5)."
+        )
     if changes and is_results(file):
         raise InputError(f"{str(file)!r} holds the results of a finished run, which --set cannot change. Give the scene instead.")
     if models is not None and not is_results(file):
@@ -115,8 +119,12 @@ def refuse_contrary(static: bool, free_motions: bool, animate: bool, film: bool,
         raise InputError("--free-motions are drawn one by one: leave --film out.")
 
 
-def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | None) -> Callable[[], Solution]:
-    """What gives the free motions of a scene."""
+SWING = 20
+"""Frames of a free motion that is animated."""
+
+
+def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | None, frames: int) -> Callable[[], Solution]:
+    """What gives the free motions of a scene, each in so many states."""
     if is_results(file) or times:
         raise InputError(
             "--free-motions are those of a scene as it is given, without times. Give a scene (.toml), and leave --time out."
@@ -126,7 +134,7 @@ def free_motions_of(file: Path, changes: list[str] | None, times: list[float] | 
         from toolkit.analyses.free_motion import free_motion_states
         from toolkit.sensitivity.preparation import prepare
 
-        return free_motion_states(prepare(read(file, changes, True), []))
+        return free_motion_states(prepare(read(file, changes, True), []), frames)
 
     return found
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.bodies.body import QUATERNION
-from toolkit.compilation.dependence import Item, users_by_name
+from toolkit.compilation.dependence import Affected, Item, affected_by, users_by_name
 from toolkit.compilation.joint_forms import JointForms, joint_forms
 from toolkit.compilation.remembered import Remembered
 from toolkit.foundation.errors import InputError
@@ -58,6 +59,16 @@ class Numbering:
     def forms(self) -> JointForms:
         """Forms of all joints."""
         return joint_forms(self.joints)
+
+    def affected_by(self, scene: Scene, paths: Sequence[str]) -> Affected:
+        """All that the numbers at some paths may change, in this scene at any numbers."""
+        if (key := tuple(paths)) not in self._affected:
+            self._affected[key] = affected_by(scene, self.markers, list(paths), self.users)
+        return self._affected[key]
+
+    @cached_property
+    def _affected(self) -> dict[tuple[str, ...], Affected]:
+        return {}
 
     @property
     def n(self) -> int:

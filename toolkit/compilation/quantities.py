@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 
 from toolkit.bodies.body import ConstantNumbers
-from toolkit.compilation.dependence import Affected, Item, affected_by
+from toolkit.compilation.dependence import Affected, Item
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.remembered import Remembered
 from toolkit.curves.curve import Curve
@@ -205,7 +205,7 @@ def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen, 
     """
     found = []
     for variable in design:
-        affected = affected_by(scene, numbering.markers, list(variable.paths), numbering.users)
+        affected = numbering.affected_by(scene, variable.paths)
         moved = scene.moved(variable, 1j * STEP)
         parts = _parts(moved, numbering, affected if among is None else affected & among)
         placed = Remembered(moved, seen.placed)

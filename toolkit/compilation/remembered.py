@@ -7,6 +7,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from toolkit.description.point import Point
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene, position_in, size_of
 
@@ -68,11 +69,18 @@ class Remembered:
                 for each in (self._scene, other._scene)
             )
             return mine is its
+        if kind == "position" and self._written_alike(other, about[0]):
+            return True
         mine = self._kept[question]
         if kind == "arc lengths":
             return bool(other.arc_lengths(about[0].item) == mine)
         its = other.size if kind == "size" else getattr(other, kind)(*about)
         return mine is its or (kind == "position" and np.array_equal(mine, its)) or (kind == "size" and bool(mine == its))
+
+    def _written_alike(self, other: Remembered, point: str) -> bool:
+        """Whether another scene has the very same point, which depends on nothing else."""
+        written = self._scene.points.get(point)
+        return isinstance(written, Point) and other.points.get(point) is written
 
     def interface(self, point: str) -> Any:
         """The point as it was written."""

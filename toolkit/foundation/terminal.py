@@ -51,7 +51,8 @@ def usage_in_json(as_json: bool) -> Iterator[None]:
 
 @contextmanager
 def errors_in_words(as_json: bool) -> Iterator[None]:
-    """An error of the toolkit becomes one plain message on standard error and exit code 1, where JSON was asked for an object too."""
+    """An error of the toolkit becomes one plain message on standard error and exit code 1, where JSON was asked for an object too; so
+    does Ctrl-C, with a code of its own."""
     try:
         yield
     except ToolkitError as error:
@@ -63,13 +64,12 @@ def errors_in_words(as_json: bool) -> Iterator[None]:
     except MemoryError as error:
         raise _failed(out_of_memory(error), as_json) from None
     except KeyboardInterrupt:
-        typer.echo("interrupted: files that were finished are kept, none is half written.", err=True)
-        raise typer.Exit(INTERRUPTED) from None
+        raise _failed("interrupted: files that were finished are kept, none is half written.", as_json, INTERRUPTED) from None
 
 
-def _failed(message: str, as_json: bool) -> typer.Exit:
+def _failed(message: str, as_json: bool, code: int = 1) -> typer.Exit:
     """Say what went wrong."""
     typer.echo(message, err=True)
     if as_json:
         print_json({"error": message})
-    return typer.Exit(1)
+    return typer.Exit(code)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from toolkit.bodies.model_body import DEPENDENCE, ModelBody
 from toolkit.compilation.quantities import pressures_of
 from toolkit.receipt.asked import asking
 from toolkit.receipt.line import Line
 from toolkit.reduced_model.file import stored_bytes
+from toolkit.reduced_model.questions.mesh_questions import mesh_record
 from toolkit.responses.shape_error import ShapeResponse
 from toolkit.responses.stress.stress import model_parameter
 from toolkit.system.system import System
@@ -20,6 +22,7 @@ UNREAD = {
     "shape": "no response asks for the distance to a target",
     "stress": "places of the stress points, for results files and pictures",
     "outline": "for pictures",
+    "interior": "for pictures",
     "elements": "no body of this model has several frames",
     "element_derivatives": "no body of this model has several frames and a parameter that changes",
     "element_affine": "no body of this model has several frames and a parameter that changes",
@@ -48,6 +51,12 @@ def groups(system: System, path: str) -> list[Line]:
         for name, size in stored.items()
     ]
     return [*lines, Line("names, attributes, tables of HDF5", 0, _size(full) - sum(stored.values()), "not counted as read")]
+
+
+def meshes(system: System) -> dict[str, Any]:
+    """File -> how exact the stress of its mesh is, of those of which it was estimated."""
+    records = {path: mesh_record(system.scene.model(path)) for path in model_paths(system)}
+    return {path: record for path, record in records.items() if record}
 
 
 def bytes_read(system: System) -> int:

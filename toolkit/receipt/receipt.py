@@ -8,7 +8,7 @@ from typing import Any
 from toolkit.receipt.asked import derivative_blocks, fields, markers
 from toolkit.receipt.cost import costs
 from toolkit.receipt.everything import prepare_everything
-from toolkit.receipt.files import files
+from toolkit.receipt.files import files, meshes
 from toolkit.receipt.line import Line
 from toolkit.receipt.terms import terms
 from toolkit.receipt.unknowns import coordinates, matrix, rows
@@ -17,7 +17,7 @@ from toolkit.sensitivity.preparation import prepare
 
 
 def receipt(scene: Scene, design: list[str], keep_all: bool = False, measured: bool = True) -> dict[str, Any]:
-    """Sections of lines, then the costs; as in `ffrf inspect SCENE --json`.
+    """Sections of lines, the errors of meshes, then the costs; as in `ffrf inspect SCENE --json`.
 
     Parameters
     ----------
@@ -43,4 +43,4 @@ def receipt(scene: Scene, design: list[str], keep_all: bool = False, measured: b
         **{f"bytes of {path}": lines for path, lines in files(system).items()},
     }
     found: dict[str, Any] = {name: [line._asdict() for line in lines] for name, lines in sections.items()}
-    return {**found, "cost": [asdict(each) for each in costs(scene, design, measured)]}
+    return {**found, "meshes": meshes(system), "cost": [asdict(each) for each in costs(scene, design, measured)]}

@@ -14,6 +14,7 @@ from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, SpatialElements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -57,6 +58,7 @@ SHAPES: dict[Any, dict[str, str]] = {
     Shape: {"position": "k2z", "target": "k2", "arc_length": "k"},
     Mesh: {"nodes": "k2", "connectivity": "e2", "recovery": "rz", "outline": "o2", "target_outline": "t2"},
     Outline: {"position": "p2z", "edges": "e3"},
+    Interior: {"position": "p2z", "triangles": "t3", "stress": "p4f", "modulus": ""},
     Elements: {
         "nodes": "k2", "connectivity": "e2", "mass": "e", "first_moment": "e2w", "inertia": "eww", "gyroscopic": "eww",
         "stiffness": "euu", "damping": "euu", "stress_operator": "su",
@@ -98,7 +100,7 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
         It names the file and the group, dataset or attribute.
     """
     _check_attributes(model, path)
-    sizes: Sizes = {"2": 2, "3": 3, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
+    sizes: Sizes = {"2": 2, "3": 3, "4": 4, "6": 6, "u": LOCAL, "w": 1 + LOCAL, "v": SPATIAL_LOCAL, "y": 1 + SPATIAL_LOCAL}
     _fit_all(path, "invariants", model.invariants, sizes)
     if "invariants" not in before:
         _check_matrices(model.invariants, path)
@@ -111,7 +113,7 @@ def check(model: ReducedModel, path: Path, before: Container[str] = ()) -> None:
             _refuse(path, f"interfaces/{name}/arc_length", f"is outside its range [{low:g}, {high:g}]")
     for name, load in (model.surface_loads or {}).items():
         _fit_all(path, f"surface_loads/{name}", load, sizes)
-    for part in ("stress", "shape", "mesh", "outline", "elements", "surface", "spin"):
+    for part in ("stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin"):
         if getattr(model, part) is not None:
             _fit_all(path, part, getattr(model, part), sizes)
     if model.spin is not None and "spin" not in before:
@@ -257,6 +259,9 @@ def _check_numbers(model: ReducedModel, path: Path) -> None:
             _refuse(path, f"surface/{name}", f"names points other than 0 to {len(surface.position) - 1}")
     if outline is not None and not np.isin(outline.edges, np.arange(len(outline.position))).all():
         _refuse(path, "outline/edges", f"names points other than 0 to {len(outline.position) - 1}")
+    if model.interior is not None:
+        _numbers_below(path, "interior/triangles", model.interior.triangles, len(model.interior.position), "points")
+        _numbers_below(path, "interior/modulus", model.interior.modulus, len(model.nominal), "parameters")
     if mesh is not None and not np.isin(mesh.connectivity, np.arange(len(mesh.nodes))).all():
         _refuse(path, "mesh/connectivity", f"names nodes other than 0 to {len(mesh.nodes) - 1}")
     if stress is None:

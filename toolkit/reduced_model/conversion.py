@@ -32,7 +32,7 @@ ITEMS: dict[str, Dimension] = {
     "stiffening": MASS.times(LENGTH.power(2)),
     "arc_length": LENGTH, "arc_length_range": LENGTH, "position": LENGTH, "rotation": NONE, "target": LENGTH,
     "nodes": LENGTH, "connectivity": NONE, "held": NONE, "recovery": NONE, "outline": LENGTH, "target_outline": LENGTH,
-    "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "triangles": NONE, "lines": NONE,
+    "element": NONE, "end": NONE, "fibre": NONE, "edges": NONE, "stress": NONE, "modulus": NONE, "triangles": NONE, "lines": NONE,
     "force": LENGTH.power(2), "moment": LENGTH.power(3),
 }  # fmt: skip
 """Of every array, for elastic coordinates that are pure numbers; the rows of `recovery` are lengths and angles in turn."""
@@ -73,9 +73,8 @@ def converted_model(model: ReducedModel, units: str) -> ReducedModel:
 
 
 def _single_parts(model: ReducedModel) -> dict[str, Any]:
-    return {
-        name: getattr(model, name) for name in ("invariants", "stress", "shape", "mesh", "outline", "elements", "surface", "spin")
-    }
+    names = ("invariants", "stress", "shape", "mesh", "outline", "interior", "elements", "surface", "spin")
+    return {name: getattr(model, name) for name in names}
 
 
 def _each(group: Mapping[str, Any] | None, change: Any) -> dict[str, Any] | None:

@@ -59,6 +59,10 @@ class DesignPoint:
     def _p(self) -> np.ndarray:
         return np.array([self.values.get(name, nominal) for name, nominal in self.model.nominal.items()])
 
+    def parameter(self, number: int) -> Any:
+        """Value of the parameter with a number, real or complex."""
+        return self._p[number]
+
     @cached_property
     def _steps(self) -> dict[int, Any]:
         """Steps off the nominal design by the number of the parameter."""
@@ -75,10 +79,14 @@ class DesignPoint:
             As `value`; or a tangent has led to a stiffness that no body has.
         """
         kind = type(self.model.invariants)
-        found = kind(**{item.name: self.value(item.name) for item in fields(kind)})
+        names = [item.name for item in fields(kind)]
+        return kind(**dict(zip(names, self.some_invariants(*names), strict=True)))
+
+    def some_invariants(self, *items: str) -> tuple[np.ndarray, ...]:
+        """Those of some names; errors as `invariants`."""
         if self.first_order and (names := self.extrapolated()):
-            self._check_stiffness(np.real(found.stiffness), names)
-        return found
+            self._check_stiffness(np.real(self.value("stiffness")), names)
+        return tuple(map(self.value, items))
 
     def _check_stiffness(self, stiffness: np.ndarray, names: list[str]) -> None:
         """A skin is so much stiffer in tension than in bending that a small error of the one exceeds all of the other."""

@@ -17,6 +17,7 @@ from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 from toolkit.reduced_model.spin import Spin
@@ -44,6 +45,7 @@ PARTS: dict[str, Any] = {
     "shape": Shape,
     "mesh": Mesh,
     "outline": Outline,
+    "interior": Interior,
     "elements": Elements,
     "element_derivatives": Derivatives,
     "element_affine": Polynomial,

@@ -12,6 +12,7 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
+from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 from toolkit.reduced_model.spin import Spin
 
@@ -180,6 +181,7 @@ class ReducedModel:
     shape: Shape | None = None
     mesh: Mesh | None = None
     outline: Outline | None = None
+    interior: Interior | None = None
     elements: Elements | SpatialElements | None = None  # of bodies that keep all nodal coordinates
     element_derivatives: dict[str, Derivatives] | None = None  # the same as `derivatives`, of the items of `elements`
     element_affine: dict[str, Polynomial] | None = None  # the same as `affine`

@@ -12,6 +12,8 @@ from toolkit.system.solution import Solution
 
 Panels = list[tuple[str, str, dict[str, np.ndarray]]]
 """Of each panel what it shows, the quantity that this is, and name -> values over time."""
+_ROWS = 9
+"""Names below each other beside a panel."""
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
@@ -26,7 +28,8 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
                 )
             panel.set_ylabel(f"{what} in {label}")
             panel.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
-            words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0)).get_texts()
+            columns = -(-len(curves) // _ROWS)
+            words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0), ncols=columns).get_texts()
             for word in words:
                 word.set_parse_math(False)  # a dollar in a name starts no formula
         axes[-1, 0].set_xlabel(f"time in {unit(units, 'time')}")
@@ -35,8 +38,8 @@ def draw_panels(solution: Solution, panels: Panels) -> Figure:
 
 
 def merged(curves: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """The same curves, each drawn once: those that coincide, to a millionth of the largest value, share a name."""
-    near = 1e-6 * max(np.abs(values).max() for values in curves.values())
+    """The same curves, each drawn once: those that coincide, to a thousandth of the largest value, which a line hides, share a name."""
+    near = 1e-3 * max(np.abs(values).max() for values in curves.values())
     groups: list[list[str]] = []
     for name, values in curves.items():
         same = [group for group in groups if np.allclose(curves[group[0]], values, rtol=0, atol=near)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,9 +61,9 @@ class Moment(ABC):
     def segments(self, body: str) -> list[np.ndarray]:
         """Lines that stand for a body, each (n, d)."""
 
-    def rods(self) -> list[np.ndarray]:
-        """Lines that stand for all bodies."""
-        return [line for body in self.scene.bodies for line in self.segments(body)]
+    def rods(self, but: Collection[str] = ()) -> list[np.ndarray]:
+        """Lines that stand for all bodies, but for those that are drawn in another way."""
+        return [line for body in self.scene.bodies if body not in but for line in self.segments(body)]
 
     def ends(self, component: Component) -> np.ndarray:
         """Points at which a joint or load grips its two bodies, (2, d)."""

@@ -96,6 +96,12 @@ def render_solution(
     return files
 
 
+def file_names(kind: str, animate: bool, film: bool) -> list[str]:
+    """Names and patterns of the files that `render_solution` writes."""
+    stills = [f"{name}.{kind}" for name in ("step-*", "overview", "curves")]
+    return [*stills, *["animation.gif"] * animate, *["animation.mp4"] * film]
+
+
 def _check(directory: str | Path, instants: Any, width: Any) -> None:
     """Refuse arguments of `render_solution` that cannot be meant."""
     if isinstance(width, bool) or not isinstance(width, int) or not NARROWEST <= width <= WIDEST:

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch, Rectangle
 
+from toolkit.render.round_numbers import MINUS
 from toolkit.render.sheet import sheet
 from toolkit.report.drawing import Drawing
 from toolkit.studies.stability.found import Mapped, Study
@@ -84,7 +85,7 @@ def short(axis: Axis, index: int) -> str:
     if isinstance(value, str) or value == 0:
         return text
     digits, power = f"{value:.2e}".split("e")
-    return min(text, f"{digits.rstrip('0').rstrip('.')}e{int(power)}", key=len)
+    return min(text, f"{digits.rstrip('0').rstrip('.')}e{int(power)}", key=len).replace("-", MINUS)
 
 
 def _legend(study: Study, sides: Sequence[Of]) -> list[Patch]:

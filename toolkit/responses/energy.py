@@ -58,7 +58,8 @@ class StrainEnergy(Energy):
         shape = (system.n_q, system.n_q)
         force = coo_array((part.stiffness, (part.row, part.column)), shape=shape) @ q
         design = np.zeros(system.n_x)
-        entry = part.design_entry
-        change = part.design_stiffness * np.real(q[part.row[entry]] * q[part.column[entry]]) / 2
-        np.add.at(design, part.design_variable, change)
+        changes = part.design_stiffness
+        counts = np.diff(changes.start)
+        change = changes.value * np.real(q[np.repeat(changes.row, counts)] * q[changes.column]) / 2
+        np.add.at(design, np.repeat(changes.variable, counts), change)
         return Partials(q @ force / 2, q=force, design=design)

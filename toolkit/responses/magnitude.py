@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import singledispatch
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -17,7 +17,14 @@ INSTANTS = 40
 """A quantity is looked at in so many instants, evenly spread over the motion."""
 
 
-def magnitude_that_counts(response: Response, solution: Solution, value: Any) -> float:
+class Largest(NamedTuple):
+    """What is largest in a motion: the magnitude of a quantity, and those of its derivatives (n_x,), as far as the solution holds any."""
+
+    magnitude: float
+    slopes: np.ndarray
+
+
+def magnitude_that_counts(response: Response, solution: Solution, largest: Largest) -> float:
     """What an error of a response is compared with.
 
     It is the largest magnitude in the motion; but of a place or an angle at least what Newton leaves undecided of it, so that one that
@@ -25,48 +32,30 @@ def magnitude_that_counts(response: Response, solution: Solution, value: Any) ->
     """
     scene, options = solution.system.scene, solution.options or solution.system.scene.solver
     whole = {"angle": 1.0, "length": scene.size}.get(response.unit_quantity, 0.0)
-    return max(largest_magnitude(response, solution, value), options.tolerance * whole)
+    return max(largest.magnitude, options.tolerance * whole)
 
 
 @singledispatch
-def largest_magnitude(response: Response, solution: Solution, value: Any) -> float:
-    """Largest magnitude that the response's quantity has in the motion: a value that just passes zero is not wrong by infinitely much."""
-    return float(abs(np.real(value)))
+def largest_in(response: Response, solution: Solution, value: Any) -> Largest:
+    """The largest that the response's quantity has in the motion: a value that just passes zero is not wrong by infinitely much."""
+    return Largest(float(abs(np.real(value))), np.zeros(solution.system.n_x))
 
 
-@largest_magnitude.register
-def _(response: Instant, solution: Solution, value: Any) -> float:
-    look = response.instants(solution)
-    return max(
-        abs(float(np.real(value))), *(abs(float(np.real(look(step).value))) for step in spread(len(solution.times) - 1, INSTANTS))
-    )
+@largest_in.register
+def _(response: Instant, solution: Solution, value: Any) -> Largest:
+    look, magnitude, slopes = response.instants(solution), abs(float(np.real(value))), np.zeros(solution.system.n_x)
+    for step in spread(len(solution.times) - 1, INSTANTS):
+        found = look(step)
+        magnitude = max(magnitude, abs(float(np.real(found.value))))
+        if len(slopes):
+            slopes = np.maximum(slopes, np.abs(_slope(found, solution, step)))
+    return Largest(magnitude, np.nan_to_num(slopes))
 
 
-@largest_magnitude.register
-def _(response: OverTime, solution: Solution, value: Any) -> float:
-    return response.of_size(largest_magnitude(response.source, solution, 0.0), _duration(solution))
-
-
-@singledispatch
-def largest_slopes(response: Response, solution: Solution) -> np.ndarray:
-    """Largest magnitudes (n_x,) that the response's derivatives have in the motion, as far as the solution holds derivatives; else zero."""
-    return np.zeros(solution.system.n_x)
-
-
-@largest_slopes.register
-def _(response: Instant, solution: Solution) -> np.ndarray:
-    if not solution.system.n_x:
-        return np.zeros(0)
-    look = response.instants(solution)
-    return np.nan_to_num(
-        np.max([np.abs(_slope(look(step), solution, step)) for step in spread(len(solution.times) - 1, INSTANTS)], axis=0)
-    )
-
-
-@largest_slopes.register
-def _(response: OverTime, solution: Solution) -> np.ndarray:
-    size, slopes = largest_magnitude(response.source, solution, 0.0), largest_slopes(response.source, solution)
-    return response.of_slopes(size, slopes, _duration(solution))
+@largest_in.register
+def _(response: OverTime, solution: Solution, value: Any) -> Largest:
+    largest, duration = largest_in(response.source, solution, 0.0), _duration(solution)
+    return Largest(response.of_size(largest.magnitude, duration), response.of_slopes(*largest, duration))
 
 
 def _duration(solution: Solution) -> float:

@@ -25,6 +25,8 @@ from toolkit.scene.scene import Scene
 
 OF_BODIES = {"airfoil", "mesh", "matrices", "beams"}
 """Keys of the files that reduced models are built from."""
+OF_STUDIES = {"variables", "objective", "analysis", "uncertain"}
+"""Keys of studies."""
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -58,7 +60,7 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
         else:
             single.add(long if isinstance(long, str) else key)
             _change(table, long if isinstance(long, str) else key, text, path)
-    _refuse_bodies(table, path)
+    _refuse_others(table, path)
     with naming_lines(path, changed={*single, *common}):
         scene = scene_from_table(table, path)
     for name in common:
@@ -69,9 +71,16 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
     return with_numbers(scene, common)[0] if common else scene
 
 
-def _refuse_bodies(table: Mapping[str, Any], path: Path) -> None:
-    """A file of the other half of the toolkit is told apart before all its keys are unknown."""
-    if table.keys() & OF_BODIES and not table.keys() & {"points", "bodies", "joints", "loads", "responses", "solver"}:
+def _refuse_others(table: Mapping[str, Any], path: Path) -> None:
+    """A file of another kind is told apart before all its keys are unknown."""
+    if table.keys() & {"points", "bodies", "joints", "loads", "solver"}:
+        return
+    if "scene" in table and table.keys() & OF_STUDIES:
+        raise InputError(
+            f"{path.name} is a study of the scene {SHORT.repr(table['scene'])}, not a scene. Give that scene, or the study to `ffrf "
+            "optimize`, `ffrf sweep` or `ffrf uncertainty`."
+        )
+    if table.keys() & OF_BODIES and "responses" not in table:
         raise InputError(
             f"{path.name} describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess {path}`, and name that as "
             "the model of a body in a scene."

@@ -12,7 +12,7 @@ import numpy as np
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.folded_rotations import folded_rotations
 from toolkit.responses.forces.joint_force import JointForce
-from toolkit.responses.magnitude import largest_slopes, magnitude_that_counts
+from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
@@ -80,17 +80,21 @@ class Result:
             return None
         balance, responses = self.measures["energy_balance"], responses_of(scene)
         suspicious = not max(balance.values(), default=0.0) <= SUSPICIOUS
-        scales = {name: magnitude_that_counts(each, solution, self.values[name]) for name, each in responses.items()}
-        return step_error(solution, self.values, self.gradients, scales, self._slope_scales(scales), self.repeat, suspicious)
+        largest = {name: largest_in(each, solution, self.values[name]) for name, each in responses.items()}
+        scales = {name: magnitude_that_counts(each, solution, largest[name]) for name, each in responses.items()}
+        slopes = self._slope_scales(scales, largest)
+        return step_error(solution, self.values, self.gradients, scales, slopes, self.repeat, suspicious)
 
-    def _slope_scales(self, scales: dict[str, float]) -> dict[str, dict[str, float]]:
+    def _slope_scales(self, scales: dict[str, float], found: dict[str, Largest]) -> dict[str, dict[str, float]]:
         """What errors of derivatives are compared with: the largest in the motion, or a small effect of all of the variable."""
         scene, solution = self.solution.system.scene, self.solution
-        sizes, found = variable_sizes(scene, self) if self.gradients else {}, {}
-        for f, response in responses_of(scene).items() if sizes else ():
-            largest = dict(zip(solution.system.design.names, largest_slopes(response, solution), strict=True))
-            found[f] = {x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()}
-        return found
+        sizes, counting = variable_sizes(scene, self) if self.gradients else {}, {}
+        for f in found if sizes else ():
+            largest = dict(zip(solution.system.design.names, found[f].slopes, strict=True))
+            counting[f] = {
+                x: max(largest.get(x, 0.0), UNIMPORTANT * scales[f] / size if size else 0.0) for x, size in sizes.items()
+            }
+        return counting
 
     @cached_property
     def frame_errors(self) -> FrameErrors | None:

@@ -6,16 +6,16 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.equations.equations import allocate_work
 from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.system.system import System
 
 
 def marker_states(system: System, q: np.ndarray) -> Any:
     """All markers at coordinates (n_q,), at rest."""
-    work, markers = allocate_work(system.plan, system.dtype), system.plan.markers
+    markers, state = system.plan.markers, system.plan.markers.state(system.dtype)
     rest: np.ndarray = np.zeros(system.n, system.dtype)
+    scratch: np.ndarray = np.zeros((3, 3), system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
-    for function in (update_poses, update_pose_designs):
-        system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    return work.markers
+    for function in (update_poses, update_pose_designs) if system.n_x else (update_poses,):
+        system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, scratch)
+    return state

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from toolkit.compilation.checks import check_numbers
-from toolkit.compilation.dependence import GROUPS, affected_by
+from toolkit.compilation.dependence import GROUPS
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
@@ -52,7 +52,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     placed = Remembered(scene, system.placed)
     check_numbers(scene, placed)
     numbering = system.numbering
-    affected = affected_by(scene, numbering.markers, paths, numbering.users)
+    affected = numbering.affected_by(scene, paths)
     new, seen = seen_quantities(scene, numbering, affected, placed)
     if not all(keeps_rows(part.written[0], placed, numbering.forms.rows[j]) for j, part in seen.parts["joints"].items()):  # type: ignore[arg-type]
         return compile_scene(scene, names, numbering.seen)

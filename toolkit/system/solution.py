@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -69,6 +70,11 @@ class Solution:
         if self.judge is None:
             return Verdict((Caution("not-judged", "nobody has checked these states: they come from no solver of the toolkit."),))
         return self.judge(self)
+
+    @cached_property
+    def known(self) -> dict[Any, Any]:
+        """What others have found out about it, each under a key of its own."""
+        return {}
 
     @property
     def warnings(self) -> tuple[Caution, ...]:

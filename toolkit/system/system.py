@@ -34,6 +34,10 @@ from toolkit.system.evaluation_memory import EvaluationMemory
 from toolkit.system.model_files import FileStates, file_states, refuse_changed
 from toolkit.system.redundant_joints import without_redundant_rows
 
+REMEMBERED, SHORT = 4, 10_000
+"""Sets of times whose curves a system remembers: the start, the end and the steps of a run; and most times of such a set, as longer runs
+take so long that curves are nothing beside them."""
+
 
 @dataclass(frozen=True)
 class System:
@@ -220,11 +224,22 @@ class System:
         return self.curve_values(times), found
 
     def curve_values(self, times: np.ndarray) -> np.ndarray:
-        """The first of these alone."""
-        found: np.ndarray = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
-        for c, curve in enumerate(self.values.curves.values()):
-            found[:, c] = curve.evaluate(times)
-        return found
+        """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
+        key = times.dtype.str, times.tobytes()
+        found = self._curve_values.get(key)
+        if found is None:
+            found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
+            for c, curve in enumerate(self.values.curves.values()):
+                found[:, c] = curve.evaluate(times)
+            if len(self._curve_values) >= REMEMBERED:
+                self._curve_values.clear()
+            if len(times) <= SHORT:
+                self._curve_values[key] = found
+        return found.copy()
+
+    @cached_property
+    def _curve_values(self) -> dict[tuple[str, bytes], np.ndarray]:
+        return {}
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""

@@ -30,6 +30,7 @@ class Elastic:
     blocks: Sequence[ElementBlock]
     nodes: np.ndarray  # (n_nodes, d)
     lame: tuple[float, float]
+    across: float = 0.0  # stress across the plane in parts of the sum of both in it: Poisson's ratio in plane strain
 
     def stress(self, block: ElementBlock, functions: Any, moved: np.ndarray) -> np.ndarray:
         """Of displacements (n_e, n_local, d, k) of some elements, at [e, point, a, b, k]."""

@@ -19,6 +19,7 @@ from preprocessing.projects.solid.texts import BODY, README, SCENE
 from preprocessing.recipes.solids.body_tables import Region
 from preprocessing.recipes.solids.node_sets import nodes_in
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.units import UNIT_SYSTEMS, unit
 
 DENSITY, MODULUS = 2700.0, 70e9
 """Of aluminium, in kg/m^3 and Pa."""
@@ -27,6 +28,8 @@ WEIGHT, THIN = 0.5, 0.1
 SWIFT = 0.14
 """Duration of the quarter of a turn in parts of sqrt(length / m) s: the tip is accelerated by some five times its weight."""
 STEPS = 100
+LIKELY = (1e-3, 20.0)
+"""Extent in m of a body that is meant."""
 
 
 @dataclass(frozen=True)
@@ -72,6 +75,19 @@ def new_solid(
     texts = {"body.toml": BODY, "scene.toml": SCENE, "README.md": README}
     filled = substituted(texts, _numbers(solid, folder, units, bool(script)))
     return write_folder(folder, {solid.name: solid.content, **script, **filled})
+
+
+def size_question(mesh: str | Path, units: str) -> str:
+    """A sentence about a mesh whose size makes one ask whether its numbers are in the length of the units; empty if it does not."""
+    length = unit(units, "length")
+    size = read_mesh(Path(mesh)).size / PER_METRE[units]
+    if LIKELY[0] <= size <= LIKELY[1]:
+        return ""
+    other = next(name for name in UNIT_SYSTEMS if name != units)
+    return (
+        f"The mesh is {size:g} m long if its numbers are {length}, as --units {units} says. If they are {unit(other, 'length')}, start "
+        f"again in another folder with --units {other}."
+    )
 
 
 def _own(path: Path, clamp: str, grip: str) -> Solid:

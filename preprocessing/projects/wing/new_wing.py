@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from preprocessing.airfoil.airfoil import UNITS, largest_x, read_airfoil
+from preprocessing.airfoil.airfoil import UNITS, ScaleError, largest_x, read_airfoil
 from preprocessing.curve.contour import Contour
 from preprocessing.curve.skin import Skin
 from preprocessing.projects.new_folder import refuse_occupied, substituted, write_folder
@@ -70,7 +70,10 @@ class AirfoilFile:
                 f"airfoil {self.path.name}: x reaches {largest:g}, so its numbers are no fractions of the chord. Say what they are in: "
                 f"{self.option} percent, or {self.option} mm."
             )
-        return Contour.through(read_airfoil(self.path, self.units, _in_units(chord, self.units)).points, chord)
+        try:
+            return Contour.through(read_airfoil(self.path, self.units, _in_units(chord, self.units)).points, chord)
+        except ScaleError as error:
+            raise InputError(f"{str(error).removesuffix('.')}, with {self.option}.") from error
 
 
 def _in_units(chord: float, units: str | None) -> float | None:
@@ -130,7 +133,8 @@ def new_wing(
     if target is None and target_units is not None:
         raise InputError("--target-units belong to a target: give it with --target, or leave them out.")
     own = AirfoilFile(Path(airfoil), _known(units))
-    wanted = None if target is None else AirfoilFile(target, _known(target_units or units), "--target-units")
+    theirs = _known(target_units, "--target-units") if target_units is not None else own.units
+    wanted = None if target is None else AirfoilFile(target, theirs, "--target-units")
     refuse_occupied(folder)
     section = Section.of(own, _chord_of(own, chord))
     content = {
@@ -141,11 +145,11 @@ def new_wing(
     return write_folder(folder, content)
 
 
-def _known(units: str | None) -> str | None:
+def _known(units: str | None, option: str = "--units") -> str | None:
     """What a skin file calls units that were asked for."""
     choices = {"fraction": "chord", **{name: name for name in UNITS[1:]}}
     if units is not None and units not in choices:
-        raise InputError(f"airfoil units {units!r} are unknown. Take one of {', '.join(choices)}.")
+        raise InputError(f"{option} {units} is unknown. Take one of {', '.join(choices)}.")
     return None if units is None else choices[units]
 
 

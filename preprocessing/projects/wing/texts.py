@@ -47,6 +47,7 @@ E = { body = "skin", interface = "E" }
 G = { body = "skin", interface = "G" }
 
 [bodies]
+# Where a run warns of large deformation, write frames = "auto" into the line of the skin: it is cut into parts with frames of their own.
 skin = { type = "flexible", model = "skin.h5", frame = "grounded" }  # clamped at F
 body2 = { type = "rod", between = ["A", "B"], area = $area, density = 2.7e-9 }
 body3 = { type = "rod", between = ["B", "C"], area = $area, density = 2.7e-9 }

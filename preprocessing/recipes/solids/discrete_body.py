@@ -105,8 +105,8 @@ def _from_elements(
     of_ratio = assemble(element_solid(mesh.nodes, weightless, rows, slopes))
     stepped = StressedSolid(blocks, lame_factors(ratio + 1j * STEP, state))
     changes = _changes(of_ratio, named, blocks, lame, values, ties, stepped)
-    stressed = StressedSolid(blocks, lame)
-    return element_solid(mesh.nodes, matrices, rows, lame, stressed), changes, Elastic(blocks, mesh.nodes, lame)
+    elastic = Elastic(blocks, mesh.nodes, lame, ratio if state == "plane-strain" else 0.0)
+    return element_solid(mesh.nodes, matrices, rows, lame, StressedSolid(blocks, lame)), changes, elastic
 
 
 def _changes(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -20,6 +21,7 @@ from preprocessing.elements.kinds.solid import QUANTITIES
 from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
+from preprocessing.recipes.solids.inside import inside
 from preprocessing.recipes.solids.mesh_error import mesh_error
 from preprocessing.recipes.solids.solid_spin import SolidSpin, solid_spin
 from preprocessing.reduction.contracted import Rate, contracted
@@ -61,7 +63,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
         "nominal_units": {name: unit(units, QUANTITIES.get(name, "none")) for name in nominal},
         **found._asdict(),
         "writers": {} if shapes.system is None else shapes.system.writers,
-        **_boundary_parts(body, z),
+        **_drawn_parts(body, z, list(nominal), coloured=points > 0),
         **mesh_error(body.elastic, mass, stiffness, free, shapes),
         "interfaces": interfaces,
         "spin": stored,
@@ -100,10 +102,11 @@ def _rate(
     return Rate(change.matrices, d_z, _item_rates(change, z, d_z) | more)
 
 
-def _boundary_parts(body: DiscreteBody, z: np.ndarray) -> dict[str, Any]:
-    """Outline of a plane body; surface of a spatial one, and pressures on it."""
+def _drawn_parts(body: DiscreteBody, z: np.ndarray, parameters: Sequence[str], coloured: bool) -> dict[str, Any]:
+    """Outline and inside of a plane body; surface of a spatial one, and pressures on it."""
     if body.boundary is None or isinstance(body.boundary, BoundaryLines):
-        return {"outline": None if body.boundary is None else _outline(body.boundary, z)}
+        interior = inside(body.elastic, body.mesh, z, parameters) if coloured else None
+        return {"outline": None if body.boundary is None else _outline(body.boundary, z), "interior": interior}
     loads = {name: pressure_on(each.normals(), z) for name, each in body.pressure_surfaces.items()}
     return {"surface": surface_of(body.boundary, z), "surface_loads": loads}
 

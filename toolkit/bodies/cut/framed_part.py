@@ -73,6 +73,10 @@ class FramedPart(ModelBody):
         """Sums over its elements."""
         return self.part(scene).invariants
 
+    def some_invariants(self, scene: Placed, *names: str) -> tuple[np.ndarray, ...]:
+        """Some of these."""
+        return tuple(getattr(self.part(scene).invariants, name) for name in names)
+
     def nominal(self, scene: Placed) -> Any:
         """The same, without imaginary steps."""
         inv = self.part(scene).invariants

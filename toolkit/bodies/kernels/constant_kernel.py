@@ -19,6 +19,25 @@ HALVES = 134217729.0
 """2^27 + 1: splits a number into two of 26 bits, whose products are exact."""
 
 
+class Changes(NamedTuple):
+    """Derivatives of the entries of a matrix by the design, apart from those that are zero; summed up run by run.
+
+    A run is those of one row by one variable.
+    """
+
+    row: np.ndarray  # (n_runs,)
+    variable: np.ndarray  # (n_runs,)
+    start: np.ndarray  # (n_runs + 1,) into the next two
+    column: np.ndarray  # (n_d,)
+    value: np.ndarray  # (n_d,)
+
+
+def together(one: Changes, other: Changes) -> Changes:
+    """Changes of the sum of two matrices."""
+    later = other._replace(start=other.start[1:] + len(one.value))
+    return Changes(*(np.concatenate(pair) for pair in zip(one, later, strict=True)))
+
+
 class Constant(NamedTuple):
     """Entries of M, D, K (global rows and columns), the constant force f, and their design derivatives.
 
@@ -42,11 +61,9 @@ class Constant(NamedTuple):
     stiff_high: np.ndarray  # leading half of their digits
     stiff_low: np.ndarray  # the rest
     force: np.ndarray  # (n_q,)
-    design_entry: np.ndarray  # (n_d,) which entry
-    design_variable: np.ndarray
-    design_mass: np.ndarray
-    design_damping: np.ndarray
-    design_stiffness: np.ndarray
+    design_mass: Changes
+    design_damping: Changes
+    design_stiffness: Changes
     force_row: np.ndarray  # (n_d,) which entry of f
     force_variable: np.ndarray
     design_force: np.ndarray
@@ -145,9 +162,19 @@ def add_square(values, first, n, position, target):
 @inlined
 def constant_design(part, q, v, acc, scale, I_x, A_x):
     """Partial design derivatives of the residual."""
-    for d in range(len(part.design_entry)):
-        i, k, x = part.row[part.design_entry[d]], part.column[part.design_entry[d]], part.design_variable[d]
-        I_x[i, x] += part.design_mass[d] * acc[k]
-        A_x[i, x] += part.design_damping[d] * v[k] + part.design_stiffness[d] * q[k]
+    add_changes(part.design_mass, acc, I_x)
+    add_changes(part.design_damping, v, A_x)
+    add_changes(part.design_stiffness, q, A_x)
     for d in range(len(part.force_row)):
         A_x[part.force_row[d], part.force_variable[d]] -= scale * part.design_force[d]
+
+
+@inner
+def add_changes(changes, vector, out):
+    """out (n, n_x) += the change of a matrix by every variable, times a vector (n,)."""
+    row, variable, start, column, value = changes.row, changes.variable, changes.start, changes.column, changes.value
+    for run in range(len(row)):
+        total = 0 * vector[0]
+        for d in range(start[run], start[run + 1]):
+            total += value[d] * vector[column[d]]
+        out[row[run], variable[run]] += total

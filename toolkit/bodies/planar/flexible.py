@@ -148,18 +148,17 @@ class Flexible(CuttableBody, StartVelocity):
 
     def constant(self, scene: Placed, gravity: np.ndarray) -> ConstantNumbers:
         """Damping and stiffness always; mass and weight only of a grounded body."""
-        inv = self.invariants(scene)
-        elastic = (inv.stiffness != 0) | (inv.damping != 0)
+        stiffness, damping = self.some_invariants(scene, "stiffness", "damping")
+        elastic = (stiffness != 0) | (damping != 0)
         if self.has_frame:
             row, column = np.nonzero(elastic)
-            return ConstantNumbers(
-                3 + row, 3 + column, np.zeros(len(row)), inv.damping[row, column], inv.stiffness[row, column],
-                np.zeros(3 + len(inv.stiffness)),
-            )  # fmt: skip
-        row, column = np.nonzero((inv.inertia[1:, 1:] != 0) | elastic)
-        weight = inv.first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
-        mass = inv.inertia[1:, 1:][row, column]
-        return ConstantNumbers(row, column, mass, inv.damping[row, column], inv.stiffness[row, column], weight)
+            none = np.zeros(len(row)), np.zeros(3 + len(stiffness))
+            return ConstantNumbers(3 + row, 3 + column, none[0], damping[row, column], stiffness[row, column], none[1])
+        inertia, first_moment = self.some_invariants(scene, "inertia", "first_moment")
+        row, column = np.nonzero((inertia[1:, 1:] != 0) | elastic)
+        weight = first_moment[:, 1:].T @ (rotation(self.angle).T @ gravity)
+        mass = inertia[1:, 1:][row, column]
+        return ConstantNumbers(row, column, mass, damping[row, column], stiffness[row, column], weight)
 
     def floating(self, scene: Placed) -> FloatingNumbers | None:
         """Invariants of a body with a moving frame."""

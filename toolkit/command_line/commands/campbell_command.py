@@ -11,7 +11,8 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.arguments import Changes, SceneFile, prepare_folder, read
+from toolkit.command_line.arguments import Changes, SceneFile, read
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import WIDE, finite_or_none, print_answer, table
 from toolkit.foundation.terminal import AsJson, Quiet
 
@@ -40,7 +41,7 @@ def campbell(
         from toolkit.render.packages import require
 
         require("matplotlib")
-        prepare_folder(output)
+        prepare_folder(output, "campbell.csv", "campbell.json", "campbell.png", "campbell.svg")
     described = read(scene, changes, quiet)
     with at_work("speeds", described, "static", quiet=quiet) as progress:
         found = compile_model(described).campbell(wanted, count=count, progress=progress)

@@ -123,6 +123,12 @@ def agreement(found: Certificate, tolerance: float) -> str:
     """One sentence on gradients that agree, and one on those that round-off leaves fewer digits than the tolerance asks for."""
     worst = {(f, x): max(each[f][x] for each in found.differences.values()) for f, limits in found.limits.items() for x in limits}
     limited = [pair for pair, value in worst.items() if value > tolerance]
+    if len(limited) == len(worst) and found.vanish(tolerance):
+        return (
+            f"All {len(worst)} gradients are zero as far as round-off tells, and all methods find them so to "
+            f"{digits_of(max(value for each in found.zeros.values() for value in each.values()))} digits of what a variable of its size "
+            "could change: a stationary design."
+        )
     agreeing = max((value for pair, value in worst.items() if pair not in limited), default=math.nan)
     text = f"{len(worst) - len(limited)} gradients agree to {digits_of(agreeing)} digits or more."
     if not limited:

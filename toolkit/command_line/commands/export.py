@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from toolkit.command_line.arguments import prepare_folder
 from toolkit.command_line.keeping import Models
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import print_files
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.terminal import AsJson
+from toolkit.foundation.terminal import AsJson, Quiet
 
 if TYPE_CHECKING:
     from toolkit.results.results import Results
@@ -25,6 +25,7 @@ def export(
     ] = None,
     models: Models = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Write results as CSV tables, or for ParaView."""
     from toolkit.results.results_file import load_results
@@ -38,7 +39,7 @@ def export(
         files += export_csv(results, prepare_folder(csv))
     if paraview is not None:
         files.append(_export_paraview(results, prepare_folder(paraview), models))
-    print_files(files, results.verdict, as_json)
+    print_files(files, results.verdict, as_json, quiet)
 
 
 def _export_paraview(results: Results, folder: Path, models: Path | None) -> Path:

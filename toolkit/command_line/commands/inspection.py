@@ -45,8 +45,9 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
     """Everything that a reader of the file wants to know before using it."""
     from toolkit.foundation.units import unit
     from toolkit.reduced_model.file import SCHEMA, SCHEMA_VERSION
+    from toolkit.reduced_model.questions.mesh_questions import mesh_record
 
-    length = unit(model.units, "length")
+    length, judged = unit(model.units, "length"), mesh_record(model)
     return {
         "schema": f"{SCHEMA}, version {SCHEMA_VERSION}",
         "units": model.units,
@@ -58,7 +59,7 @@ def describe_model(model: ReducedModel) -> dict[str, Any]:
         "interfaces": {name: describe_interface(point, length) for name, point in (model.interfaces or {}).items()},
         "exact_for_every_value": dependences(model, model.affine),
         "derivatives": dependences(model, model.derivatives),
-        **({"stress_error": {**model.stress_errors, "largest at": model.stress_error_at}} if model.stress_errors else {}),
+        **({"stress_error": judged} if judged else {}),
         "writers": dict(model.writers),
         "input_hash": model.input_hash,
     }

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import StudyFile, prepare_folder
+from toolkit.command_line.arguments import StudyFile
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.optimum_tables import print_optimum
 from toolkit.command_line.printed.printing import print_answer
 from toolkit.foundation.errors import ToolkitError
@@ -45,7 +46,7 @@ def optimize(
         described = described.model_copy(update={"search": search})
     with naming_study_lines(study):
         problem = problem_of(described)
-    folder = prepare_folder(output)
+    folder = prepare_folder(output, "optimum.json", "history.png", "history.svg", "before", "after")
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)

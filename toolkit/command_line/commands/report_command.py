@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from toolkit.command_line.announcements import Progress, at_work, bar
-from toolkit.command_line.arguments import Changes, prepare_folder, read, split
+from toolkit.command_line.arguments import Changes, read, split
 from toolkit.command_line.keeping import Models, SceneOrResults, check_options, is_results, text_of
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import warn
 from toolkit.foundation.terminal import AsJson, Quiet, print_json
 

@@ -11,7 +11,8 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import at_work
-from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read
+from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, read
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.printing import WIDE, print_answer, table
 from toolkit.foundation.terminal import AsJson, Quiet
 
@@ -58,7 +59,7 @@ def stability(
         from toolkit.render.packages import require
 
         require("matplotlib")
-        prepare_folder(output)
+        prepare_folder(output, "stability.json", "stability.png", "stability.svg")
     from toolkit.scene.cut_scene import written
     from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
 

@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import Dask, Jobs, StudyFile, prepare_folder
+from toolkit.command_line.arguments import Dask, Jobs, StudyFile
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import WIDE, print_answer, table
 from toolkit.foundation.terminal import AsJson, Quiet
@@ -50,7 +51,7 @@ def sweep(
     described = _changed(read_study(study), {"points": points, "levels": levels, "count": count, "file": file})
     with naming_study_lines(study):
         problem = sweep_problem(described)
-    folder = prepare_folder(output)
+    folder = prepare_folder(output, "sweep.csv", "sweep.json", "sweep.parquet", "sweep.png", "sweep.svg")
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = swept(problem, folder, place, progress)

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, prepare_folder, read, split
+from toolkit.command_line.arguments import Changes, SceneFile, Variables, design_of, read, split
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import print_answer
 from toolkit.command_line.printed.tradeoff_tables import print_tradeoff, record_of
@@ -73,7 +74,7 @@ def tradeoff(
     names = (design_of(described, variables) if described.design or variables else []) if gradients else []
     pairs = dict(split(change) for change in changes or [])
     planned = study.plan(scene, output, pairs, names, axes, budget or [], gradient_budget or [])
-    folder = prepare_folder(output)
+    folder = prepare_folder(output, "tradeoff.json", "tradeoff.png", "tradeoff.svg")
     for formulation in sorted({each.solver.get("formulation") or described.solver.formulation for each in planned.settings}):
         solver = described.solver.model_copy(
             update={"formulation": formulation}

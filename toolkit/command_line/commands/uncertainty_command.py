@@ -10,7 +10,8 @@ import typer
 from rich.console import Console
 
 from toolkit.command_line.announcements import bar, compile_before
-from toolkit.command_line.arguments import Dask, Jobs, StudyFile, prepare_folder
+from toolkit.command_line.arguments import Dask, Jobs, StudyFile
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.pictures import save_drawing
 from toolkit.command_line.printed.printing import WIDE, print_answer, table
 from toolkit.foundation.terminal import AsJson, Quiet
@@ -47,7 +48,7 @@ def uncertainty(
         described = described.model_copy(update={"uncertainty": described.uncertainty.model_copy(update=given)})
     with naming_study_lines(study):
         checked = uncertain_study(described)
-    folder = prepare_folder(output)
+    folder = prepare_folder(output, "uncertainty.json", "uncertainty.png", "uncertainty.svg")
     compile_before(checked.problem.scene, checked.problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = found_uncertainty(checked, folder, place, progress)

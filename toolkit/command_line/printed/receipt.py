@@ -48,12 +48,14 @@ def print_receipt(found: dict[str, Any]) -> None:
         console.print(f"no receipt: {found['none']}", markup=False)
         return
     for section, lines in found.items():
-        if section != "cost":
+        if section not in ("cost", "meshes"):
             shown = table(section, "kept", "dropped", "why")
             for line in lines:
                 shown.add_row(line["what"], str(line["kept"]), str(line["dropped"] or ""), line["why"])
             console.print(shown)
     console.print(_costs(found["cost"]))
+    for file, judged in found["meshes"].items():
+        console.print(f"{file}: estimated: {judged['told']}.", markup=False)
     for line in remarks(found["cost"]):
         console.print(line, markup=False)
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from toolkit.bodies.kernels.constant_kernel import Constant
+from toolkit.bodies.kernels.constant_kernel import Changes, Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.compilation.conversions import ints, starts
 from toolkit.compilation.numbering import Numbering
@@ -36,13 +36,14 @@ def constant_part(
     row = np.concatenate([r for r, _ in rows]).astype(np.int64)
     column = np.concatenate([c for _, c in rows]).astype(np.int64)
     counts = [len(r) for r, _ in rows]
-    entries, forces = _constant_changes(numbering, derivatives, starts(counts))
+    first_entry = starts(counts)
+    force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
     stiffness: np.ndarray = joined("stiffness").astype(dtype)
     soft, stiff_row, stiff_start, stiff_column, stiff_high, stiff_low = stiff_entries(row, column, stiffness, weights, counts)
     sizes = [square_size(part.row, part.column) for part in values.constant.values()]
     damped = [np.any(np.asarray(part.mass) != 0) or np.any(np.asarray(part.damping) != 0) for part in values.constant.values()]
     return Constant(
-        segment_start=starts(counts),
+        segment_start=first_entry,
         segment_size=ints([sizes]),
         segment_damped=ints([damped]),
         row=row,
@@ -58,30 +59,41 @@ def constant_part(
         stiff_high=stiff_high,
         stiff_low=stiff_low,
         force=np.ascontiguousarray(joined("force"), dtype),
-        design_entry=entries[0].astype(np.int64),
-        design_variable=entries[1].astype(np.int64),
-        design_mass=entries[2].copy(),
-        design_damping=entries[3].copy(),
-        design_stiffness=entries[4].copy(),
-        force_row=forces[0].astype(np.int64),
-        force_variable=forces[1].astype(np.int64),
-        design_force=forces[2].copy(),
+        design_mass=_changes_of("mass", derivatives, first_entry, row, column),
+        design_damping=_changes_of("damping", derivatives, first_entry, row, column),
+        design_stiffness=_changes_of("stiffness", derivatives, first_entry, row, column),
+        force_row=force_row,
+        force_variable=force_variable,
+        design_force=design_force,
     )
 
 
-def _constant_changes(
-    numbering: Numbering, derivatives: list[Quantities], first_entry: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """What is not zero: rows (entry, variable, dM, dD, dK) and (coordinate, variable, df)."""
+def _changes_of(
+    name: str, derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray
+) -> Changes:
+    """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
+    parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
+    entry, variable, value = _not_zero([(first_entry[b], x, change) for x, b, change in parts])
+    rows = row[entry]
+    begins = np.ones(len(entry), bool)
+    begins[1:] = (rows[1:] != rows[:-1]) | (variable[1:] != variable[:-1])
+    first = np.flatnonzero(begins)
+    return Changes(rows[first], variable[first], np.append(first, len(entry)), column[entry], value)
+
+
+def _changes_of_forces(numbering: Numbering, derivatives: list[Quantities]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Coordinate, variable and derivative of the constant forces that change."""
     first = list(numbering.first.values())
-    entries, forces = [np.zeros((5, 0))], [np.zeros((3, 0))]
-    for x, derivative in enumerate(derivatives):
-        for b, part in derivative.constant.items():
-            change = np.stack([part.mass, part.damping, part.stiffness])
-            changed, moved = np.flatnonzero(np.any(change != 0, axis=0)), np.flatnonzero(part.force)
-            entries.append(np.vstack([first_entry[b] + changed, np.full(len(changed), x), change[:, changed]]))
-            forces.append(np.vstack([first[b] + moved, np.full(len(moved), x), part.force[moved]]))
-    return np.concatenate(entries, axis=1), np.concatenate(forces, axis=1)
+    parts = [(x, b, part.force) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]
+    return _not_zero([(first[b], x, change) for x, b, change in parts])
+
+
+def _not_zero(parts: list[tuple[int, int, np.ndarray]]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Place, variable and value of what is not zero, of arrays with the place of their first number and their variable."""
+    found = [(first, x, change, np.flatnonzero(change)) for first, x, change in parts]
+    place = ints([first + at for first, _, _, at in found])
+    variable = np.repeat(ints([[x for _, x, _, _ in found]]), [len(at) for *_, at in found])
+    return place, variable, np.concatenate([np.zeros(0), *(change[at] for _, _, change, at in found)])
 
 
 def floating_part(

@@ -62,7 +62,7 @@ def marker_arrays(
 def marker_changes(derivatives: list[Quantities]) -> list[tuple[int, int, Any]]:
     """(marker, variable, derivative) of all markers that a variable moves, marker by marker."""
     found = [(m, x, part) for x, derivative in enumerate(derivatives) for m, part in derivative.markers.items()]
-    return sorted((each for each in found if np.any(each[2].point) or np.any(each[2].shape)), key=itemgetter(0, 1))
+    return sorted((each for each in found if each[2].point.any() or each[2].shape.any()), key=itemgetter(0, 1))
 
 
 def load_arrays(

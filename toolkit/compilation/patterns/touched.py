@@ -5,6 +5,7 @@ The loop visits these entries alone, so that hundreds of variables cost it littl
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -34,12 +35,15 @@ def touched(
     """Row and variable of every such entry, ordered by row."""
     if not n_x:
         return ints([]), ints([])
-    pairs = [(constant.row[constant.design_entry], constant.design_variable), (constant.force_row, constant.force_variable)]
+    matrices = (constant.design_mass, constant.design_damping, constant.design_stiffness)
+    pairs = [(constant.force_row, constant.force_variable), *((each.row, each.variable) for each in matrices)]
     pairs += _by_floating(floating)
     pairs += [] if pressures is None else _by_pressures(pressures, curve_index, curve_variable)
     for part in (joints, loads):
         for k in range(len(part.marker)):
             variables = _variables(part, k, markers, curve_index, curve_variable)
+            if not len(variables):
+                continue
             own = joints.row[k] + np.arange(joints.n_rows[k]) if part is joints else _state(loads, k)
             rows = np.concatenate([own, *(markers.coordinate[markers.start[m] : markers.start[m + 1]] for m in part.marker[k])])
             pairs.append((np.repeat(rows, len(variables)), np.tile(variables, len(rows))))
@@ -77,7 +81,8 @@ def _variables(
 ) -> np.ndarray:
     """Variables that act on a component through its markers, its parameters or its time curve."""
     by_markers = [markers.design_variable[markers.design_start[m] : markers.design_start[m + 1]] for m in part.marker[k]]
+    by_curve = curve_variable[curve_index == part.curve[k]]
     by_parameters = (
         part.changing(k) if isinstance(part, Joints) else part.design_variable[part.design_start[k] : part.design_start[k + 1]]
     )
-    return np.unique(ints([*by_markers, by_parameters, curve_variable[curve_index == part.curve[k]]]))
+    return ints([sorted({*chain(*(each.tolist() for each in (*by_markers, by_parameters))), *by_curve.tolist()})])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
@@ -33,6 +34,19 @@ def told_mesh(model: ReducedModel) -> str:
         f"stress of this mesh off by some {100 * worst[1]:.2g} % in the energy norm ({worst[0]}, the worst of {len(model.stress_errors)} "
         f"load cases), most of it near {_place(model)}"
     )
+
+
+def mesh_record(model: ReducedModel) -> dict[str, Any] | None:
+    """The estimate as numbers with their meanings, for JSON and tables; None where there is none."""
+    if not model.stress_errors:
+        return None
+    return {
+        "told": told_mesh(model),
+        "measure": "estimated error of the stress in the energy norm, in parts of the stress",
+        "cases": dict(model.stress_errors),
+        "place": dict(model.stress_error_at),
+        "place_unit": unit(model.units, "length"),
+    }
 
 
 def mesh_questions(model: ReducedModel, where: str, doubt: bool = False, limit: float = COARSE) -> Iterator[Caution]:

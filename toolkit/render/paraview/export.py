@@ -14,6 +14,7 @@ from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
 from toolkit.render.paraview.mechanism_lines import lifted, mechanism
+from toolkit.render.paraview.plane_solids import plane_solid
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.skin_shape import SkinShape, drawn_model, fibre_values, skin_shape
@@ -27,7 +28,8 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
     """Write one PVD file, to be opened in ParaView, and the VTP files that it lists.
 
     Every flexible body with a mesh is a band as thick as it is (2 % of the scene if its thickness is unknown), with point data
-    "stress in <unit>" and "stress by <variable>". Rigid bodies are lines. In space it is its surface, see `spatial_meshes`.
+    "stress in <unit>" and "stress by <variable>"; a meshed one is its section, see `plane_solid`. Rigid bodies are lines. In space it is
+    its surface, see `spatial_meshes`.
 
     Returns
     -------
@@ -76,7 +78,10 @@ def _meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
     def at(step: int) -> dict[str, Any]:
         moment = Configuration(solution, step)
         thick = {body: true or look.extent / 50 for body, true in look.thickness.items()}
-        return {body: _band(moment, body, thick[body], *fields[body]) for body in thick} | {"mechanism": mechanism(moment)}
+        bands = {body: _band(moment, body, thick[body], *fields[body]) for body in thick}
+        solids = {body: plane_solid(moment, body) for body in look.solids}
+        drawn = [body for body, mesh in solids.items() if mesh is not None]
+        return bands | solids | {"mechanism": mechanism(moment, drawn)}
 
     return at
 

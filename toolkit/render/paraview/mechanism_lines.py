@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 import pyvista
 
 
-def mechanism(moment: Any) -> Any:
-    """Rigid bodies and links of a configuration in the plane or in space as lines, or None."""
-    lines = [*moment.rods(), *map(moment.ends, moment.links()), *moment.wheels()]
+def mechanism(moment: Any, but: Collection[str] = ()) -> Any:
+    """Rigid bodies and links of a configuration in the plane or in space as lines, or None; without bodies that are shown already."""
+    lines = [*moment.rods(but), *map(moment.ends, moment.links()), *moment.wheels()]
     return pyvista.PolyData().append_polydata(*(pyvista.lines_from_points(lifted(ends)) for ends in lines)) if lines else None
 
 

@@ -9,16 +9,13 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.render.paraview.mechanism_lines import mechanism
+from toolkit.render.paraview.solid_stress import add_stress
 from toolkit.render.space import parts
 from toolkit.render.space.body_shape import at_points, body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.responses.stress.stress import stress_field
-from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
-
-COMPONENTS = {"XX": 0, "YY": 1, "ZZ": 2, "XY": 5, "YZ": 3, "XZ": 4}
-"""Components of a symmetric tensor in the order of VTK -> their place in ours, xx, yy, zz, yz, xz, xy."""
 
 
 def spatial_meshes(solution: Solution) -> Callable[[int], dict[str, Any]]:
@@ -56,10 +53,6 @@ def _surface(moment: SpatialConfiguration, body: str, undeformed: np.ndarray) ->
     mesh.point_data[f"displacement in {unit(units, 'length')}"] = shape.points - undeformed
     if shape.stress.shape[1] == 1:
         mesh.point_data[label] = shape.stress[:, 0]
-        return mesh
-    mesh.point_data[f"von Mises {label}"] = point_stress(shape.stress)
-    mesh.point_data[label] = shape.stress[:, list(COMPONENTS.values())]
-    array = mesh.GetPointData().GetArray(label)
-    for place, name in enumerate(COMPONENTS):
-        array.SetComponentName(place, name)
+    else:
+        add_stress(mesh, shape.stress, label)
     return mesh

@@ -68,7 +68,7 @@ def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     points = np.vstack([drawn_points(moment) for moment in whole])
     points = points if len(points) else np.zeros((1, 2))
     solids = [name for name in moments[0].flexible() if solid_shape(moments[0], name)]
-    stresses = [shape.stress for moment in moments for name in solids if (shape := solid_shape(moment, name))]
+    stresses = [shape.shown for moment in moments for name in solids if (shape := solid_shape(moment, name))]
     stresses += [shape.stress for each in shapes.values() for shape in each]
     stress = np.concatenate([np.zeros(1), *map(np.ravel, stresses)])
     return Look(

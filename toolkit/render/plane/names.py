@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.collections import TriMesh
 
 from toolkit.render.colors import INK
 from toolkit.render.label_places import Name, beside
@@ -46,6 +47,8 @@ def drawn_lines(axes: Axes) -> list[np.ndarray]:
     """Everything that is drawn in axes as polylines (n, 2), in pixels of the figure."""
     found = [line.get_transform().transform(line.get_xydata()) for line in axes.lines]
     for each in axes.collections:
+        if isinstance(each, TriMesh):  # its edges are drawn as well
+            continue
         (offset,) = each.get_offset_transform().transform(np.reshape(each.get_offsets(), (-1, 2)))
         found += [each.get_transform().transform(path.vertices) + offset for path in each.get_paths()]
     return found

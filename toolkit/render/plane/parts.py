@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
+from matplotlib.tri import Triangulation
 
 from toolkit.render.colors import INK, ROD, SUPPORT, TARGET, UNDEFORMED
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
-from toolkit.render.plane.solid_shape import SolidShape
+from toolkit.render.plane.solid_shape import SolidShape, solid_shape
 from toolkit.render.plane.symbols import symbols
 from toolkit.render.plane.window import drawn_thickness, figure_of, shown
 from toolkit.render.sheet import SIGNED
@@ -54,22 +56,39 @@ def _pieces(points: np.ndarray) -> np.ndarray:
 
 
 def draw_solid(axes: Axes, shape: SolidShape, colors: Normalize) -> None:
-    """A meshed body: its section, and along its boundary the stress; without colours where its model tells none there."""
-    vertices, codes = [], []
-    for line in _closed(shape.edges):
-        vertices.append(line)
-        codes.append(np.array([Path.MOVETO, *[Path.LINETO] * (len(line) - 2), Path.CLOSEPOLY], Path.code_type))
-    section = Path(np.concatenate(vertices), np.concatenate(codes))
+    """A meshed body: its section with the stress inside, or along its boundary alone, or without colours, as its model tells."""
+    section, inside = _section(shape.edges), shape.inside
+    if inside is not None:
+        mesh = Triangulation(inside.points[:, 0], inside.points[:, 1], inside.triangles)
+        shades = TriMesh(mesh, array=inside.stress, cmap=SIGNED, norm=colors, zorder=_SOLID)
+        shades.set_rasterized(True)  # SVG and PDF have no shades between three points
+        axes.add_collection(shades)
+        axes.add_patch(PathPatch(section, fill=False, edgecolor=INK, linewidth=0.8, zorder=_SOLID))
+        return
     axes.add_patch(PathPatch(section, facecolor=_UNTOLD, edgecolor="none", zorder=_SOLID))
     if np.isnan(shape.stress).all():
         return
-    known = colormaps[SIGNED].with_extremes(bad=_UNTOLD)
-    axes.add_collection(LineCollection(list(shape.edges), colors=INK, linewidths=_BAND + 0.8, capstyle="round", zorder=_SKIN))
-    axes.add_collection(
-        LineCollection(
-            list(shape.edges), array=shape.stress, cmap=known, norm=colors, linewidths=_BAND, capstyle="round", zorder=_SKIN
-        )
-    )
+    edges = list(shape.edges)
+    look: Any = {"capstyle": "round", "zorder": _SKIN}
+    known: Any = {"cmap": colormaps[SIGNED].with_extremes(bad=_UNTOLD), "norm": colors, **look}
+    axes.add_collection(LineCollection(edges, colors=INK, linewidths=_BAND + 0.8, **look))
+    axes.add_collection(LineCollection(edges, array=shape.stress, linewidths=_BAND, **known))
+
+
+def draw_sections(axes: Axes, moment: Configuration, bodies: Collection[str], edge: str = INK, filled: bool = False) -> None:
+    """Meshed bodies without their stress."""
+    for body in bodies:
+        shape = solid_shape(moment, body)
+        if shape is not None:
+            look: Any = {"edgecolor": edge, "facecolor": _UNTOLD if filled else "none", "linewidth": 0.8}
+            axes.add_patch(PathPatch(_section(shape.edges), zorder=_SOLID, **look))
+
+
+def _section(edges: np.ndarray) -> Path:
+    """What edges (n_edges, n_points, 2) that follow one another enclose."""
+    lines = _closed(edges)
+    codes = [np.array([Path.MOVETO, *[Path.LINETO] * (len(line) - 2), Path.CLOSEPOLY], Path.code_type) for line in lines]
+    return Path(np.concatenate(lines), np.concatenate(codes))
 
 
 def _closed(edges: np.ndarray) -> list[np.ndarray]:
@@ -105,9 +124,11 @@ def draw_line(axes: Axes, moment: Configuration, body: str, **style: Any) -> Non
         axes.plot(*shape.line.reshape(-1, 2).T, zorder=_LINE, **style)
 
 
-def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0) -> None:
-    """Rigid bodies as thick lines with edges, springs, distance joints and wheels as thin ones."""
-    rods = [ends for ends in moment.rods() for _ in ("edge", "inside")]
+def draw_mechanism(
+    axes: Axes, moment: Configuration, color: str = ROD, edge: str = _EDGE, width: float = 4.0, but: Collection[str] = ()
+) -> None:
+    """Rigid bodies as thick lines with edges, springs, distance joints and wheels as thin ones; without bodies that are drawn already."""
+    rods = [ends for ends in moment.rods(but) for _ in ("edge", "inside")]
     links = [*(moment.ends(each) for each in moment.links()), *moment.wheels()]
     axes.add_collection(LineCollection(links, colors=color, linewidths=1.5, zorder=_ROD))
     look: Any = {"colors": (edge, color), "linewidths": (width + 1.0, width)}
@@ -115,11 +136,12 @@ def draw_mechanism(axes: Axes, moment: Configuration, color: str = ROD, edge: st
 
 
 def draw_symbols(axes: Axes, moment: Configuration) -> None:
-    """Pins as circles, everything else as lines, all of one size on paper."""
+    """Pins as circles, masses as squares, everything else as lines, all of one size on paper."""
+    filled = {"pin": "white", "mass": ROD}
     for symbol in symbols(moment):
-        pin = symbol.kind == "pin"
-        kind: Any = PolyCollection if pin else LineCollection
-        look: Any = {"facecolors": "white", "edgecolors": INK, "zorder": _PIN} if pin else {"colors": SUPPORT, "zorder": _SUPPORT}
+        fill = filled.get(symbol.kind)
+        kind: Any = PolyCollection if fill else LineCollection
+        look: Any = {"facecolors": fill, "edgecolors": INK, "zorder": _PIN} if fill else {"colors": SUPPORT, "zorder": _SUPPORT}
         place = {"offsets": [symbol.point], "offset_transform": axes.transData}
         drawn = kind(symbol.lines(_SYMBOL), linewidths=1.3, capstyle="round", gid=symbol.kind, **look, **place)
         drawn.set_transform(figure_of(axes).dpi_scale_trans)

@@ -13,7 +13,7 @@ from toolkit.render.plane.solid_shape import solid_shape
 
 def draw_scene(axes: Axes, moment: Configuration, look: Look) -> None:
     """Skins with their stress, outlines, mechanism, joints and supports in a window that is open; names come when the figure is settled."""
-    draw_mechanism(axes, moment)
+    draw_mechanism(axes, moment, but=look.solids)
     for body in look.solids:
         solid = solid_shape(moment, body)
         assert solid is not None

@@ -20,6 +20,7 @@ from toolkit.render.plane.look import Look
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.scene_drawing import draw_scene
+from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, panel_height, shown, window
 from toolkit.render.readable_units import readable, readable_stress
 from toolkit.render.round_numbers import MINUS, even
@@ -32,6 +33,7 @@ _LINE = 0.22
 _BROAD = 8.0
 """Width in inches from which a legend stands in one line."""
 _ALONG = "stress along the boundary of meshed bodies"
+_INSIDE = "meshed bodies: von Mises stress, negative in compression"
 _FRAME_MARGIN = 0.02
 """Round the frame of the detail at least, relative to the main window."""
 
@@ -133,7 +135,7 @@ def caption(moment: Configuration, look: Look) -> list[str]:
     solution, step, units = moment.solution, moment.step, moment.scene.units
     words = [moment.told]
     if look.stress_limit:
-        ranges = np.array([stress_range(solution, body)[step] for body in (*look.thickness, *look.solids)])
+        ranges = np.array([*(stress_range(solution, body)[step] for body in look.thickness), *_solid_ranges(moment, look)])
         factor, label = readable_stress(look.stress_limit, units)
         low, high = (even(factor * value, factor * look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
         words.append(f"stress {low} to {high} {label}")
@@ -145,6 +147,12 @@ def caption(moment: Configuration, look: Look) -> list[str]:
     return words
 
 
+def _solid_ranges(moment: Configuration, look: Look) -> list[np.ndarray]:
+    """Smallest and largest stress of every meshed body that shows any, (2,)."""
+    shown = [shape.shown for body in look.solids if (shape := solid_shape(moment, body))]
+    return [np.array([each.min(initial=0.0), each.max(initial=0.0)]) for each in shown if np.isfinite(each).all()]
+
+
 def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
     """Entries of a legend for the contours that are drawn."""
     meant = {label: (color, dashes) for body in look.thickness for label, _, color, dashes, _ in outlines(moment, body)}
@@ -153,7 +161,7 @@ def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
 
 def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -> list[Line2D]:
     """What lines and bands are; only what is drawn, and a word where skins are thicker than they are."""
-    solids = [Line2D([], [], color=INK, linewidth=4, alpha=0.3, label=_ALONG)] if look.solids and look.stress_limit else []
+    solids = _solid_keys(look, moment)
     if not look.thickness:
         return solids
     words = ["deformed, stress of outer and inner fibre" if look.stress_limit else "deformed"]
@@ -161,3 +169,10 @@ def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -
     if any(thick):
         words.append("thickness not to scale" if all(thick) else "thickness to scale in the detail only")
     return [*contour_keys(look, moment), Line2D([], [], color=INK, linewidth=4, alpha=0.3, label="; ".join(words)), *solids]
+
+
+def _solid_keys(look: Look, moment: Configuration) -> list[Line2D]:
+    """How the stress of meshed bodies is shown."""
+    shapes = [shape for body in look.solids if look.stress_limit and (shape := solid_shape(moment, body))]
+    words = dict.fromkeys(_ALONG if shape.inside is None else _INSIDE for shape in shapes if np.isfinite(shape.shown).all())
+    return [Line2D([], [], color=INK, linewidth=4, alpha=0.3, label=each) for each in words]

@@ -1,4 +1,4 @@
-"""The deformed boundary of a meshed body in the plane, and the stress along it."""
+"""A meshed body in the plane as it is deformed: its boundary with the stress along it, and the stress inside."""
 
 from __future__ import annotations
 
@@ -10,9 +10,30 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.render.plane.configuration import Configuration
 from toolkit.responses.stress.stress import stress_components
+from toolkit.responses.stress.von_mises import point_stress
+from toolkit.system.flexible_bodies import design_point
 
 POINTS = 5
 """Points of an edge, which is a parabola through three nodes."""
+
+
+PLACES = (0, 1, 2, 5)
+"""Of the components xx, yy, zz, xy among the six in space."""
+
+
+@dataclass(frozen=True)
+class Inside:
+    """The inside of a meshed body as drawn."""
+
+    points: np.ndarray  # (n, 2), global
+    triangles: np.ndarray  # (n_triangles, 3)
+    components: np.ndarray  # (n, 6) xx, yy, zz, yz, xz, xy in the body's axes
+
+    @property
+    def stress(self) -> np.ndarray:
+        """Von Mises' stress (n,), negative in compression (xx + yy < 0): on a free edge in plane stress it is the stress along the edge."""
+        pressed = self.components[:, 0] + self.components[:, 1] < 0
+        return np.where(pressed, -1.0, 1.0) * point_stress(self.components)
 
 
 @dataclass(frozen=True)
@@ -21,6 +42,12 @@ class SolidShape:
 
     edges: np.ndarray  # (n_edges, POINTS, 2), global
     stress: np.ndarray  # (n_edges,) along each edge, in its middle; nan where the model tells another component, or none
+    inside: Inside | None = None
+
+    @property
+    def shown(self) -> np.ndarray:
+        """The stress that pictures show: inside, or else along the boundary."""
+        return self.stress if self.inside is None else self.inside.stress
 
 
 def solid_shape(moment: Configuration, body: str) -> SolidShape | None:
@@ -38,4 +65,17 @@ def solid_shape(moment: Configuration, body: str) -> SolidShape | None:
     r = np.linspace(0, 1, POINTS)[:, None]
     edges = (1 - r) * (1 - 2 * r) * first[:, None] + 4 * r * (1 - r) * middle[:, None] + r * (2 * r - 1) * last[:, None]
     stress = np.real(stress_components(scene, body, elastic))[:, 0]
-    return SolidShape(edges, stress if len(stress) == len(edges) else np.full(len(edges), np.nan))
+    told = stress if len(stress) == len(edges) else np.full(len(edges), np.nan)
+    return SolidShape(edges, told, _inside(moment, body, elastic))
+
+
+def _inside(moment: Configuration, body: str, elastic: np.ndarray) -> Inside | None:
+    """None if the model does not tell it, or where it stands off its nominal design along a tangent, whose stress is not in the file."""
+    point = design_point(moment.scene, body, "interior")
+    interior = point.model.interior
+    if interior is None or point.extrapolated():
+        return None
+    points = moment.place(body, interior.position @ np.append(1.0, elastic))
+    components = np.zeros((len(points), 6))
+    components[:, PLACES] = np.real(point.parameter(int(interior.modulus)) * (interior.stress @ elastic))
+    return Inside(points, interior.triangles, components)

@@ -14,6 +14,8 @@ from toolkit.kinematics.planar import unit_vector
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model
 
+POINT = 1e-6
+"""Extent in parts of the scene's size below which a body is a point."""
 _ALONG_X = np.array([1.0, 0.0])
 
 
@@ -31,7 +33,7 @@ class Symbol(NamedTuple):
 
 
 def symbols(configuration: Configuration) -> list[Symbol]:
-    """Pins, sliders, supports and clamps of a scene; what turns freely has a pin, what is fixed to the ground a hatched side."""
+    """Pins, sliders, supports, clamps and masses of a scene; what turns freely has a pin, what is fixed to the ground a hatched side."""
     found = [symbol for joint in configuration.scene.joints.values() for symbol in _joint_symbols(configuration, joint)]
     for link in configuration.links():
         for (body, _), end in zip(link.grips, configuration.ends(link), strict=True):
@@ -54,12 +56,19 @@ def _joint_symbols(configuration: Configuration, joint: Joint) -> list[Symbol]:
     """A slider is drawn where its point is now, along the axis of the body that carries it; any new kind of joint is a pin."""
     point, grounded = configuration.ends(joint)[0], "ground" in joint.bodies
     if isinstance(joint, RigidJoint):
-        return [Symbol("clamp", point)] if grounded else []
+        alone = any(_is_a_point(configuration, body) for body in joint.bodies if body != "ground")
+        return [Symbol("clamp", point)] if grounded else [Symbol("mass", point)] * alone
     if isinstance(joint, Slider):
         axis = configuration.turned(*joint.grips[1], unit_vector(np.real(joint.axis)))
         rails = Symbol("grounded slider" if grounded else "slider", point, axis)
         return [rails] if joint.lock_rotation else [rails, Symbol("pin", point)]
     return [Symbol("pin", point)] + [Symbol("support", point)] * (grounded and isinstance(joint, Revolute))
+
+
+def _is_a_point(configuration: Configuration, body: str) -> bool:
+    """Whether nothing else is drawn of a body, a mass that is fixed to another one at its centre."""
+    lines, size = configuration.segments(body), configuration.scene.size
+    return bool(lines) and all(np.ptp(line, axis=0).max() < POINT * size for line in lines)
 
 
 def _hatched(half: float, y: float, depth: float) -> list[np.ndarray]:
@@ -75,6 +84,7 @@ def _box(x: float, y: float) -> np.ndarray:
 _CIRCLE = np.linspace(0, 2 * np.pi, 17)
 _LINES = {
     "pin": [0.5 * np.column_stack([np.cos(_CIRCLE), np.sin(_CIRCLE)])],
+    "mass": [_box(0.6, 0.6)],
     "support": [np.array([[0.0, 0.0], [-0.6, -1.0], [0.6, -1.0], [0.0, 0.0]]), *_hatched(1.0, -1.0, -0.45)],
     "clamp": [_box(1.0, 1.0), *(np.array(ends) for ends in (((-1, 0), (0, 1)), ((-1, -1), (1, 1)), ((0, -1), (1, 0))))],
     "slider": [_box(0.9, 0.8), np.array([[-1.7, -1.1], [1.7, -1.1]]), np.array([[-1.7, 1.1], [1.7, 1.1]])],

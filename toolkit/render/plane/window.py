@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MultipleLocator
+from matplotlib.ticker import FixedLocator
 
 from toolkit.foundation.units import unit
 from toolkit.render.plane.configuration import Configuration
@@ -20,6 +20,8 @@ _LEAST = np.array([0.5, 0.2])
 """Width and height at least, relative to the larger of both: room for a title, and for names above and below a line."""
 _TICKS = 0.45
 """Distance of ticks at least, in inches: room for the number of each."""
+_BESIDE = 0.3
+"""Distance of ticks along x from the sides at least, in steps of ticks."""
 _THINNEST = 0.016
 """Thickness at which the two colours of a band can be told apart, relative to the window."""
 
@@ -66,8 +68,11 @@ def _fit(windows: Windows) -> None:
         (left, low), (right, high) = corners.mean(axis=0) - half, corners.mean(axis=0) + half
         axes.set(xlim=(left, right), ylim=(low, high))
         step = tick_step(_TICKS * figure_of(axes).dpi * 2 * half[0] / room[0])
-        for axis in (axes.xaxis, axes.yaxis):
-            axis.set_major_locator(MultipleLocator(step))
+        room_of_number = step * np.array([_BESIDE, 0.0])  # the number of a tick at the side would run into that of the next panel
+        ends = shown(axes) + np.array([[1], [-1]]) * room_of_number
+        for axis, low, high in zip((axes.xaxis, axes.yaxis), *ends / step, strict=True):
+            ticks = step * (np.arange(np.ceil(low), np.floor(high) + 1) + 0.0)  # no -0.0
+            axis.set_major_locator(FixedLocator(ticks.tolist()))
 
 
 def figure_of(axes: Axes) -> Figure:

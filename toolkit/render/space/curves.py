@@ -53,7 +53,7 @@ def _rotation_panels(solution: Solution, moments: list[SpatialConfiguration]) ->
     bodies = solution.system.scene.bodies.items()
     turning = [name for name, body in bodies if body.turns and not isinstance(body, CutBody)]
     curves = {name: counted_angle(np.array([moment.rotation(name) for moment in moments])) for name in turning}
-    return [("rotation about own main axis", "angle", merged(curves))] if curves else []
+    return [("rotation about\nown main axis", "angle", merged(curves))] if curves else []
 
 
 def counted_angle(rotations: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from matplotlib.lines import Line2D
 
 from toolkit.foundation.spread import spread
 from toolkit.render.plane.names import write_names
-from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_symbols
+from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols
 from toolkit.render.plane.scene_picture import contour_keys
 from toolkit.render.plane.window import open_windows, panel_height, window
 from toolkit.render.sheet import NARROW, sheet
@@ -33,10 +33,12 @@ def mechanism(material: Material) -> list[Drawing]:
         for body in material.skins:
             draw_outlines(panel, last, body)
         for moment, shade in zip(ghosts, shades, strict=False):
-            draw_mechanism(panel, moment, color=shade, edge=shade, width=2.5)
+            draw_sections(panel, moment, material.look.solids, edge=shade)
+            draw_mechanism(panel, moment, color=shade, edge=shade, width=2.5, but=material.look.solids)
             for body in material.skins:
                 draw_line(panel, moment, body, color=shade, linewidth=1.5)
-        draw_mechanism(panel, last)
+        draw_sections(panel, last, material.look.solids, filled=True)
+        draw_mechanism(panel, last, but=material.look.solids)
         for body in material.skins:
             draw_line(panel, last, body, color="black", linewidth=3.0)
         draw_symbols(panel, last)

@@ -1,4 +1,4 @@
-"""Stress in the skins during the motion (paper, fig. 7)."""
+"""Stress in skins and meshed bodies during the motion (paper, fig. 7)."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ INSTANTS = 4
 
 
 def stress_motion(material: Material) -> list[Drawing]:
-    """Skins at some instants, coloured by the stress of their outer and inner fibre."""
-    if not material.skins:
+    """Skins at some instants, coloured by the stress of their outer and inner fibre, and meshed bodies by theirs."""
+    if not material.look.stress_limit:
         return []
     moments = [material.moment(step) for step in spread(material.solution.steps, INSTANTS + 1)[-INSTANTS:]]
-    caption = "Outer half of the band: outer fibre; inner half: inner fibre. Red is tension, blue compression."
+    bands = "Outer half of the band: outer fibre; inner half: inner fibre. " if material.skins else ""
+    caption = f"{bands}Red is tension, blue compression."
     figure = overview_figure(moments, material.look, NARROW, columns=1)
     return [Drawing("stress_motion", "Stress during the motion", caption, figure)]
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib import colormaps
 
 from toolkit.foundation.units import unit
+from toolkit.render.colors import TARGET
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.skin_shape import POINTS, skin_shape
@@ -22,7 +23,8 @@ EVERY = (POINTS - 1) // 4
 def viewer_data(material: Material) -> dict[str, Any]:
     """Frames as lists of numbers, rounded to a ten-thousandth of the scene.
 
-    Each frame: time; per skin its points x, y and the stress of its outer fibre; rods and links as x, y, x, y.
+    Each frame: time; per skin its points x, y and the stress of its outer fibre; per meshed body its closed lines; rods and links as
+    x, y, x, y.
     """
     moments = [material.moment(step) for step in material.shown]
     corners = window(material.look.points)
@@ -35,15 +37,19 @@ def viewer_data(material: Material) -> dict[str, Any]:
         "unit": {quantity: unit(material.scene.units, quantity) for quantity in ("length", "time", "stress")},
         "limit": limit,
         "palette": palette.tolist(),
+        "target": TARGET,
         "targets": [line.round(digits).tolist() for label, line in contours if label == "target"],
-        "frames": [_frame(moment, material.skins, digits) for moment in moments],
+        "frames": [_frame(moment, material, digits) for moment in moments],
     }
 
 
-def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, Any]:
-    found = [shape for body in skins if (shape := skin_shape(moment, body))]
+def _frame(moment: Configuration, material: Material, digits: int) -> dict[str, Any]:
+    found = [shape for body in material.skins if (shape := skin_shape(moment, body))]
+    solids = material.look.solids
+    links = [*map(moment.ends, moment.links()), *moment.wheels()]
     return {
-        "time": round(moment.time, 6),
+        "time": float(f"{moment.time:.9g}"),
+        "solids": [[line.round(digits).tolist() for line in moment.segments(body)] for body in solids],
         "skins": [
             {
                 "points": shape.line[:, ::EVERY].round(digits).tolist(),
@@ -51,5 +57,5 @@ def _frame(moment: Configuration, skins: list[str], digits: int) -> dict[str, An
             }
             for shape in found
         ],
-        "rods": [ends.round(digits).tolist() for ends in [*moment.rods(), *map(moment.ends, moment.links()), *moment.wheels()]],
+        "rods": [ends.round(digits).tolist() for ends in [*moment.rods(solids), *links]],
     }

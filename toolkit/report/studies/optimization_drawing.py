@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.render.sheet import COLORS, sheet
+from toolkit.render.sheet import sheet, style
 from toolkit.report.drawing import Drawing
 from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.optimum import Optimum
@@ -13,8 +13,8 @@ from toolkit.studies.optimization.search import Found
 
 WIDE = 30.0
 """Largest objective over the least from where on the axis is logarithmic."""
-LEAST = 1e-12
-"""Violations below are drawn here."""
+LEAST = 1e-9
+"""Violations below, and none, are drawn here."""
 
 
 def history(found: Optimum) -> Drawing:
@@ -23,29 +23,31 @@ def history(found: Optimum) -> Drawing:
     constrained = any(_violation(search, each) > LEAST for search in found.searches for each in _designs(found, search))
     with sheet(2.7 * (1 + constrained) + 0.4, 1 + constrained, sharex=True) as (figure, axes):
         for k, search in enumerate(found.searches):
-            _search(axes[:, 0], found, search, COLORS[k % len(COLORS)], f"start {search.lane // 2 + 1}")
+            _search(axes[:, 0], found, search, k, f"start {search.lane // 2 + 1}")
         if _ranges_widely(found):
             axes[0, 0].set_yscale("log")
-        axes[0, 0].set_ylabel(f"{name}, {unit}" if unit else name)
+        axes[0, 0].set_ylabel(f"{name} in {unit}".replace("^2", "\N{SUPERSCRIPT TWO}") if unit else name)
         axes[-1, 0].set_xlabel("designs of the search")
         if constrained:
-            axes[1, 0].set_ylabel("largest violation, in parts of the limit")
+            axes[1, 0].set_ylabel("largest violation,\nin parts of the limit")
             axes[1, 0].set_yscale("log")
         figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
-    caption = "Objective and largest violation of every design of the searches; crosses are designs that could not be solved."
+    caption = "Objective of every design of the searches; crosses are designs that could not be solved."
+    if constrained:
+        caption += f" Below, the largest violation of a limit; {LEAST:g} stands for less and for none."
     return Drawing("history", "Designs of the optimisation", caption, figure)
 
 
-def _search(panels: np.ndarray, found: Optimum, search: Found, color: str, label: str) -> None:
+def _search(panels: np.ndarray, found: Optimum, search: Found, number: int, label: str) -> None:
     """Curves of one search, with crosses at the foot of the first panel for what failed."""
-    mine = _designs(found, search)
+    mine, look = _designs(found, search), style(number)
     good = [k for k, each in enumerate(mine) if not each.failed]
     objectives = [float(search.program.objective(mine[k].values)[0]) for k in good]
-    panels[0].plot(good, objectives, color=color, marker=".", label=label)
+    panels[0].plot(good, objectives, marker=".", label=label, **look)
     lost = [k for k, each in enumerate(mine) if each.failed]
-    panels[0].plot(lost, [0.02] * len(lost), "x", color=color, transform=panels[0].get_xaxis_transform())
+    panels[0].plot(lost, [0.02] * len(lost), "x", color=look["color"], transform=panels[0].get_xaxis_transform())
     if len(panels) > 1:
-        panels[1].plot(good, [_violation(search, mine[k]) for k in good], color=color, marker=".")
+        panels[1].plot(good, [_violation(search, mine[k]) for k in good], marker=".", **look)
 
 
 def _ranges_widely(found: Optimum) -> bool:

@@ -151,7 +151,10 @@ class StressResponse(Response):
 
     def considered(self, solution: Solution) -> np.ndarray:
         """Stress values that count, shape (n_t, n_s), or (n_t, 2 n_s) with the opposite sign too."""
-        components = self.components(solution)
+        return self.signed(self.components(solution))
+
+    def signed(self, components: np.ndarray) -> np.ndarray:
+        """The same from the components of stress that count."""
         stress = point_stress(components)
         return np.hstack([stress, -stress]) if self.twice(components) else stress
 
@@ -165,9 +168,9 @@ class StressResponse(Response):
         """Whether the opposite sign counts too."""
         return self.measure == "absolute" and components.shape[-1] == 1
 
-    def chain(self, solution: Solution, value: complex, weights: np.ndarray) -> Partials:
-        """Partials of a response from its derivatives by the considered values."""
-        weights, components = np.real(weights), self.components(solution)
+    def chain(self, solution: Solution, components: np.ndarray, value: complex, weights: np.ndarray) -> Partials:
+        """Partials of a response from the components of stress that count, and from its derivatives by the considered values."""
+        weights = np.real(weights)
         if self.twice(components):
             weights = weights[:, : weights.shape[1] // 2] - weights[:, weights.shape[1] // 2 :]
         by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
@@ -214,8 +217,8 @@ class KSStress(StressResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """Value and softmax weights."""
-        value, weights = kreisselmeier_steinhauser(self.considered(solution), self.sharpness)
-        return self.chain(solution, value, weights)
+        components = self.components(solution)
+        return self.chain(solution, components, *kreisselmeier_steinhauser(self.signed(components), self.sharpness))
 
     def remark(self, solution: Solution) -> str:
         """How far the smooth maximum is from the true one, and how far it could be."""
@@ -231,8 +234,9 @@ class MaxStress(StressResponse):
 
     def partials(self, solution: Solution) -> Partials:
         """Value, and weight one at the place of the maximum."""
-        stress = self.considered(solution)
+        components = self.components(solution)
+        stress = self.signed(components)
         weights = np.zeros(stress.shape)
         place = np.unravel_index(first_largest(stress.real.ravel(), SAME), stress.shape)
         weights[place] = 1
-        return self.chain(solution, stress[place], weights)
+        return self.chain(solution, components, stress[place], weights)

@@ -135,16 +135,19 @@ def best_quotients(found: Mapping[float, Mapping[str, float]]) -> dict[str, Quot
     return best
 
 
-def jumping(found: Mapping[float, Mapping[str, float]], along: Mapping[str, float]) -> tuple[str, ...]:
+def jumping(
+    found: Mapping[float, Mapping[str, float]], along: Mapping[str, float], scales: Mapping[str, float]
+) -> tuple[str, ...]:
     """Responses that differ from their derivatives along the direction over a small step, though not over a smaller one.
 
     Truncation vanishes like h^2 and round-off grows like 1/h, so that a smooth response is right wherever a smaller step is, up to `SMALL`.
+    Neither is measured by a slope that is zero, but by the response's scale: truncation leaves h^2 of it, round-off `UNSEEN` / h.
     """
     lost = []
     for f, slope in along.items():
         off = {h: abs(each[f] - slope) for h, each in found.items() if h <= SMALL}
         right = min((h for h, error in off.items() if error <= SETTLED / 10 * abs(slope)), default=np.inf)
-        if any(h > right and error > SETTLED * abs(slope) for h, error in off.items()):
+        if any(h > right and error > SETTLED * abs(slope) + (SMALL**2 + UNSEEN / h) * scales[f] for h, error in off.items()):
             lost.append(f)
     return tuple(lost)
 

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from toolkit.bodies.kernels.constant_kernel import together
 from toolkit.equations.equations import Terms
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.near_ties import first_largest
@@ -69,7 +70,7 @@ def stiffened(system: System) -> System:
     everywhere = np.ones_like(part.segment_damped)  # there is a mass where there is stiffness alone otherwise
     mass = {
         "mass": part.mass + part.stiffness,
-        "design_mass": part.design_mass + part.design_stiffness,
+        "design_mass": together(part.design_mass, part.design_stiffness),
         "segment_damped": everywhere,
     }
     return replace(system, plan=system.plan._replace(constant=part._replace(**mass)))

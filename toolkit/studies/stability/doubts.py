@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.studies.stability.found import Cell, Mapped, Reference
+from toolkit.studies.stability.solver_maps import finest_first, steps_needed
 from toolkit.studies.stability.verdict import Limits
 from toolkit.validity.description.scene_cautions import cautions_of_scene
 
@@ -15,10 +16,18 @@ ENDS = {"failed": "fails", "refused": "is refused", "not run": "is not run"}
 
 
 def verdict_of(
-    scene: Scene, design: Sequence[str], limits: Limits, own: Cell, reference: Reference | None, maps: Sequence[Mapped]
+    scene: Scene,
+    design: Sequence[str],
+    limits: Limits,
+    own: Cell,
+    reference: Reference | None,
+    maps: Sequence[Mapped],
+    most_steps: int,
 ) -> Verdict:
-    """Whether the classes of the cells mean what they say, and why not; the arguments are fields of `found.Study`."""
+    """Whether the classes of the cells mean what they say, and why not; the arguments are fields of `found.Study`, and of `stability`."""
     cautions = [*_of_the_scene_itself(own, design), *_of_the_reference(scene, design, limits, reference, maps)]
+    if scene.responses and any(each.map.judge == "reference" for each in maps):
+        cautions += _of_what_was_cut_off(scene, reference, most_steps)
     return Verdict.of([*cautions, *cautions_of_scene(scene)])
 
 
@@ -38,11 +47,24 @@ def _of_the_reference(
     elif not any(each.map.judge == "reference" for each in maps):
         return
     elif best is None:
-        yield Caution("no-reference", "the scene runs in good order with no step, so maps of the solver have no reference.")
+        yield Caution("no-reference", "no two steps that were tried run in good order, so maps of the solver have no reference.")
     elif best.next_values > limits.accuracy or (design and best.next_slopes > limits.accuracy):
         yield Caution(
             "coarse-reference",
             f"the finest step, {best.step:.3g}, differs from the next by {100 * best.next_values:.3g} % in the responses and "
             f"{100 * best.next_slopes:.3g} % in the gradient, so `inaccurate` means little in maps of the solver: the motion may be "
             "chaotic, or needs a smaller solver.step.",
+        )
+
+
+def _of_what_was_cut_off(scene: Scene, best: Reference | None, most_steps: int) -> Iterator[Caution]:
+    """Runs for the reference that were left out because of their steps; a doubt where it is no finer than the scene."""
+    wanted = [each for each in finest_first(scene) if steps_needed(each) > most_steps]
+    if wanted:
+        known = f"so that the reference has the step {best.step:.3g}" if best else "so that there is no reference"
+        yield Caution(
+            "cut-reference",
+            f"steps down to {wanted[0].solver.step:.3g} were wanted for the reference, but those up to {wanted[-1].solver.step:.3g} need "
+            f"more than {most_steps:g} steps (--most-steps), {known}.",
+            doubt=best is None or best.step >= scene.solver.step,
         )

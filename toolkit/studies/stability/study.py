@@ -75,7 +75,7 @@ def stability(
     own = found.get(OWN) or Measured(Run("refused", _too_long(scene, most_steps)))
     itself = _cell(own, reference.measured if reference else found.get(OWN_HALF), limits)
     mapped = [Mapped(m, {at: _judged(m, at, found, reference, limits, most_steps) for at in m.scenes}) for m in maps]
-    verdict = verdict_of(scene, design, limits, itself, reference, mapped)
+    verdict = verdict_of(scene, design, limits, itself, reference, mapped, most_steps)
     return Study(scene, design, limits, itself, reference, mapped, missing, verdict)
 
 

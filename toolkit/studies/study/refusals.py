@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.responses.load_margin import LoadMargin
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.study.study_file import LOAD_MARGIN, Study
-from toolkit.studies.study.wanted import in_norm, kind_of, mode_of, number_of
+from toolkit.studies.study.wanted import in_norm, kind_of, mode_of, norm_of, number_of
 
 
 def refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> None:
@@ -25,7 +25,9 @@ def refuse_unknown(study: Study, scene: Scene, places: Mapping[str, str]) -> Non
         elif mode_of(study, name) is not None:
             _refuse_no_mode(study, scene, name)
         elif name not in known:
+            _refuse_frequency(study, name, place)
             why = f"{study.analysis} does not have it" if name in scene.responses else "there is none of that name"
+            why += meant(name, [*known, *built_in])
             raise InputError(
                 f"{place}: no response {name!r}, {why}; possible here: {listed([*known, *built_in])}. Others can "
                 "be written in the study's table [responses]."
@@ -43,11 +45,26 @@ def _without_norm(study: Study, asked: str, place: str) -> str:
         return asked
     if name == LOAD_MARGIN:
         raise InputError(f"{place}: the load margin is looked for up to a load factor, and cut off there: its gradient leaps.")
+    if (inner := in_norm(name)) is not None:
+        raise InputError(
+            f"{place}: {asked!r} asks for the gradient of a gradient's norm, which would be differences of differences. Write "
+            f"{norm_of(inner)!r}."
+        )
     if (limit is not None and limit.robust is not None) or (
         study.objective.robust is not None and asked in study.objective.weights
     ):
         raise InputError(f"{place}: norms of gradients are those at the means of uncertain numbers. Leave out `robust`.")
     return name
+
+
+def _refuse_frequency(study: Study, name: str, place: str) -> None:
+    """Refuse a frequency that only modes have built in."""
+    if (number := number_of(name)) is None:
+        return
+    raise InputError(
+        f'{place}: {name!r} is built in where analysis = "modes", but the analysis is {study.analysis!r}. Write analysis = "modes", or '
+        f'in the study\'s table [responses] one of your own, {{ type = "frequency", number = {number} }}, which counts by their order.'
+    )
 
 
 def _refuse_no_mode(study: Study, scene: Scene, name: str) -> None:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.foundation.listed_names import meant
 from toolkit.studies.tradeoff.errors.studied import Studied
 
 DEFAULT = 1e-3
@@ -65,7 +66,8 @@ def _limits(responses: Sequence[str], named: list[tuple[str, float]]) -> dict[st
     for name, limit in sorted(named, key=lambda pair: pair[0] != EVERY or EVERY in responses):
         if name != EVERY and name not in responses:
             raise InputError(
-                f"there is no response {name!r} to have a budget; the scene has {', '.join(responses)}, and {EVERY}."
+                f"there is no response {name!r} to have a budget{meant(name, responses)}; the scene has "
+                f"{', '.join(responses)}, and {EVERY}."
             )
         found |= dict.fromkeys(responses, limit) if name == EVERY and EVERY not in responses else {name: limit}
     return found

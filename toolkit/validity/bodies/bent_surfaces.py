@@ -21,13 +21,13 @@ from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.cut.more_frames import divided
 from toolkit.validity.bodies.cut.places import displacements
 from toolkit.validity.bodies.deformation import (
     LIMIT,
     Measured,
     deformations,
-    has_chain,
     largest_instants,
     whole_bodies,
 )

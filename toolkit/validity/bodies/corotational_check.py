@@ -12,7 +12,9 @@ from toolkit.foundation.processes.preprocessing_process import run
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.deformation import Deformation, chain, deformation_of, flexible_bodies
+from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.planar_chain import PlanarChain
+from toolkit.validity.bodies.deformation import Deformation, deformation_of, flexible_bodies
 from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 PROGRAM = "preprocessing.corotational.command"
@@ -45,7 +47,7 @@ def compare_with_corotational(solution: Solution, body: str) -> Comparison:
     """
     scene = solution.system.scene
     behind = chain(scene, body)
-    if behind is None:
+    if not isinstance(behind, PlanarChain):
         raise InputError(_without_beams(scene, body))
     estimate = deformation_of(behind, solution, body)
     instant = np.flatnonzero(solution.times == estimate.time)[:1]

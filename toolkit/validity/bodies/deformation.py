@@ -4,7 +4,7 @@ A body is linear in its frame: an element that turns by an angle theta there gro
 lever arms. The meter estimates by how much the nodes would be elsewhere if the same forces acted on the same elements, turning with them
 (corotational): the displacement of second order of `second_order`.
 
-It knows the beam elements of the plane only; `bent_surfaces` estimates it of solids and of bodies in space.
+It knows beam elements, in the plane and in space; `bent_surfaces` estimates it of solids.
 """
 
 from __future__ import annotations
@@ -17,16 +17,13 @@ import numpy as np
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.chord_condition import chord_of
-from toolkit.reduced_model.model import MEAN_AXES, ReducedModel
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
+from toolkit.system.flexible_bodies import deforming, elastic_coordinates
 from toolkit.system.solution import Solution
-from toolkit.validity.bodies.chord_rows import chord_rows
-from toolkit.validity.bodies.cut.joined_errors import BentPart, joined_errors
+from toolkit.validity.bodies.chains.chain import Chain
+from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.cut.joined_errors import BentPart, in_space, joined_errors
 from toolkit.validity.bodies.cut.places import displacements, undeformed_places
-from toolkit.validity.bodies.element_sections import Elements, Sections, sections
-from toolkit.validity.bodies.second_order import clamped_rows, displacements_under, mean_rows, second_order_displacement
 from toolkit.validity.bodies.spinning.stiffened import kept_back
 
 LIMIT = 0.05
@@ -86,67 +83,17 @@ class Deformation:
         return not self.relative <= LIMIT
 
 
-@dataclass(frozen=True)
-class Chain:
-    """The finite elements behind a body: what they are made of, and how the elastic coordinates move them."""
-
-    elements: Elements
-    made_of: Sections
-    shapes: np.ndarray  # (n, n_f)
-    held: np.ndarray  # (m, n) rows of displacements that the body's frame does not feel
-
-    def displacements(self, elastic: np.ndarray) -> np.ndarray:
-        """Nodal displacements (n_t, n) of elastic coordinates (n_t, n_f)."""
-        return elastic @ self.shapes.T
-
-    def second_order(self, u: np.ndarray) -> np.ndarray:
-        """What the linear displacements (n_t, n) lack, to second order."""
-        return second_order_displacement(self.elements, self.made_of, self.held, u)
-
-    def under(self, loads: np.ndarray) -> np.ndarray:
-        """Linear displacements (n_t, n) of all elements under loads (n_t, n), whatever the basis holds."""
-        return displacements_under(self.elements, self.made_of, self.held, loads)
-
-
 def flexible_bodies(scene: Scene) -> list[str]:
     """Names of the bodies that deform; of a cut body those of its parts."""
     return list(deforming(scene))
 
 
-def has_chain(scene: Scene, body: str) -> bool:
-    """Whether the reduced model of a flexible body holds the finite elements behind it."""
-    model = design_point(scene, body, "mesh", "stress", "interfaces").model
-    return model.mesh is not None and model.stress is not None
-
-
-def chain(scene: Scene, body: str) -> Chain | None:
-    """The finite elements behind a flexible body at the scene's parameter values; None if its reduced model does not hold them.
-
-    Those of bodies in space and of solids do not.
-    """
-    design = design_point(scene, body, "mesh", "stress", "interfaces")
-    mesh, places = design.model.mesh, design.model.stress
-    if mesh is None or places is None:
-        return None
-    modulus = next((value for name, value in design.model.nominal.items() if name.startswith("youngs_modulus")), 1.0)
-    operator, stiffness = (np.real(design.value(item)) for item in ("stress_operator", "stiffness"))
-    elements, shapes = Elements(mesh.nodes, mesh.connectivity), mesh.recovery[:, 1:]
-    held = _held(design.model, elements, shapes)
-    return Chain(elements, sections(mesh, places, operator, stiffness, modulus), shapes, held)
-
-
-def _held(model: ReducedModel, elements: Elements, shapes: np.ndarray) -> np.ndarray:
-    """Rows of displacements that the reference condition keeps at zero."""
-    if model.reference_condition == MEAN_AXES:
-        return mean_rows(elements)
-    if chord := chord_of(model.reference_condition):
-        return chord_rows(elements, *((model.interfaces or {})[name].position[0, :, 0] for name in chord))
-    return clamped_rows(elements, shapes)
-
-
 def deformations(solution: Solution) -> dict[str, Deformation | None]:
     """The meter's numbers for every flexible body; None where the reduced model does not hold its finite elements."""
-    return {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    if Deformation not in solution.known:
+        solution.known[Deformation] = {name: deformation(solution, name) for name in whole_bodies(solution.system.scene)}
+    found: dict[str, Deformation | None] = solution.known[Deformation]
+    return found
 
 
 def whole_bodies(scene: Scene) -> list[str]:
@@ -172,7 +119,7 @@ def _of_parts(solution: Solution, body: str, written: CutBody) -> Deformation | 
     if len(parts) < len(found):
         return None
     lost = joined_errors(parts, _held_node(scene, written))
-    error, moved = np.hypot(lost[:, :, 0], lost[:, :, 1]).max(axis=1), displacements(solution, body, instants).max(axis=1)
+    error, moved = np.linalg.norm(lost, axis=2).max(axis=1), displacements(solution, body, instants).max(axis=1)
     worst = first_largest(error)
     rotation = max(each[1][worst] for each in found if each is not None)
     extent = np.ptp(undeformed_places(scene, body), axis=0).max()
@@ -189,10 +136,11 @@ def _bent_part(solution: Solution, name: str, instants: np.ndarray) -> tuple[Ben
         return None
     u = behind.displacements(np.real(solution.q[instants][:, elastic_coordinates(solution, name)]))
     origins, axes = part.poses(np.real(solution.q[instants][:, solution.coordinates(name)]))
-    bent, lacks = (each.reshape(len(instants), -1, 3) for each in (u, behind.second_order(u)))
-    places = origins[:, None] + np.einsum("tij,tnj->tni", axes, behind.elements.nodes + bent[:, :, :2])
-    turned = np.concatenate([np.einsum("tij,tnj->tni", axes, lacks[:, :, :2]), lacks[:, :, 2:]], axis=2)
-    return BentPart(part.node_numbers(scene), places, turned), np.abs(u[:, 2::3]).max(axis=1)
+    moved, (lost, lost_turn) = behind.by_node(u)[0], behind.by_node(behind.second_order(u))
+    places = origins[:, None] + np.einsum("tij,tnj->tni", axes, behind.nodes + moved)
+    turn = np.einsum("tij,tnj->tni", axes, lost_turn) if lost_turn.shape[2] == 3 else lost_turn
+    errors = in_space(np.einsum("tij,tnj->tni", axes, lost), turn)
+    return BentPart(part.node_numbers(scene), in_space(places), errors), behind.rotations(u).max(axis=1)
 
 
 def _held_node(scene: Scene, written: Any) -> int | None:
@@ -211,10 +159,10 @@ def deformation_of(behind: Chain, solution: Solution, body: str) -> Deformation:
     lacks = behind.second_order(u)
     if held_back is not None:
         lacks = lacks + behind.displacements(held_back)
-    moved, error = distances(u), distances(lacks)
+    moved, error = behind.distances(u), behind.distances(lacks)
     worst = first_largest(error.max(axis=1))
-    extent = np.ptp(behind.elements.nodes, axis=0).max()
-    rotation, time = np.abs(u[worst, 2::3]).max(), solution.times[instants[worst]]
+    extent = np.ptp(behind.nodes, axis=0).max()
+    rotation, time = behind.rotations(u)[worst].max(), solution.times[instants[worst]]
     return Deformation(float(rotation), float(moved[worst].max()), float(error[worst].max()), float(extent), float(time))
 
 
@@ -223,8 +171,3 @@ def largest_instants(elastic: np.ndarray) -> np.ndarray:
     scale = np.abs(elastic).max(axis=0)
     size = np.linalg.norm(elastic / np.where(scale > 0, scale, 1.0), axis=1)
     return np.sort(np.argsort(-size, kind="stable")[:INSTANTS])
-
-
-def distances(u: np.ndarray) -> np.ndarray:
-    """Lengths (n_t, n_nodes) of nodal displacements (n_t, 3 n_nodes)."""
-    return np.hypot(u[:, 0::3], u[:, 1::3])

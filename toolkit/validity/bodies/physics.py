@@ -11,9 +11,10 @@ from toolkit.foundation.units import unit
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, chain, deformations
+from toolkit.validity.bodies.deformation import LIMIT, deformations
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
@@ -37,7 +38,7 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
 def critical_loads(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
     for found, doubt in critical_compressions(solution):
-        text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution.steps > 0)
+        text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
         yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body), doubt)
 
 
@@ -48,7 +49,7 @@ def turning(solution: Solution) -> Iterator[Caution]:
     """
     force = unit(solution.system.scene.units, "force")
     for found in turning_frames(solution):
-        if found.exceeded and (solution.steps or chain(solution.system.scene, found.body) is None):
+        if found.exceeded and (solution.steps or not has_chain(solution.system.scene, found.body)):
             what = "too large" if found.force > 0 else "too small"
             when = f" at t = {found.time:.4g}" if solution.steps else ""
             how = f"up to about {found.error:.0%} {what}" if found.error < 1 else f"far {what}, or of any size"
@@ -60,14 +61,16 @@ def turning(solution: Solution) -> Iterator[Caution]:
             )
 
 
-def _buckling(found: Compression, moving: bool) -> str:
+def _buckling(found: Compression, solution: Solution) -> str:
+    moving, scene = solution.steps > 0, solution.system.scene
     when = f" at t = {found.time:.4g}" if moving else ""
+    how = "compressed" if scene.space.rotations_add else "loaded"  # in space forces across it make it give way sideways, too
     if found.load >= 1:
         what = f"it buckles{' if that lasts' if moving else ''}, which these numbers do not show"
     else:
         what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
     return (
-        f"{found.body} is compressed{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
+        f"{found.body} is {how}{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
         "of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as they should. "
         "ffrf check-deformation solves it with elements that turn."
     )

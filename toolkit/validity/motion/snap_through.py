@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from toolkit.equations.equations import Inputs
 from toolkit.foundation.errors import SingularSystemError
 from toolkit.foundation.verdict import Caution
 from toolkit.solvers.static.equilibrium import LEVELS
@@ -36,9 +37,9 @@ def snap_through(solution: Solution) -> Caution | None:
     system = solution.system
     if not (system.compiled and solution.steps and free_count(system) and _begins_at_rest(solution)):
         return None
-    low = 0.0
-    for high in _places(solution):
-        if _is_unstable(solution, high):
+    low, places = 0.0, _places(solution)
+    for high, inputs in zip(places, _inputs(solution, places), strict=True):
+        if _is_unstable(solution, high, inputs):
             return _caution(solution, *_first_loss(solution, low, high))
         low = high
     return None
@@ -81,11 +82,17 @@ def _begins_at_rest(solution: Solution) -> bool:
     return saddle.negative == 0 and away <= NEAR and softest_motion(system, matrix)[0] > NONE * largest
 
 
-def _static(solution: Solution, place: float) -> tuple[np.ndarray, StaticArray, np.ndarray]:
+def _inputs(solution: Solution, places: list[float]) -> list[Inputs]:
+    """What acts at some states; the curves of all times at once."""
+    curves, curves_x = solution.system.curves(np.array([_state(solution, place)[0] for place in places]))
+    return [Inputs(*each, 1.0, LEVELS, True, False) for each in zip(curves, curves_x, strict=True)]
+
+
+def _static(solution: Solution, place: float, inputs: Inputs | None = None) -> tuple[np.ndarray, StaticArray, np.ndarray]:
     """Residual (n,), static matrix (n, n) and [0; lam] of a state as if it were at rest."""
     system, n_q = solution.system, solution.system.n_q
     time, found = _state(solution, place)
-    inputs = system.inputs(time, LEVELS)
+    inputs = inputs or system.inputs(time, LEVELS)
     q, forces, rest = np.append(found, np.zeros(system.n - n_q)), np.zeros(system.n), np.zeros(system.n)
     terms = system.evaluate(inputs, q, rest, forces)
     scaled = system.dense(terms.I_acc)[:n_q, n_q:] / system.weights[:n_q, None]
@@ -102,8 +109,8 @@ def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:
     return float(time), (1 - part) * solution.q[n] + part * solution.q[n + 1]
 
 
-def _is_unstable(solution: Solution, place: float) -> bool:
-    _, matrix, forces = _static(solution, place)
+def _is_unstable(solution: Solution, place: float, inputs: Inputs | None = None) -> bool:
+    _, matrix, forces = _static(solution, place, inputs)
     return has_negative_stiffness(solution.system, matrix, forces)
 
 

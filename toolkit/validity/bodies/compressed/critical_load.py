@@ -72,11 +72,14 @@ def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]
 
 
 def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
-    """Numbers of the states (n_t, n_f) whose compression softens the whole body most, and one element of it."""
+    """Numbers of the states (n_t, n_f) whose compression softens the whole body most, and one element of it; in space, where bending and
+    twist soften it too, that of the largest elastic energy besides."""
     stride = -(-len(elastic) // AMONG)
     lost = -(elastic[::stride] @ law.forces.T) * law.compliances
-    found = {stride * first_largest(measure) for measure in (lost.sum(axis=1), lost.max(axis=1)) if measure.max() > 0}
-    return sorted(found)
+    measures = [lost.sum(axis=1), lost.max(axis=1)]
+    if law.behind.stiffening.shape[1] > 1:
+        measures.append(np.einsum("tf,fg,tg->t", elastic[::stride], law.stiffness, elastic[::stride], optimize=True))
+    return sorted({stride * first_largest(measure) for measure in measures if measure.max() > 0})
 
 
 def critical_compressions(solution: Solution) -> Iterator[tuple[Compression, bool]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.foundation.near_ties import first_smallest
-from toolkit.validity.bodies.element_sections import Elements
+from toolkit.validity.bodies.chains.element_sections import Elements
 
 
 def chord_rows(elements: Elements, one: np.ndarray, other: np.ndarray) -> np.ndarray:
