@@ -11,7 +11,7 @@ import pytest
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.certificate.certificate import DisagreementError, certify
-from toolkit.sensitivity.certificate.differences import direction, taylor_rates
+from toolkit.sensitivity.certificate.differences import STEPS, direction, jumping, taylor_rates
 from toolkit.sensitivity.certificate.round_off import round_off
 from toolkit.sensitivity.direct import direct
 from toolkit.sensitivity.methods import gradients_by
@@ -132,3 +132,12 @@ def test_a_derivative_that_means_nothing_to_a_response_need_not_agree():
     for f, slopes in exact.gradients.items():
         for x in slopes:
             assert least[f][x] == pytest.approx(max(usual[f][x], 1e-6 * scales[f] / sizes[x]), rel=1e-12)
+
+
+def test_round_off_beside_a_slope_of_zero_is_no_jump():
+    """Differences of (h/3)^3 with the last digit of 1, right to the bit at one step by chance; a step of 1e-4 in the response is seen."""
+    left = {h: {"f": h**2 / 27 + (0.0 if h < 2e-10 else 1e-16 / h)} for h in STEPS}
+    left[STEPS[-1]]["f"] = 0.0
+    assert jumping(left, {"f": 0.0}, {"f": 1.0}) == ()
+    leaping = {h: {"f": each["f"] + (1e-4 / h if h > 1e-7 else 0.0)} for h, each in left.items()}
+    assert jumping(leaping, {"f": 0.0}, {"f": 1.0}) == ("f",)

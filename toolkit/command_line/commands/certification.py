@@ -125,7 +125,7 @@ def agreement(found: Certificate, tolerance: float) -> str:
     limited = [pair for pair, value in worst.items() if value > tolerance]
     if len(limited) == len(worst) and found.vanish(tolerance):
         return (
-            f"All {len(worst)} gradients are zero as far as round-off tells, and all methods find them so to "
+            f"All {len(worst)} gradients are next to zero, and all methods find them so to "
             f"{digits_of(max(value for each in found.zeros.values() for value in each.values()))} digits of what a variable of its size "
             "could change: a stationary design."
         )

@@ -11,6 +11,7 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint_gradients, has_adjoint
 from toolkit.sensitivity.certificate.differences import (
+    NEGLIGIBLE,
     SETTLED,
     Quotient,
     best_quotients,
@@ -73,9 +74,9 @@ class Certificate:
     jumping : tuple of str
         Responses whose differences are right with some step and wrong with a larger one that is still small.
     zeros : dict
-        Response -> variable -> largest difference between the methods of a derivative that round-off does not tell from zero, which has
-        no digits of its own: in parts of the derivative by which a change of the variable by its size would change the response by all
-        that it is or does (a place or an angle by the size of the scene or 1 rad).
+        Response -> variable -> largest difference between the methods of a derivative that is negligible or that round-off does not tell
+        from zero, and so has no digits of its own: in parts of the derivative by which a change of the variable by its size would change
+        the response by all that it is or does (a place or an angle by the size of the scene or 1 rad).
     """
 
     exact: Result
@@ -239,17 +240,14 @@ def _relative(exact: Result, floors: Gradients, other: Gradients) -> Gradients:
 
 
 def _zeros(scene: Scene, exact: Result, limits: Gradients, others: dict[str, Gradients]) -> Gradients:
-    """Largest differences to other derivatives in parts of what a zero is measured by; of derivatives that are zero within round-off."""
+    """Largest differences to other derivatives in parts of what a zero is measured by; of derivatives that are next to it."""
     sizes, whole = variable_sizes(scene, exact), {"angle": 1.0, "length": scene.size}
-    scales = {
-        f: max(scale, whole.get(getattr(scene.responses.get(f), "unit_quantity", ""), 0.0), TINY)
-        for f, scale in response_scales(exact, sizes).items()
-    }
-    return {
-        f: {
-            x: max(abs(slope - other[f][x]) for other in others.values()) * sizes[x] / scales[f]
-            for x, slope in slopes.items()
-            if limits[f][x] >= 1.0
+    found: Gradients = {}
+    for f, scale in response_scales(exact, sizes).items():
+        unit = max(scale, whole.get(getattr(scene.responses.get(f), "unit_quantity", ""), 0.0), TINY)
+        found[f] = {
+            x: max(abs(slope - other[f][x]) for other in others.values()) * sizes[x] / unit
+            for x, slope in exact.gradients[f].items()
+            if limits[f][x] >= 1.0 or abs(slope) * sizes[x] <= NEGLIGIBLE * unit
         }
-        for f, slopes in exact.gradients.items()
-    }
+    return found

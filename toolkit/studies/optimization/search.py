@@ -10,9 +10,10 @@ import numpy as np
 from toolkit.studies.distributions.sobol_points import plain
 from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.optimization.curvature import Known, Turned, turned
 from toolkit.studies.optimization.cuts import Cuts
-from toolkit.studies.optimization.methods.catalogue import METHODS
-from toolkit.studies.optimization.methods.functions import DesignFailedError
+from toolkit.studies.optimization.methods.catalogue import METHODS, TURNED
+from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
 
@@ -28,6 +29,11 @@ LOWER = 1e-9
 """Part of an objective by which another one is lower, and not by round-off."""
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
+RENEWED, MANY = 10, 50
+"""Designs after which a method begins anew in variables by the curvature that is known by then; and variables above which it does not,
+since their bounds are constraints like others then."""
+FIRST_METHODS = 0.2
+"""Part of the designs that each of several methods, but for the last, may solve."""
 TYPICAL = 0.25
 """Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
 Tell = Callable[[Evaluation], None]
@@ -39,6 +45,10 @@ class _Ended(Exception):
 
 class _Arrived(_Ended):
     """The conditions of an optimum are met."""
+
+
+class _Renewed(_Ended):
+    """A method is to begin anew, or the next one: so many designs were solved."""
 
 
 class _Spent(_Ended):
@@ -87,6 +97,7 @@ class Search:
         self.last: np.ndarray | None = None
         self.met = False
         self.passed: set[bytes] = set()
+        self.renewal: int | None = None
 
     @property
     def failed(self) -> int:
@@ -108,13 +119,15 @@ class Search:
             z = self._first(start, known)
             if z is not None and self.met:
                 z = self._beside(z)
-            ended = "no design near the start could be solved" if z is None else self._within_cuts(z)
+            ended = "no design near the start could be solved" if z is None else self._by_methods(z)
             arrived = False
         except _Arrived:
             ended, arrived = "the conditions of an optimum are met", True
         except _Spent as why:
             ended, arrived = str(why), False
         best, left = self._best()
+        if best is not None and left is not None and best.design.tobytes() not in self.passed:
+            arrived = arrived or left.met(self.options.optimality, self.options.feasibility)
         return Found(self.lane, start, best, left, self.program, ended, len(self.done), self.failed, arrived)
 
     def _first(self, start: np.ndarray, known: np.ndarray | None) -> np.ndarray | None:
@@ -153,25 +166,74 @@ class Search:
         size = float(np.max(np.abs(values.df)))
         self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
 
-    def _within_cuts(self, z: np.ndarray) -> str:
-        """Run the method; what failed is cut off by a plane for the next run of it. Returns why it was given up."""
-        cuts, again = Cuts(), 0
+    def _by_methods(self, z: np.ndarray) -> str:
+        """Run all methods, one after the other. Returns why the last was given up."""
+        *first, last = self.options.method
+        for method in first:
+            try:
+                self._within_cuts(method, z, len(self.done) + max(1, int(FIRST_METHODS * self.options.evaluations)))
+            except _Renewed:
+                self.last = self._stand()
+        return self._within_cuts(last, z)
+
+    def _within_cuts(self, method: str, z: np.ndarray, until: int | None = None) -> str:
+        """Run a method until so many designs are solved; what failed is cut off by a plane for the next run of it. Returns why it was
+        given up."""
+        turns = method in TURNED
+        cuts, again, curvature = Cuts(), 0, self._turned() if turns else None
         while True:
             centre = self.last if self.last is not None else z
-            before, low = len(self.done), np.zeros(len(z))
-            functions = cuts.around(self._functions)
+            before = len(self.done)
+            self.renewal = until if until is not None else before + RENEWED if turns else None
             try:
-                METHODS[self.options.method](functions, centre, low, self.program.top, self._visited, self.options.evaluations)
+                self._run(method, cuts.around(self._functions), centre, curvature)
             except DesignFailedError as failure:
                 if not cuts.add(self.last if self.last is not None else z, failure.z):
                     return "designs all around cannot be solved: it stands at the edge of what can"
                 continue
+            except _Renewed:
+                if until is not None:
+                    raise
+                self.last, curvature = self._stand(), self._turned()
+                continue
             if self.met:
                 raise _Arrived
-            cuts = Cuts()
+            cuts, curvature = Cuts(), self._turned() if turns else None
             again += len(self.done) == before or self.last is None or bool(np.array_equal(self.last, centre))
             if again > AGAIN:
                 return "the method made no progress any more"
+
+    def _run(self, method: str, functions: Functions, centre: np.ndarray, curvature: Turned | None) -> None:
+        """Run a method from a design, in variables that are turned if the curvature there is known."""
+        run, most, n = METHODS[method], self.options.evaluations, len(centre)
+        if curvature is None:
+            run(functions, centre, np.zeros(n), self.program.top, self._accepted, most)
+        else:
+            here = Turned(centre, curvature.axes, self.program.top)
+            free = np.full(n, np.inf)
+            run(here.functions(functions), np.zeros(n), -free, free, lambda y: self._accepted(here.z(y)), most)
+
+    def _accepted(self, z: np.ndarray) -> None:
+        self._visited(z)
+        if self.renewal is not None and len(self.done) >= self.renewal:
+            raise _Renewed
+
+    def _stand(self) -> np.ndarray:
+        """The best design so far, from which a method begins anew."""
+        best, _ = self._best()
+        assert best is not None
+        return self.program.scaled(best.design)
+
+    def _turned(self) -> Turned | None:
+        """Variables by the curvature where the search stands, None where it is not known."""
+        if self.last is None or len(self.last) > MANY:
+            return None
+        known = [
+            Known(self.program.scaled(each.design), self.program.values(each)) for each in self.done.values() if not each.failed
+        ]
+        centre = Known(self.last, self._functions(self.last))
+        left = optimality_of(self.program, self.last, centre.values, self._typical)
+        return turned(centre, known, left.multipliers, self.program.top)
 
     def _evaluated(self, design: np.ndarray) -> Evaluation:
         key = design.tobytes()

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal, get_args
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field, WithJsonSchema
 
 from toolkit.description.description import Description
 from toolkit.description.quantity import Quantity
 from toolkit.description.run_options import Count
 
 Part = Annotated[float, Field(strict=True, gt=1e-12, lt=1.0), Quantity("none")]
+
+
+Method = Literal["slsqp", "trust-constr", "mma", "ccsa"]
+
+
+def _several(value: Any) -> Any:
+    """A method alone is the only one."""
+    return (value,) if isinstance(value, str) else value
+
+
+_ONE = {"enum": list(get_args(Method)), "type": "string"}
+Methods = Annotated[
+    tuple[Method, ...],
+    Field(min_length=1),
+    BeforeValidator(_several),
+    WithJsonSchema({"anyOf": [_ONE, {"type": "array", "items": _ONE, "minItems": 1}]}),
+]
 
 
 class Search(Description):
@@ -22,7 +39,8 @@ class Search(Description):
         "slsqp", sequential quadratic programming, the cheapest for some tens of variables; or "trust-constr", an interior-point method with
         a trust region, which takes more designs and smaller steps. Both are SciPy's. "mma", the method of moving asymptotes, and "ccsa",
         its sibling with quadratic approximations, are NLopt's (extra `nlopt`): for hundreds of variables, where the others' matrices cost
-        more than designs.
+        more than designs. Several in a list take turns, ["mma", "slsqp"]: each but the last solves a fifth of the evaluations, and the
+        next one goes on from the best design.
     starts
         How many searches: the first begins where the scene stands, others at the points of Sobol's sequence within the bounds.
     evaluations
@@ -48,7 +66,7 @@ class Search(Description):
         Whether gradients at the optimum are compared with a complex step and differences.
     """
 
-    method: Literal["slsqp", "trust-constr", "mma", "ccsa"] = "slsqp"
+    method: Methods = ("slsqp",)
     starts: Count = 1
     evaluations: Count = 100
     optimality: Part = 1e-3

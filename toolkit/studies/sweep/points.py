@@ -9,7 +9,6 @@ from itertools import product
 from pathlib import Path
 
 import numpy as np
-from scipy.stats.qmc import LatinHypercube
 
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed
@@ -38,6 +37,8 @@ def points_of(problem: Problem) -> np.ndarray:
     count, seed = options.count or COUNT, options.seed or SEED
     _refuse_too_many(count)
     random = np.random.default_rng(seed)
+    from scipy.stats.qmc import LatinHypercube
+
     found = (
         LatinHypercube(len(low), rng=random).random(count)
         if options.kind == "latin-hypercube"
