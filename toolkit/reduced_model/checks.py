@@ -14,9 +14,9 @@ from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, SpatialElements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
-from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import (
     InterfacePoint,
+    Interior,
     Invariants,
     Mesh,
     Outline,

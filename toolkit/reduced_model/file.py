@@ -17,8 +17,7 @@ from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.interior import Interior
-from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
+from toolkit.reduced_model.model import InterfacePoint, Interior, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 from toolkit.reduced_model.spin import Spin
 

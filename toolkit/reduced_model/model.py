@@ -12,7 +12,6 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 from toolkit.reduced_model.spin import Spin
 
@@ -134,6 +133,20 @@ class Outline:
 
     position: np.ndarray  # (n_points, 2, 1 + n_f)
     edges: np.ndarray  # (n_edges, 3) first, middle and last point; the first twice where an edge is straight
+
+
+@dataclass(frozen=True)
+class Interior:
+    """The nodes of a plane meshed body and the stress there, for pictures: points are `position @ [1; q_f]`.
+
+    The stress at a node is the mean of the elements that meet there, each at that node: E `stress` @ q_f, where E is the parameter that
+    `modulus` counts.
+    """
+
+    position: np.ndarray  # (n_points, 2, 1 + n_f)
+    triangles: np.ndarray  # (n_triangles, 3) points; elements with more nodes are several
+    stress: np.ndarray  # (n_points, 4, n_f) xx, yy, zz, xy in the body's axes, in parts of the modulus
+    modulus: np.ndarray  # () number of the parameter
 
 
 @dataclass(frozen=True)
