@@ -63,6 +63,7 @@ def test_nobody_at_the_address_of_a_scheduler_is_an_error_in_words(monkeypatch):
 KILLED = """
 import os, signal
 from toolkit.studies.places.place import Place, done_at
+from toolkit.studies.places.study_error import StudyError
 def end_this_process(task):
     os.kill(os.getpid(), signal.SIGKILL)
 if __name__ == "__main__":

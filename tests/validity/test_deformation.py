@@ -64,7 +64,7 @@ def corotational(elements: Elements, made_of: Sections) -> Corotational:
 def linear(elements: Elements, made_of: Sections, load: np.ndarray) -> np.ndarray:
     """Displacements of the chain clamped at its first node, exact for a straight beam."""
     u = np.zeros(len(load))
-    u[3:] = np.linalg.solve(stiffness_matrix(planar_forms(elements, made_of)).toarray()[3:, 3:], load[3:])
+    u[3:] = np.linalg.solve(stiffness_matrix(planar_forms(elements, made_of))[3:, 3:], load[3:])
     return u
 
 

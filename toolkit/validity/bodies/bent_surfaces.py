@@ -1,16 +1,16 @@
-"""How far bodies bend whose finite elements are not at hand: beams in space by the lines of their surface, solids by its points.
+"""How far bodies bend whose finite elements are not at hand: reduced beams in space by the lines of their surface, solids by its points.
 
 A line that turns by theta in the body's frame stays as long as it is and so loses theta^2 / 2 of its length along where it was, which a
 linear body gains instead. The mean of that over all lines that turn, times the body's extent L, is how far its end is off: with d the
 deflection of a cantilever's tip 0.6 d^2 / L, of an arc between the ends that hold its frame 2.7 d^2 / L. What a body without lines has is
-taken for a cantilever; members of a frame that rest do not count.
+taken for a cantilever; members of a frame that rest do not count. A force along the body, see `carried_force`, adds its part of the
+critical one of the displacement across it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -22,8 +22,9 @@ from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
+from toolkit.validity.bodies.compressed.carried_force import Carried, carried
+from toolkit.validity.bodies.compressed.unseen_tension import unseen
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.cut.places import displacements
 from toolkit.validity.bodies.deformation import (
     LIMIT,
     Measured,
@@ -34,6 +35,10 @@ from toolkit.validity.bodies.deformation import (
 
 CANTILEVER = 0.6
 """Of d^2 / L, for a force at its tip."""
+DOUBTFUL = 1 / 3
+"""Part of the critical load above which deflections across lack half of themselves."""
+STILL = 1e-9
+"""Part of the largest movement of a point below which it is round-off."""
 RESTING = 1e-2
 """Lines that turn by less than a tenth of the largest angle belong to members that hardly bend; of a cantilever they are a twentieth."""
 
@@ -47,6 +52,8 @@ class Bending:
     time: float
     rotation: float  # largest angle that a line turns by in the frame, rad; nan of a body without lines
     size: float  # extent of the undeformed body
+    load: float  # the largest force along the body at any instant in parts of the critical one, about; zero where none compresses it
+    blind: tuple[str, ...]  # interface points whose forces along the body its basis does not see
 
     @property
     def relative(self) -> float:
@@ -55,11 +62,15 @@ class Bending:
 
 
 def bent_surfaces(solution: Solution) -> Iterator[Caution]:
-    """Bodies in space, and meshed ones, that leave the range of small deformations."""
+    """Bodies whose elements are not known that leave the range of small deformations, or come near to buckling."""
     for body in whole_bodies(solution.system.scene):
         found = bending(solution, body)
         if found is not None and not found.relative <= LIMIT:
             yield Caution("large-deformation", _told(solution.system.scene, body, found))
+        if found is not None and found.load > LIMIT:
+            yield Caution("critical-load", _compressed(body, found.load), doubt=not found.load <= DOUBTFUL)
+        if found is not None and found.blind:
+            yield unseen(body, [repr(name) for name in found.blind])
 
 
 def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
@@ -68,54 +79,50 @@ def geometric_errors(solution: Solution) -> dict[str, Measured | None]:
 
 
 def bending(solution: Solution, body: str) -> Bending | None:
-    """How far one body bends; None where its finite elements tell it better, or nothing does.
-
-    What all parts of a cut body lose adds up, in parts of the displacement of the whole.
-    """
-    written = solution.system.scene.bodies[body]
-    names = list(written.parts(body)) if isinstance(written, CutBody) else [body]
-    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
-    found = [each for name in names if (each := _bent(solution, name, instants)) is not None]
-    if len(found) < len(names):
-        return None
-    whole = np.max([each.distance for each in found], axis=0)
-    if isinstance(written, CutBody):  # a part that is twisted moves its surface, and none of the nodes on its axis
-        whole = np.maximum(whole, displacements(solution, body, instants).max(axis=1))
-    error = np.sum([each.error for each in found], axis=0)
-    k = first_largest(error)
-    size = np.ptp(np.concatenate([each.points for each in found]), axis=0).max()
-    turned = max(each.turned[k] for each in found)
-    return Bending(float(whole[k]), float(error[k]), float(solution.times[instants[k]]), float(turned), float(size))
-
-
-class _Bent(NamedTuple):
-    """One body, or part of one, in its frame."""
-
-    distance: np.ndarray  # (n_t,) largest displacement of a point
-    error: np.ndarray  # (n_t,)
-    turned: np.ndarray  # (n_t,) largest angle of a line
-    points: np.ndarray  # (n, d) undeformed
-
-
-def _bent(solution: Solution, body: str, instants: np.ndarray) -> _Bent | None:
-    """How far one body, or part of one, bends; None where that is known better, or not at all."""
+    """How far one body bends; None where its finite elements tell it better, or nothing does."""
     scene = solution.system.scene
-    if has_chain(scene, body):
+    if isinstance(scene.bodies[body], CutBody) or has_chain(scene, body):
         return None
     design = design_point(scene, body, "surface", "outline")
     shown = "surface" if design.model.surface is not None else "outline" if design.model.outline is not None else ""
     if not shown:
         return None
     position = np.real(design.value(f"{shown}.position"))
+    places, shapes = position[:, :, 0], position[:, :, 1:]
+    instants = largest_instants(np.real(solution.q[:, elastic_coordinates(solution, body)]))
     elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
-    moved = np.einsum("pdf,tf->tpd", position[:, :, 1:], elastic)
-    distance = np.linalg.norm(moved, axis=2).max(axis=1)
-    extent = float(np.ptp(position[:, :, 0], axis=0).max())
+    moved = np.einsum("pdf,tf->tpd", shapes, elastic)
+    distance, extent = np.linalg.norm(moved, axis=2).max(axis=1), float(np.ptp(places, axis=0).max())
     lines = design.model.surface.lines if design.model.surface is not None else np.zeros((0, 2), int)
-    if not len(lines):
-        return _Bent(distance, CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan), position[:, :, 0])
-    lost, turned = _lost(position[:, :, 0], moved, lines)
-    return _Bent(distance, extent * lost, turned, position[:, :, 0])
+    if len(lines):
+        lost, turned = _lost(places, moved, lines)
+        error = extent * lost
+    else:
+        error, turned = CANTILEVER * distance**2 / extent, np.full(len(distance), np.nan)
+    force, blind = carried(solution, body, elastic, _still(places, shapes))
+    if force is not None:
+        error = error + np.abs(force.load) * _aside(moved, force)
+    k = first_largest(error)
+    load = 0.0 if force is None else max(float(force.load.max()), 0.0)
+    return Bending(
+        float(distance[k]), float(error[k]), float(solution.times[instants[k]]), float(turned[k]), extent, load, tuple(blind)
+    )
+
+
+def _aside(moved: np.ndarray, force: Carried) -> np.ndarray:
+    """The largest displacement of a point (n_t, n, d) across a line, (n_t,), where it is stiffer by as much less as it yields less."""
+    across = moved - (moved @ force.along)[:, :, None] * force.along
+    farthest = across[np.arange(len(across)), np.argmax(np.einsum("tpd,tpd->tp", across, across), axis=1)]
+    size = np.linalg.norm(farthest, axis=1)
+    yielding = np.einsum("td,de,te->t", farthest, force.across, farthest)
+    return np.divide(yielding, size, out=np.zeros(len(size)), where=size > 0)
+
+
+def _still(places: np.ndarray, shapes: np.ndarray) -> np.ndarray | None:
+    """The middle (d,) of the points that no shape moves; None if each is moved by some."""
+    moves = np.abs(shapes).max(axis=(1, 2))
+    points = places[moves <= STILL * moves.max()]
+    return points.mean(axis=0) if len(points) else None
 
 
 def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -131,11 +138,23 @@ def _lost(points: np.ndarray, moved: np.ndarray, lines: np.ndarray) -> tuple[np.
     return mean, np.arctan(np.sqrt(np.maximum(sideways.max(axis=1), 0.0)))
 
 
+def _compressed(body: str, load: float) -> str:
+    lost = (
+        f"deflections across lack some {load / (1 - load):.0%} of them"
+        if load < 1
+        else "it buckles, which these numbers do not show"
+    )
+    return (
+        f"{body} is compressed with some {load:.2g} times what buckles a slender bar of its stiffness: {lost}. Linear FFRF has no "
+        "geometric stiffness of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as "
+        "they should."
+    )
+
+
 def _told(scene: Scene, body: str, found: Bending) -> str:
     length = unit(scene.units, "length")
-    where = "" if isinstance(scene.bodies[body], CutBody) else " in its frame"
     return (
-        f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length}{where} at "
+        f"{body} leaves the range of small deformations: it is displaced by up to {found.displacement:.3g} {length} in its frame at "
         f"t = {found.time:.4g}, and bodies that bend so far are off by some {found.error:.2g} {length}, {found.relative:.0%} of that "
         f"(limit {LIMIT:.0%}), because their lines grow where they turn. A stiffer body, or "
         f"{divided(scene, body, found.relative / LIMIT)}, make it smaller."

@@ -14,10 +14,13 @@ from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.known_chain import has_chain
 from toolkit.validity.bodies.compressed.critical_load import Compression, critical_compressions
 from toolkit.validity.bodies.cut.more_frames import divided
-from toolkit.validity.bodies.deformation import LIMIT, deformations
+from toolkit.validity.bodies.deformation import LIMIT, Deformation, deformations
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed, spinning_bodies, too_fast_in_motion
 from toolkit.validity.bodies.turning_frame import turning_frames
 from toolkit.validity.description.frame_choice import advice_of_frame
+
+SMALL = 0.05
+"""Rotation, rad, of which the growth of the elements is half of `LIMIT` of a displacement at most."""
 
 
 def large_deformations(solution: Solution) -> Iterator[Caution]:
@@ -30,9 +33,14 @@ def large_deformations(solution: Solution) -> Iterator[Caution]:
                 "large-deformation",
                 f"{body} leaves the range of small deformations: it turns by up to {each.rotation:.2g} rad in its frame, and "
                 f"elements that turn with it would be off by about {each.error:.2g} {length} under the same forces, "
-                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}). ffrf check-deformation computes this error; a stiffer "
-                f"body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
+                f"{each.relative:.1%} of its displacement (limit {LIMIT:.0%}){_cause(each)}. ffrf check-deformation computes this "
+                f"error; a stiffer body, or {divided(scene, body, each.relative / LIMIT)}, make it smaller.{advice_of_frame(scene, body)}",
             )
+
+
+def _cause(found: Deformation) -> str:
+    """What makes a body that hardly turns leave the range."""
+    return "" if found.rotation > SMALL else ", by what forces along it and torques do to its bending"
 
 
 def critical_loads(solution: Solution) -> Iterator[Caution]:

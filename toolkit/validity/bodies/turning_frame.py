@@ -70,25 +70,36 @@ def _error(mu: float) -> float:
 def lateral_compliance(solution: Solution, body: str, chord: Chord) -> float:
     """mu for a unit force: the most that c K^-1 c^T / L can be across the chord."""
     one, other = (np.real(design_point(solution.system.scene, body).interface(name).here[0]) for name in chord)
-    return _compliance(solution, body, (other - one)[:, 0], (other - one)[:, 1:])
+    return _largest(compliance_across(solution, body, other - one))
 
 
 def bending_compliance(solution: Solution, body: str, chord: Chord) -> float:
     """The same of the second end against the tangent at the first, whatever the frame is tied to."""
+    return _largest(compliance_across(solution, body, motion_against_tangent(solution, body, chord)))
+
+
+def motion_against_tangent(solution: Solution, body: str, chord: Chord) -> np.ndarray:
+    """The line of a chord and how each elastic coordinate moves its second end against the tangent at the first, (d, 1 + n_f)."""
     (one, turn), (other, _) = (design_point(solution.system.scene, body).interface(name).here for name in chord)
-    side, moved = np.real(other - one)[:, 0], np.real(other - one)[:, 1:]
-    turned = np.real(turn)[..., 1:]
-    carried = np.outer([-side[1], side[0]], turned) if turned.ndim == 1 else np.cross(turned, side, axisa=0, axisc=0)
-    return _compliance(solution, body, side, moved - carried)
+    found = np.real(other - one)
+    side, turned = found[:, 0], np.real(turn)[..., 1:]
+    found[:, 1:] -= np.outer([-side[1], side[0]], turned) if turned.ndim == 1 else np.cross(turned, side, axisa=0, axisc=0)
+    return found
 
 
-def _compliance(solution: Solution, body: str, side: np.ndarray, moved: np.ndarray) -> float:
-    """Of a displacement per elastic coordinate (d, n_f), across `side`."""
-    stiffness, length = np.real(design_point(solution.system.scene, body).value("stiffness")), np.linalg.norm(side)
+def compliance_across(solution: Solution, body: str, motion: np.ndarray) -> np.ndarray:
+    """c K^-1 c^T / L (d, d) across a line, of its own vector and displacements per elastic coordinate (d, 1 + n_f)."""
+    stiffness, side, moved = np.real(design_point(solution.system.scene, body).value("stiffness")), motion[:, 0], motion[:, 1:]
+    length = np.linalg.norm(side)
     across = moved - np.outer(side, side @ moved) / length**2
     scale = 1 / np.sqrt(np.diag(stiffness))
     found = (across * scale) @ np.linalg.solve(scale[:, None] * stiffness * scale, (across * scale).T)
-    return float(np.linalg.eigvalsh((found + found.T) / 2)[-1] / length)
+    compliance: np.ndarray = (found + found.T) / (2 * length)
+    return compliance
+
+
+def _largest(compliance: np.ndarray) -> float:
+    return float(np.linalg.eigvalsh(compliance)[-1])
 
 
 def _along(solution: Solution, body: str, chord: Chord, step: int) -> float:

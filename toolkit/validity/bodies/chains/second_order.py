@@ -24,6 +24,8 @@ from scipy.sparse.linalg import splu
 
 STILL = 1e-9
 """Part of the largest movement of a node below which it is round-off: clamped nodes of computed shapes move by some."""
+FEW = 100
+"""Nodal coordinates up to which dense matrices cost less than the making of sparse ones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,13 +50,17 @@ class Forms:
         return np.moveaxis(found, -1, 0).reshape(len(u), n_e, k, p)
 
     def assembled(self, blocks: np.ndarray) -> Any:
-        """The sum of blocks (n_e, p, p) on the nodal coordinates, sparse (n, n)."""
+        """The sum of blocks (n_e, p, p) on the nodal coordinates, (n, n); sparse where there are many."""
         row, column = np.broadcast_arrays(self.dofs[:, :, None], self.dofs[:, None, :])
+        if self.count < FEW:
+            found = np.zeros((self.count, self.count))
+            np.add.at(found, (row, column), blocks)
+            return found
         return sparse.coo_array((blocks.ravel(), (row.ravel(), column.ravel())), shape=(self.count, self.count)).tocsc()
 
 
 def stiffness_matrix(forms: Forms) -> Any:
-    """K of the whole chain on its nodal coordinates, sparse (n, n)."""
+    """K of the whole chain on its nodal coordinates, (n, n); sparse where there are many."""
     return forms.assembled(np.swapaxes(forms.rows, 1, 2) @ forms.law @ forms.rows)
 
 
@@ -81,10 +87,14 @@ def displacements_under(forms: Forms, held: np.ndarray, loads: np.ndarray) -> np
     stiffness = stiffness_matrix(forms)
     scale = 1 / np.sqrt(stiffness.diagonal())
     border = held * scale
-    border = sparse.csc_array(border / np.linalg.norm(border, axis=1)[:, None])
-    spread = sparse.diags_array(scale)
-    system = sparse.block_array([[spread @ stiffness @ spread, border.T], [border, None]], format="csc")
-    solved = splu(system).solve(np.vstack([loads.T * scale[:, None], np.zeros((len(held), len(loads)))]))
+    border = border / np.linalg.norm(border, axis=1)[:, None]
+    wanted = np.vstack([loads.T * scale[:, None], np.zeros((len(held), len(loads)))])
+    if isinstance(stiffness, np.ndarray):
+        none = np.zeros((len(held), len(held)))
+        solved = np.linalg.solve(np.block([[scale[:, None] * stiffness * scale, border.T], [border, none]]), wanted)
+    else:
+        spread, rows = sparse.diags_array(scale), sparse.csc_array(border)
+        solved = splu(sparse.block_array([[spread @ stiffness @ spread, rows.T], [rows, None]], format="csc")).solve(wanted)
     return (scale[:, None] * solved[: len(scale)]).T
 
 

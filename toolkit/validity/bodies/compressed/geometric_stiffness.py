@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 from toolkit.scene.scene import Scene
 from toolkit.solvers.direct_solve import MANY
 from toolkit.solvers.static.stability.static_array import StaticArray, as_dense, scaled_by
-from toolkit.system.flexible_bodies import flexible_body
+from toolkit.system.flexible_bodies import design_point
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.compressed.many_coordinates import Flexibility, largest_ratio
@@ -88,5 +88,8 @@ class Stiffening:
 
 def stiffening(scene: Scene, body: str) -> Stiffening | None:
     """The geometric stiffness of a flexible body; None if its reduced model does not hold its finite elements."""
-    behind = chain(scene, body)
-    return None if behind is None else Stiffening(behind, np.real(flexible_body(scene, body).invariants(scene).stiffness))
+    behind, design = chain(scene, body), design_point(scene, body)
+    if behind is not None and Stiffening not in design.kept:
+        design.kept[Stiffening] = Stiffening(behind, np.real(design.value("stiffness")))
+    found: Stiffening | None = design.kept.get(Stiffening)
+    return found

@@ -11,7 +11,8 @@ The meter is by how much the equations miss the deflections that small lateral l
 
 which is mu / (1 - mu) where the frames do not turn, so that K_1 = 0. Where they turn, K_1 without G can take stiffness away under tension,
 too: a hinged bar whose frame is tied to its one end gives way at 3 EI / L^2. With mu_1 of K_1 alone an equilibrium's deflections are
-feigned by the part (mu_1 - mu) / (1 - mu_1); of motions it is not said, because spinning bodies have forces of inertia in K_1.
+feigned by the part (mu_1 - mu) / (1 - mu_1); of motions and steady spins it is not said, because spinning bodies have forces of inertia in
+K_1.
 
 Motions without any stiffness in K_0, those of a mechanism, follow the others: at rest so that they stay in balance, in a motion so that
 their momentum is zero.
@@ -42,7 +43,7 @@ def missed(solution: Solution, known: dict[str, Stiffening], n: int) -> tuple[fl
     """Forces in parts of the critical ones, and parts of deflections that the equations miss and feign, at one state."""
     state = _state(solution, known, n)
     load, own, found = _of_many(state) or _of_few(state)
-    feigned = 0.0 if solution.steps or own <= load else (own - load) / (1 - own) if own < 1 else np.inf
+    feigned = 0.0 if solution.steps or solution.spins or own <= load else (own - load) / (1 - own) if own < 1 else np.inf
     return load, found, feigned
 
 

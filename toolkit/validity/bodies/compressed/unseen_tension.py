@@ -6,7 +6,7 @@ those of all its elements.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 
@@ -31,13 +31,18 @@ def unseen_tension(scene: Scene) -> Iterator[Caution]:
         pulls = {} if behind is None or behind.is_full else _pulls(scene, body, behind)
         blind = [name for name, loads in pulls.items() if behind is not None and missed_part(scene, body, behind, loads) > SEEN]
         if blind:
-            yield Caution(
-                "unseen-tension",
-                f"the basis of {body} holds no shapes that stretch it as forces of {', '.join(blind)} would: how far these "
-                "forces compress it is not known, and neither its critical load nor all of its large deformation is judged. A basis of "
-                'kind "craig-bampton" holds these shapes for points.',
-                doubt=False,
-            )
+            yield unseen(body, blind)
+
+
+def unseen(body: str, pulls: Sequence[str]) -> Caution:
+    """That a body's basis does not show how some forces stretch it."""
+    return Caution(
+        "unseen-tension",
+        f"the basis of {body} holds no shapes that stretch it as forces of {', '.join(pulls)} would: how far these "
+        "forces compress it is not known, and neither its critical load nor all of its large deformation is judged. A basis of "
+        'kind "craig-bampton" holds these shapes for points.',
+        doubt=False,
+    )
 
 
 def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:

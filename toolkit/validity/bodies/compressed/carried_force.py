@@ -1,0 +1,91 @@
+"""Forces along bodies whose elements are not known, solids and reduced beams in space: what they do to bending, by rules for slender bars.
+
+From the point B that holds the frame to an interface point P, L apart along e, the body has the compliances c_a along e and c across it. It
+is as much longer as a force N = a / c_a at P would make it, with the elongation a. In parts of what makes a straight bar buckle that is
+clamped at B,
+
+    mu = -12 / pi^2  N c / L = -4 N L^2 / (pi^2 E I)
+
+and a quarter of that if two joints hold it that let it turn. Deflections across e lack nearly mu / (1 - mu) of themselves under
+compression, and under tension (mu < 0) they are too large by about as much; in directions in which c is less, they are off by less.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from toolkit.foundation.near_ties import first_largest
+from toolkit.reduced_model.chord_condition import chord_of
+from toolkit.system.flexible_bodies import design_point, flexible_body
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.turning_frame import compliance_across, motion_against_tangent
+from toolkit.validity.description.frame_choice import frame_choices
+
+CLAMPED, PINNED = 12 / np.pi**2, 3 / np.pi**2
+"""Of N c / L, in parts of the critical load of a straight bar."""
+
+
+SEEN = 1e-12
+"""Of the compliance across: a basis whose shapes stretch by less between two points knows of no force along them."""
+
+
+class Carried(NamedTuple):
+    """The force along a body at some instants."""
+
+    load: np.ndarray  # mu (n_t,), negative in tension
+    along: np.ndarray  # e (d,)
+    across: np.ndarray  # c (d, d) in parts of its largest
+
+
+def carried(solution: Solution, body: str, elastic: np.ndarray, still: np.ndarray | None) -> tuple[Carried | None, list[str]]:
+    """Of the point where it is largest, and the points whose forces along the body the basis does not see.
+
+    Parameters
+    ----------
+    elastic : (n_t, n_f)
+    still : (d,) the place that holds a tangent frame; None of other frames
+    """
+    every = {name: _carried(solution, body, *of_line, elastic) for name, of_line in _lines(solution, body, still)}
+    seen, blind = [each for each in every.values() if each is not None], [name for name, each in every.items() if each is None]
+    worst = first_largest(np.array([np.abs(each.load).max() for each in seen])) if seen else None
+    return (None if worst is None else seen[worst]), blind
+
+
+def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[tuple[str, tuple[np.ndarray, np.ndarray, float]]]:
+    """Interface point, the motion (d, 1 + n_f) of one end of a line against the other, c / L (d, d), and its factor."""
+    scene = solution.system.scene
+    design = design_point(scene, body, "interfaces")
+    known = design.model.interfaces or {}
+    if (chord := chord_of(design.model.reference_condition)) is not None and {*chord} <= {*known}:
+        one, other = (np.real(design.interface(name).here[0]) for name in chord)
+        across = compliance_across(solution, body, motion_against_tangent(solution, body, chord))
+        yield chord.second, (other - one, across, PINNED)
+    elif still is not None:
+        factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
+        used = {getattr(place, "interface", None) for place in scene.points.values() if getattr(place, "body", None) == body}
+        for name in sorted({*known} & used):
+            motion = np.real(design.interface(name).here[0])
+            motion = np.column_stack([motion[:, 0] - still, motion[:, 1:]])
+            if np.any(motion[:, 1:]) and np.any(motion[:, 0]):
+                yield name, (motion, compliance_across(solution, body, motion), factor)
+
+
+def _carried(
+    solution: Solution, body: str, motion: np.ndarray, across: np.ndarray, factor: float, elastic: np.ndarray
+) -> Carried | None:
+    length = np.linalg.norm(motion[:, 0])
+    along = motion[:, 0] / length
+    stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
+    scale = 1 / np.sqrt(np.diag(stiffness))
+    row = (along @ motion[:, 1:]) * scale
+    compliance = row @ np.linalg.solve(scale[:, None] * stiffness * scale, row)
+    largest = np.linalg.eigvalsh(across)[-1]
+    if not compliance > SEEN * largest * length:
+        return None
+    load = -factor * largest * (elastic @ (row / scale)) / compliance
+    if flexible_body(solution.system.scene, body).stiffening(solution.system.scene) is not None:
+        load = np.maximum(load, 0.0)  # its spin pulls at it, and that is in the equations
+    return Carried(load, along, across / largest)
