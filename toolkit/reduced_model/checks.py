@@ -16,7 +16,6 @@ from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, Spati
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
 from toolkit.reduced_model.model import (
     InterfacePoint,
-    Interior,
     Invariants,
     Mesh,
     Outline,
