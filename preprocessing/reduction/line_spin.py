@@ -16,7 +16,7 @@ from preprocessing.discretisation.discretisation import STEP, DesignSpace, Discr
 from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate, without_round_off_of_spin
 from preprocessing.reduction.stored_entries import AnyInvariants, joined_rates
 from toolkit.reduced_model.dependence import Derivatives
-from toolkit.reduced_model.spin import SPIN_STIFFENING, Spin
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 
 
 @dataclass(frozen=True, eq=False)

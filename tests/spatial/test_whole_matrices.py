@@ -71,7 +71,7 @@ def test_bodies_with_few_entries_keep_their_lists():
     few, many = np.arange(n), np.repeat(np.arange(n), n)
 
     def part(row: np.ndarray) -> SpatialFloatingNumbers:
-        return SpatialFloatingNumbers(1.0, np.zeros((n, 3)), row, row, np.zeros((len(row), 9)), np.zeros(3))
+        return SpatialFloatingNumbers(1.0, np.zeros((n, 3)), row, row, np.zeros((len(row), 9)), np.zeros(3), np.zeros(()))
 
     assert part(many).full
     assert not part(few).full

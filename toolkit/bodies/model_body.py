@@ -15,7 +15,7 @@ from toolkit.description.description import Number
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint, design_at
 from toolkit.reduced_model.model import MEAN_AXES, ReducedModel, place_parameter
-from toolkit.reduced_model.spin import SPIN_STIFFENING
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
 
 DEPENDENCE = ("affine", "derivatives")
 """Parts of a reduced model that tell how its arrays depend on its parameters."""
@@ -119,7 +119,7 @@ class ModelBody(Body):
         return self.design_point(scene).some_invariants(*names)
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
-        """The matrices (k, n_f, n_f) of `reduced_model.spin` at the scene's parameter values; None of a body that does not ask for them.
+        """The matrices (k, n_f, n_f) of `parts.spin` at the scene's parameter values; None of a body that does not ask for them.
 
         Raises
         ------

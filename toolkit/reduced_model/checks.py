@@ -14,7 +14,6 @@ from toolkit.reduced_model.definiteness import positive_definite
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import LOCAL, SPATIAL_LOCAL, Elements, SpatialElements
 from toolkit.reduced_model.entry_scales import EntryScale, entry_factors
-from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import (
     InterfacePoint,
     Invariants,
@@ -25,8 +24,9 @@ from toolkit.reduced_model.model import (
     StressPoints,
     generalized_mass,
 )
+from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface, SurfaceLoad, spatial_generalized_mass
-from toolkit.reduced_model.spin import SPIN_STIFFENING, Spin
 from toolkit.reduced_model.thin_arrays import listed, places, sparing
 
 RIGID = 1e-12

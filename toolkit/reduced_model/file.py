@@ -17,10 +17,10 @@ from toolkit.foundation.files.regular_file import read_start
 from toolkit.reduced_model.checks import check
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.interior import Interior
 from toolkit.reduced_model.model import InterfacePoint, Invariants, Mesh, Outline, ReducedModel, Shape, StressPoints
+from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
-from toolkit.reduced_model.spin import Spin
 
 if TYPE_CHECKING:
     import h5py

@@ -12,9 +12,9 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
-from toolkit.reduced_model.interior import Interior
+from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
-from toolkit.reduced_model.spin import Spin
 
 MEAN_AXES = "mean axes (Buckens)"
 """The reference condition of a body whose frame is held by none of its points."""

@@ -8,7 +8,7 @@ import numpy as np
 
 from preprocessing.elements.solids.stress_error import Elastic
 from preprocessing.mesh.solid_mesh import SolidMesh
-from toolkit.reduced_model.interior import Interior
+from toolkit.reduced_model.parts.interior import Interior
 
 TRIANGLES = {
     "triangle": ((0, 1, 2),),

@@ -23,7 +23,7 @@ from preprocessing.reduction.spin_stiffening import (
 )
 from preprocessing.reduction.stored_entries import AnyInvariants
 from toolkit.reduced_model.dependence import Polynomial
-from toolkit.reduced_model.spin import SPIN_STIFFENING, Spin
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 
 
 @dataclass(frozen=True, eq=False)

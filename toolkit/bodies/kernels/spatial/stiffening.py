@@ -1,6 +1,6 @@
 """Spatial bodies that their spin stiffens, in the compiled loop: what `floating_kernel` and its derivatives have besides.
 
-With R_ab = S_ab - delta_ab tr S / 2 of the matrices S_ab of `reduced_model.spin`, and the frame's matrices of the head of that file, the
+With R_ab = S_ab - delta_ab tr S / 2 of the matrices S_ab of `parts.spin`, and the frame's matrices of the head of that file, the
 kinetic energy -omega_a omega_b (c^T S_ab c) / 2 is tr(V (c^T R c) V^T) / 2 with V = dA/dt, and adds
 
     inertial   k: <A_k^T X, c^T R c>

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from toolkit.foundation.near_ties import first_largest
-from toolkit.reduced_model.spin import stiffness_of_spin
+from toolkit.reduced_model.parts.spin import stiffness_of_spin
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import deforming, flexible_body
 from toolkit.system.solution import Solution

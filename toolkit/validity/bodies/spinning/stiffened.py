@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from toolkit.reduced_model.spin import stiffness_of_spin
+from toolkit.reduced_model.parts.spin import stiffness_of_spin
 from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
 from toolkit.system.solution import Solution
 

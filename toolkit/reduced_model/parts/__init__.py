@@ -1,0 +1,1 @@
+"""Parts of a reduced model that some bodies have and others do not."""
