@@ -122,6 +122,11 @@ def test_an_interface_point_at_a_node_refuses_to_be_a_design_variable():
         compile_scene(wing_in_python(), ["points.C.arc_length"])
 
 
+def test_the_coordinates_of_an_interface_point_are_those_of_its_body():
+    with pytest.raises(InputError, match=r"'points.C.x' leads nowhere: the point lies where 'C' of body 'skin' does.*'points.C.arc_length'"):
+        compile_scene(wing_in_python(), ["points.C.x"])
+
+
 def test_overrides_are_those_of_the_file():
     scene = read_scene(WING, {"points.A.x": "73.0", "solver.rho_inf": "0.8", "bodies.skin.thickness": "1.6"})
     assert (scene.points["A"].x, scene.solver.rho_inf, scene.number("bodies.skin.thickness")) == (73.0, 0.8, 1.6)

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from toolkit.description.design import Design, DesignVariable
+from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.listed_names import listed, meant
 from toolkit.scene.measures import number_measure
@@ -46,12 +47,26 @@ def _check(scene: Any, path: str, name: str, available: Iterable[str]) -> None:
             f"{path!r} has no derivative: the point sits at a node of the mesh, where the discretised curve has a kink. "
             "State it by an arc length off the nodes in the skin file, and run preprocessing again."
         )
+    table, _, point = path.rpartition(".")[0].partition(".")
+    if table == "points" and isinstance(scene.points.get(point), BodyPoint):
+        raise InputError(_on_body(path, f"{table}.{point}.arc_length", scene.points[point], available))
     which = (
         f"the path {path!r} of design variable {name!r} leads nowhere" if path != name else f"unknown design variable {name!r}"
     )
     raise InputError(
         f"{which}{meant(path, [*scene.design, *available])}; short names of the scene: {', '.join(scene.design) or 'none'}; "
         f"paths: {listed(list(available))}."
+    )
+
+
+def _on_body(path: str, moving: str, point: BodyPoint, available: Iterable[str]) -> str:
+    """An interface point has no coordinates of its own; what moves it, if anything does."""
+    which = f"{path!r} leads nowhere: the point lies where {point.interface!r} of body {point.body!r} does"
+    if moving in available:
+        return f"{which}. Take {moving!r}, which moves it along the body."
+    return (
+        f"{which}. Along a skin {moving!r} moves it, if the skin file states its arc length off the nodes, as ffrf new wing does: change "
+        "that file, and run preprocessing again."
     )
 
 
