@@ -341,7 +341,7 @@ WRONG = {
     ),
     "file in percent": (
         lambda folder: edit(folder / "skin.toml", "chord = 550.0", 'chord = 550.0\nunits = "percent"'),
-        ["airfoil.file: ", "high_speed.dat", "units='percent'"],
+        ["airfoil.file: ", "high_speed.dat", "read as percent of the chord"],
     ),
 }
 

@@ -16,6 +16,6 @@ def marker_states(system: System, q: np.ndarray) -> Any:
     rest: np.ndarray = np.zeros(system.n, system.dtype)
     scratch: np.ndarray = np.zeros((3, 3), system.dtype)
     padded = np.concatenate([q, rest[system.n_q :]])
-    for function in (update_poses, update_pose_designs) if system.n_x else (update_poses,):
+    for function in (update_poses, update_pose_designs):
         system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, scratch)
     return state

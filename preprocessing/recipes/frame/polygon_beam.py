@@ -22,6 +22,10 @@ from toolkit.reduced_model.model import Mesh, ReducedModel
 FULL = BasisChoice("full")
 
 
+LATER = ("chord", "spin_stiffening")
+"""Choices that the first models did not have: where they are not made the hash is theirs."""
+
+
 def polygon_beam(
     nodes: np.ndarray,
     section: Section,
@@ -57,9 +61,7 @@ def polygon_beam(
     discrete = Discretisation(beams, interfaces, arc_lengths)
     space = DesignSpace(parameters.values, parameters.quantities, frozenset(parameters.values), lambda _: discrete)
     found = reduce(space, basis, 0, "the first node")
-    chosen = {
-        key: value for key, value in asdict(basis).items() if key != "chord" or value is not None
-    }  # as before there were chords
+    chosen = {key: value for key, value in asdict(basis).items() if key not in LATER or value}
     inputs = repr((nodes.tolist(), asdict(section), dict(interfaces), units, sorted(separate), chosen, WRITER_VERSION))
     return ReducedModel(
         **found.fields(units),
