@@ -33,6 +33,12 @@ def test_a_crank_turns_fully():
     assert crank < min(others)
 
 
+def test_a_quiet_start_says_nothing(tmp_path):
+    done = CliRunner().invoke(app, ["new", "linkage", str(tmp_path / "linkage"), "--quiet"])
+    assert (done.exit_code, done.output) == (0, "")
+    assert (tmp_path / "linkage" / "scene.toml").is_file()
+
+
 @pytest.mark.parametrize(("units", "metre"), [("m-kg-s", 1.0), ("mm-t-s", 1000.0)])
 def test_a_new_linkage_holds_what_virtual_work_says(units, metre, tmp_path):
     """After one turn crank and rocker stand upright, so that all weights move sideways and the coupler does not turn.

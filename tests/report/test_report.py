@@ -20,12 +20,14 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.command_line.cli import app
+from toolkit.command_line.output_folder import prepare_folder
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
+from toolkit.render.pictures import file_names
 from toolkit.report.material import Material
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
@@ -243,8 +245,8 @@ def test_a_report_never_overwrites_what_no_report_has_written(name, tmp_path):
     mine.parent.mkdir(exist_ok=True)
     mine.write_text("mine")
     done = CliRunner().invoke(app, ["report", str(WING), "--output", str(tmp_path)])  # refused before anything runs
-    assert (done.exit_code, "no report has written it" in done.stderr) == (1, True)
-    with pytest.raises(InputError, match="no report has written it"):
+    assert (done.exit_code, "no command has written it" in done.stderr) == (1, True)
+    with pytest.raises(InputError, match="no command has written it"):
         write_report(SimpleNamespace(results=SimpleNamespace(path=None)), tmp_path, "title")
     assert mine.read_text() == "mine"
     assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
@@ -256,6 +258,17 @@ def test_a_report_goes_beside_its_results_and_into_the_folder_of_one_that_was_in
     begin(tmp_path)
     (tmp_path / "numbers.json").write_text("{}")
     refuse_foreign_files(tmp_path)
+
+
+def test_pictures_and_reports_know_each_others_files(tmp_path):
+    (tmp_path / "report").mkdir()
+    begin(tmp_path / "report")
+    drawn = file_names("png", animate=True, film=False)
+    for folder in (prepare_folder(tmp_path / "pictures", *drawn), tmp_path / "report"):
+        for name in ("step-012.png", "overview.png", "animation.gif"):
+            (folder / name).write_text("drawn")
+        prepare_folder(folder, *drawn)
+        refuse_foreign_files(folder)
 
 
 FORBIDDEN = """

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
     from toolkit.scene.scene import Scene
 
 
+NOT_SOLVED = "the scene is judged as it is written, and was not solved: ffrf statics and ffrf simulate judge what comes of it."
+"""What nobody should take this verdict for."""
+
+
 def describe(path: Path) -> dict[str, Any]:
     """Content of results, or of a reduced model (anything else).
 
@@ -159,7 +163,7 @@ def _questions(scene: Scene) -> Verdict:
 
     try:
         compile_scene(scene)
-        return Verdict.of(cautions_of_scene(scene))
+        return Verdict.of([*cautions_of_scene(scene), Caution("not-solved", NOT_SOLVED, doubt=False)])
     except ToolkitError as error:
         return Verdict.of([Caution("cannot-be-compiled", str(error))])
 

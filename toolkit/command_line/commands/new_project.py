@@ -18,6 +18,7 @@ PROGRAM = "preprocessing.projects.command"
 app = typer.Typer(help="Start a project of your own.", no_args_is_help=True)
 
 Folder = Annotated[Path, typer.Argument(metavar="MY_DIR", help="Folder to make.")]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Say nothing but warnings and errors.")]
 System = Annotated[str, typer.Option(help="System of units: mm-t-s or m-kg-s.")]
 
 
@@ -37,15 +38,16 @@ def wing(
     units: Annotated[str | None, typer.Option(help="Of the airfoil's numbers: fraction, percent, mm or m.")] = None,
     target_units: Annotated[str | None, typer.Option(help="Of the target's numbers, if they are others.")] = None,
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Start a morphing wing from any airfoil file: skin, linkage, target and the next commands."""
-    _start("wing", folder, as_json, airfoil=airfoil, target=target, chord=chord, units=units, target_units=target_units)
+    _start("wing", folder, as_json, quiet, airfoil=airfoil, target=target, chord=chord, units=units, target_units=target_units)
 
 
 @app.command()
-def linkage(folder: Folder, units: System = "mm-t-s", as_json: AsJson = False) -> None:
+def linkage(folder: Folder, units: System = "mm-t-s", as_json: AsJson = False, quiet: Quiet = False) -> None:
     """Start a linkage of rods: a crank-rocker with a motor and a spring, and a study of it."""
-    _start("linkage", folder, as_json, units=units)
+    _start("linkage", folder, as_json, quiet, units=units)
 
 
 @app.command()
@@ -58,18 +60,20 @@ def solid(
     grip: Annotated[str, typer.Option(metavar="GROUP", help="Group of the mesh that carries the weight.")] = "tip",
     units: System = "mm-t-s",
     as_json: AsJson = False,
+    quiet: Quiet = False,
 ) -> None:
     """Start a flexible solid on a motor, from a mesh of your own or an arm whose drawing can be changed."""
-    _start("solid", folder, as_json, mesh=mesh, clamp=clamp, grip=grip, units=units)
+    _start("solid", folder, as_json, quiet, mesh=mesh, clamp=clamp, grip=grip, units=units)
 
 
-def _start(kind: str, folder: Path, as_json: bool, **options: object) -> None:
-    """Run the program, and say what it says."""
+def _start(kind: str, folder: Path, as_json: bool, quiet: bool, **options: object) -> None:
+    """Run the program, and say what it says; if quiet, warnings and errors alone."""
     given = [kind, str(folder)]
     for name, value in options.items():
         given += [] if value is None else [f"--{name.replace('_', '-')}", str(value)]
     done = run(PROGRAM, [*given, *(["--json"] if as_json else [])])
-    typer.echo(done.stdout, nl=False)
+    if as_json or not quiet:
+        typer.echo(done.stdout, nl=False)
     typer.echo(done.stderr, nl=False, err=True)
     if done.returncode:
         raise typer.Exit(done.returncode)
