@@ -201,6 +201,11 @@ def test_a_missing_scene_file_is_named(tmp_path):
         read_scene(tmp_path / "absent.toml")
 
 
+def test_a_reduced_model_in_place_of_a_scene_is_told_as_what_it_is():
+    with pytest.raises(InputError, match=r"skin\.h5' holds numbers in HDF5.*is not a scene in TOML"):
+        read_scene(WING / "skin.h5")
+
+
 @pytest.mark.parametrize("content", [b"units = \n", b"\xff\xfe\x00", b"[points]\nA = [1, 2\n"])
 def test_a_scene_file_that_is_no_toml_is_named(tmp_path, content):
     (tmp_path / "broken.toml").write_bytes(content)

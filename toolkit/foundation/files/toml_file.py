@@ -14,6 +14,8 @@ LARGEST_FILE = 10_000_000
 """Bytes; a scene of a thousand bodies has a hundredth of it."""
 DEEPEST = 30
 """Levels of tables and lists within each other."""
+HDF5 = b"\x89HDF\r\n"
+"""How files of numbers begin."""
 LONG_KEY = re.compile(r"""(?<![\w-])(?:(?:[\w-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){100}""")
 """The time that a key takes grows with more than the square of its parts, half a minute for a file of 64 kB."""
 
@@ -32,6 +34,10 @@ def read_toml(path: Path, what: str) -> dict[str, Any]:
         raise InputError(f"{str(path)!r} cannot be read ({error.strerror}). Give the path of {what}.") from error
     if len(content) > LARGEST_FILE:
         raise InputError(f"{str(path)!r} has more than {LARGEST_FILE} bytes. Give the path of {what}.")
+    if content.startswith(HDF5):
+        raise InputError(
+            f"{str(path)!r} holds numbers in HDF5, as reduced models and results do, and is not {what}. ffrf inspect tells what is in it."
+        )
     try:
         return parse_toml(content.decode("utf-8-sig"))
     except ValueError as error:
