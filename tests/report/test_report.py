@@ -24,6 +24,7 @@ from toolkit.command_line.output_folder import prepare_folder
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.own_files import OWN
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
@@ -135,6 +136,7 @@ def test_every_figure_is_there_as_png_and_svg(wing):
         "animation.gif",
         "results.h5",
         "report.html",
+        OWN,
     }
 
 
