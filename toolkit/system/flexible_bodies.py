@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.model_body import ModelBody
+from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.scene.scene import Scene
@@ -47,3 +50,16 @@ def elastic_coordinates(solution: Solution, body: str) -> Any:
 def design_point(scene: Scene, body: str, *parts: str) -> DesignPoint:
     """The reduced model of a flexible body at the scene's parameter values; `parts` as of `Scene.model`."""
     return flexible_body(scene, body).design_point(scene, *parts)
+
+
+def used_interfaces(scene: Scene, body: str) -> list[str]:
+    """Interface points of a flexible body's reduced model that the scene has points at, in order."""
+    known = design_point(scene, body, "interfaces").model.interfaces or {}
+    mine = {point.interface for point in scene.points.values() if isinstance(point, BodyPoint) and point.body == body}
+    return sorted(mine & {*known})
+
+
+def spins_of(solution: Solution, body: str, instants: Any = slice(None)) -> np.ndarray:
+    """Angular velocity (n_t, 3) of a flexible body's frame at some instants of a run, in the axes of its reduced model."""
+    where, found = solution.coordinates(body), flexible_body(solution.system.scene, body)
+    return found.spins(np.real(solution.q[instants][:, where]), np.real(solution.v[instants][:, where]))

@@ -22,6 +22,7 @@ from toolkit.responses.forces.joint_force import JointForce
 from toolkit.system.flexible_bodies import design_point
 from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.frame_choice import frame_choices
 
 LIMIT = 0.05
@@ -92,8 +93,7 @@ def compliance_across(solution: Solution, body: str, motion: np.ndarray) -> np.n
     stiffness, side, moved = np.real(design_point(solution.system.scene, body).value("stiffness")), motion[:, 0], motion[:, 1:]
     length = np.linalg.norm(side)
     across = moved - np.outer(side, side @ moved) / length**2
-    scale = 1 / np.sqrt(np.diag(stiffness))
-    found = (across * scale) @ np.linalg.solve(scale[:, None] * stiffness * scale, (across * scale).T)
+    found = across @ static_deflection(stiffness, across.T)
     compliance: np.ndarray = (found + found.T) / (2 * length)
     return compliance
 

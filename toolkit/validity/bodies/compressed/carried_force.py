@@ -19,8 +19,9 @@ import numpy as np
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.chord_condition import chord_of
-from toolkit.system.flexible_bodies import design_point, flexible_body
+from toolkit.system.flexible_bodies import design_point, flexible_body, used_interfaces
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.bodies.turning_frame import compliance_across, motion_against_tangent
 from toolkit.validity.description.frame_choice import frame_choices
 
@@ -65,8 +66,7 @@ def _lines(solution: Solution, body: str, still: np.ndarray | None) -> Iterator[
         yield chord.second, (other - one, across, PINNED)
     elif still is not None:
         factor = PINNED if (choice := frame_choices(scene).get(body)) and choice.chord else CLAMPED
-        used = {getattr(place, "interface", None) for place in scene.points.values() if getattr(place, "body", None) == body}
-        for name in sorted({*known} & used):
+        for name in used_interfaces(scene, body):
             motion = np.real(design.interface(name).here[0])
             motion = np.column_stack([motion[:, 0] - still, motion[:, 1:]])
             if np.any(motion[:, 1:]) and np.any(motion[:, 0]):
@@ -79,13 +79,12 @@ def _carried(
     length = np.linalg.norm(motion[:, 0])
     along = motion[:, 0] / length
     stiffness = np.real(design_point(solution.system.scene, body).value("stiffness"))
-    scale = 1 / np.sqrt(np.diag(stiffness))
-    row = (along @ motion[:, 1:]) * scale
-    compliance = row @ np.linalg.solve(scale[:, None] * stiffness * scale, row)
+    row = along @ motion[:, 1:]
+    compliance = row @ static_deflection(stiffness, row)
     largest = np.linalg.eigvalsh(across)[-1]
     if not compliance > SEEN * largest * length:
         return None
-    load = -factor * largest * (elastic @ (row / scale)) / compliance
+    load = -factor * largest * (elastic @ row) / compliance
     if flexible_body(solution.system.scene, body).stiffening(solution.system.scene) is not None:
         load = np.maximum(load, 0.0)  # its spin pulls at it, and that is in the equations
     return Carried(load, along, across / largest)

@@ -12,10 +12,11 @@ import numpy as np
 
 from toolkit.foundation.verdict import Caution
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import design_point
+from toolkit.system.flexible_bodies import design_point, used_interfaces
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
 from toolkit.validity.bodies.deformation import flexible_bodies
+from toolkit.validity.bodies.static_deflection import static_deflection
 
 SEEN = 0.2
 """Part of the axial forces that a basis may miss without a word."""
@@ -51,9 +52,8 @@ def _pulls(scene: Scene, body: str, behind: Chain) -> dict[str, np.ndarray]:
     The frame is no such point: forces at it do not stretch the body.
     """
     design, nodes = design_point(scene, body, "interfaces"), behind.nodes
-    used = {getattr(place, "interface", None) for place in scene.points.values() if getattr(place, "body", None) == body}
     found = {}
-    for name in sorted(set(design.model.interfaces or {}) & used):
+    for name in used_interfaces(scene, body):
         place = np.real(design.interface(name).here[0])[:, 0]
         found[repr(name)] = _on(behind, [int(np.argmin(((nodes - place) ** 2).sum(axis=1)))])
     if np.any(np.real(scene.gravity)):
@@ -73,7 +73,6 @@ def missed_part(scene: Scene, body: str, behind: Chain, loads: np.ndarray) -> fl
     """Part of the axial forces under loads (n_t, n) on the nodes that the basis does not show."""
     true = behind.axial_forces(behind.under(loads))
     stiffness = np.real(design_point(scene, body).value("stiffness"))
-    scale = 1 / np.sqrt(np.diag(stiffness))
-    elastic = scale * np.linalg.solve(scale[:, None] * stiffness * scale, scale[:, None] * (behind.shapes.T @ loads.T)).T
+    elastic = static_deflection(stiffness, behind.shapes.T @ loads.T).T
     largest = np.linalg.norm(true)
     return float(np.linalg.norm(behind.axial_forces(behind.displacements(elastic)) - true) / largest) if largest else 0.0

@@ -19,7 +19,7 @@ from scipy.linalg import eigh
 from toolkit.foundation.near_ties import first_largest
 from toolkit.reduced_model.parts.spin import stiffness_of_spin
 from toolkit.scene.scene import Scene
-from toolkit.system.flexible_bodies import deforming, flexible_body
+from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution
 
 
@@ -68,16 +68,10 @@ def too_fast_in_motion(solution: Solution) -> Iterator[tuple[str, float, float]]
     """Bodies that exceed their critical speed where they spin fastest, with that speed and the critical one about the axis then."""
     scene = solution.system.scene
     for body in spinning_bodies(scene):
-        spins = _spins(solution, body)
+        spins = spins_of(solution, body)
         spin = spins[first_largest(np.linalg.norm(spins, axis=1))]
         if not _stable(scene, body, spin):
             yield body, float(np.linalg.norm(spin)), critical_speed(scene, body, spin)
-
-
-def _spins(solution: Solution, body: str) -> np.ndarray:
-    """Angular velocity of the frame in the axes of the reduced model, (n_t, 3)."""
-    found, where = flexible_body(solution.system.scene, body), solution.coordinates(body)
-    return found.spins(np.real(solution.q[:, where]), np.real(solution.v[:, where]))
 
 
 def _stable(scene: Scene, body: str, spin: np.ndarray) -> bool:

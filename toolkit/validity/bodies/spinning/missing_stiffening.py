@@ -36,7 +36,7 @@ from toolkit.reduced_model.cut.part_model import FIRST, LAST
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.scene.scene import Scene
 from toolkit.solvers.spin.generator import angular_velocity
-from toolkit.system.flexible_bodies import deforming, design_point, flexible_body
+from toolkit.system.flexible_bodies import deforming, design_point, flexible_body, spins_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 from toolkit.validity.bodies.spinning.partly_stiffened import DOUBTFUL, TOLD, off_the_axis, told
@@ -132,9 +132,8 @@ def _part(solution: Solution, body: str, speed: float) -> float:
             if grip == body and interface in (design_point(scene, body).model.interfaces or {}):
                 force = np.real(JointForce(joint=name, component="x").force(solution, 0)[0][: scene.dimension])
                 gripped[interface] = max(gripped.get(interface, 0.0), float(np.sqrt(force @ force)))
-    found, where = flexible_body(scene, body), solution.coordinates(body)
-    if found.spin_stiffening:
-        (spin,) = found.spins(np.real(solution.q[-1:, where]), np.real(solution.v[-1:, where]))
+    if flexible_body(scene, body).spin_stiffening:
+        (spin,) = spins_of(solution, body, np.array([-1]))
         own = off_the_axis(solution, body, spin, -1)
     else:
         own = OF_SPEED * (speed / critical_speed(scene, body)) ** 2

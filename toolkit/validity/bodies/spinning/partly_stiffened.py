@@ -20,7 +20,7 @@ from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.foundation.near_ties import first_largest
 from toolkit.foundation.verdict import Caution
 from toolkit.reduced_model.model import MEAN_AXES
-from toolkit.system.flexible_bodies import deforming, flexible_body
+from toolkit.system.flexible_bodies import deforming, flexible_body, spins_of
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.spinning.critical_speed import critical_speed
 
@@ -40,8 +40,7 @@ def stiffened(solution: Solution) -> list[str]:
 def partly_stiffened(solution: Solution) -> Iterator[Caution]:
     """Bodies that lack a part of their stiffening at the instant of their fastest spin."""
     for body in stiffened(solution):
-        found, where = flexible_body(solution.system.scene, body), solution.coordinates(body)
-        spins = found.spins(np.real(solution.q[:, where]), np.real(solution.v[:, where]))
+        spins = spins_of(solution, body)
         instant = first_largest(np.linalg.norm(spins, axis=1))
         part = off_the_axis(solution, body, spins[instant], instant)
         if part > TOLD:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from toolkit.reduced_model.parts.spin import stiffness_of_spin
-from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
+from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body, spins_of
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.static_deflection import static_deflection
 
 
 def kept_back(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray | None:
@@ -19,10 +20,8 @@ def kept_back(solution: Solution, body: str, instants: np.ndarray) -> np.ndarray
     stiffening = found.stiffening(scene)
     if stiffening is None:
         return None
-    where = solution.coordinates(body)
-    spins = found.spins(np.real(solution.q[instants][:, where]), np.real(solution.v[instants][:, where]))
+    spins = spins_of(solution, body, instants)
     elastic = np.real(solution.q[instants][:, elastic_coordinates(solution, body)])
     forces = [stiffness_of_spin(np.real(stiffening), spin) @ q for spin, q in zip(spins, elastic, strict=True)]
     stiffness = np.real(found.invariants(scene).stiffness)
-    scale = 1 / np.sqrt(np.diag(stiffness))
-    return (scale[:, None] * np.linalg.solve(scale[:, None] * stiffness * scale, scale[:, None] * np.array(forces).T)).T
+    return static_deflection(stiffness, np.array(forces).T).T
