@@ -22,12 +22,12 @@ def count_by_frequency(modes: NormalModes, highest: float, least: int = 1) -> in
     InputError
         No mode is so low, or the mesh has no mode so high.
     """
-    found, behind = modes.frequencies, highest * (1 + EQUAL)
+    found = modes.frequencies
     if not len(found):
         raise InputError("no mode can be chosen by frequency: the boundary leaves no motion. Name fewer interface points.")
     if not highest <= found[-1] * (1 + EQUAL):
         raise InputError(f"modes up to {highest:g} Hz cannot be told: the mesh ends at {found[-1]:.6g} Hz. Use more elements.")
-    count = int(np.count_nonzero(found <= behind))
+    count = int(np.count_nonzero(found <= highest * (1 + EQUAL)))
     if count < least:
         raise InputError(f"no mode lies below {highest:g} Hz: the lowest has {found[0]:.6g} Hz. Choose a higher frequency.")
     return cluster(modes.spectrum, count - 1)[1] if count else 0

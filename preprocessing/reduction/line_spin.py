@@ -13,10 +13,10 @@ from preprocessing.assembly.assembly import Matrices
 from preprocessing.basis.boundary import coordinates_of
 from preprocessing.basis.reduction import motions_of_the_frame, per_node
 from preprocessing.discretisation.discretisation import STEP, DesignSpace, Discretisation
-from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate, without_round_off_of_spin
-from preprocessing.reduction.stored_entries import AnyInvariants, joined_rates
+from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
+from preprocessing.reduction.stored_entries import joined_rates
 from toolkit.reduced_model.dependence import Derivatives
-from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
+from toolkit.reduced_model.parts.spin import SPIN_STIFFENING
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,11 +29,6 @@ class LineSpin:
     free: Any  # sparse (n, n^): which nodal coordinates the frame leaves free
     floats: bool
     found: SpinStiffening
-
-    def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
-        """For the reduced model; `selected`: of shapes that select coordinates."""
-        value = self.found.value
-        return Spin(without_round_off_of_spin(value, inv) if selected else value)
 
     def rates(self, parameter: str, d_z: Any = None) -> dict[str, np.ndarray]:
         """Derivative by one parameter, which changes Z by d_z."""

@@ -98,7 +98,7 @@ def reduce(space: DesignSpace, choice: BasisChoice, clamped_node: int | Sequence
     if element_parts(choice.kind):
         sums = element_sums(space, nominal, held)
         elements = (sums.elements, sums.derivatives, sums.affine)
-    stored = None if spin is None else spin.stored(found.invariants, choice.kind == "full")
+    stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     return Reduced(space, basis, *found, interfaces, nominal.stress_points, *elements, stored)
 
 

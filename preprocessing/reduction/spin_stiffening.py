@@ -26,6 +26,7 @@ from preprocessing.basis.solids.held_system import held_system
 from preprocessing.discretisation.discretisation import STEP, derivative_of
 from preprocessing.elements.element import Element
 from preprocessing.reduction.stored_entries import OF_SHAPES, ROUND_OFF, AnyInvariants
+from toolkit.reduced_model.parts.spin import Spin
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +91,10 @@ class SpinStiffening:
         """S (k, n_f, n_f): k = 1 in the plane, in space 6 in the order of `spatial_model.PAIRS`."""
         return self.nominal.stiffened(self._moved)
 
+    def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
+        """For the reduced model; `selected`: of shapes that select coordinates, without the round-off of others."""
+        return Spin(_without_round_off(self.value, inv) if selected else self.value)
+
     def rate(self, stepped: Spun) -> np.ndarray:
         """Its derivative by what made a complex step, from K du = dF - dK u."""
         left = derivative_of(stepped.loads - stepped.stiffness @ self._moved + 0j)
@@ -107,7 +112,7 @@ class SpinStiffening:
         return free_system(body.stiffness, body.mass, body.motions, self.places)
 
 
-def without_round_off_of_spin(value: np.ndarray, inv: AnyInvariants) -> np.ndarray:
+def _without_round_off(value: np.ndarray, inv: AnyInvariants) -> np.ndarray:
     """S of a full basis with zeros in the place of round-off, measured by the masses of the coordinates."""
     root = np.sqrt(np.diag(inv.inertia_about_origin)[1:])
     parts = np.abs(value) / np.outer(root, root)

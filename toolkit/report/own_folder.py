@@ -1,4 +1,4 @@
-"""The folder of a report: what is there and was not written by a report is not overwritten."""
+"""The folder of a report: what is there and no command has written is not overwritten."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ BEGUN = f"<!DOCTYPE html>\n{MARK}\n<p>This report was begun and has not been fin
 
 
 def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
-    """Refuse a folder that holds what a report would overwrite, unless a report was written there before.
+    """Refuse a folder that holds what a report would overwrite, unless a command has written it, or a report was written there before.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
     page = folder / PAGE
     if page.is_file() and MARK in page.read_text(encoding="utf-8", errors="replace"):
         return
-    names = [name for name in NAMES if own is None or not own.exists() or not _same(folder / name, own)]
+    names = [name for name in NAMES if own is None or not _same(folder / name, own)]
     if (there := foreign(folder, names)) is not None:
         raise InputError(
             f"{str(there)!r} is there, and no command has written it. Give another folder with --output, or move it away."
@@ -38,7 +38,7 @@ def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
 
 
 def _same(one: Path, other: Path) -> bool:
-    return one.exists() and one.samefile(other)
+    return one.exists() and other.exists() and one.samefile(other)
 
 
 def begin(folder: Path) -> None:

@@ -27,7 +27,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     Raises
     ------
     InputError
-        The folder cannot be written, or holds files of these names that no report has written.
+        The folder cannot be written, or holds files of these names that no command has written.
 
     Returns
     -------

@@ -50,7 +50,7 @@ def reduced_body(body: DiscreteBody, choice: BasisChoice, clamp: str, units: str
     spin = solid_spin(body, matrices, free, z, choice.boundary == "free") if choice.spin_stiffening else None
     rates = ((name, _rate(body, matrices, name, change, choice, free, shapes, z, spin)) for name, change in body.changes)
     found = contracted(body.parts, matrices, nominal, z, rates, interfaces, computed=choice.kind != "full")
-    stored = None if spin is None else spin.stored(found.invariants, choice.kind == "full")
+    stored = None if spin is None else spin.found.stored(found.invariants, choice.kind == "full")
     if spin and stored:
         found = found._replace(affine=found.affine | spin.polynomial(stored, list(nominal)))
     points = len(found.invariants.stress_operator)

@@ -15,13 +15,7 @@ from preprocessing.discretisation.discretisation import STEP
 from preprocessing.elements.section import monomial
 from preprocessing.mesh.solid_mesh import rigid_motions
 from preprocessing.recipes.solids.discrete_body import DiscreteBody
-from preprocessing.reduction.spin_stiffening import (
-    SpinStiffening,
-    Spun,
-    without_round_off_of_rate,
-    without_round_off_of_spin,
-)
-from preprocessing.reduction.stored_entries import AnyInvariants
+from preprocessing.reduction.spin_stiffening import SpinStiffening, Spun, without_round_off_of_rate
 from toolkit.reduced_model.dependence import Polynomial
 from toolkit.reduced_model.parts.spin import SPIN_STIFFENING, Spin
 
@@ -34,11 +28,6 @@ class SolidSpin:
     matrices: Matrices
     floats: bool
     found: SpinStiffening
-
-    def stored(self, inv: AnyInvariants, selected: bool) -> Spin:
-        """For the reduced model; `selected`: of shapes that select coordinates."""
-        value = self.found.value
-        return Spin(without_round_off_of_spin(value, inv) if selected else value)
 
     def polynomial(self, spin: Spin, names: list[str]) -> dict[str, Polynomial]:
         """Stress by centrifugal forces grows with the density, in the plane its forces with the width too, and no modulus changes it."""
@@ -66,13 +55,7 @@ class SolidSpin:
 
 
 def solid_spin(body: DiscreteBody, matrices: Matrices, free: Freedom, z: np.ndarray, floats: bool) -> SolidSpin:
-    """Of a body that is clamped, or floats about mean axes.
-
-    Raises
-    ------
-    InputError
-        Its matrices come from another program.
-    """
+    """Of a body of elements, not of another program's matrices, that is clamped or floats about mean axes."""
     assert body.element is not None
     nodes = body.mesh.nodes
     spun = Spun(body.element, body.values, matrices, free.map, z, _motions(nodes, free, body.ties, floats))
