@@ -70,6 +70,11 @@ class DesignPoint:
         steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
         return {k: step for k, step in steps.items() if step != 0}
 
+    @cached_property
+    def _complex(self) -> frozenset[int]:
+        """Parameters with a complex step: items that depend on none of them are real."""
+        return frozenset(k for k, step in self._steps.items() if isinstance(step, complex))
+
     def invariants(self) -> Any:
         """All invariants.
 
@@ -152,7 +157,8 @@ class DesignPoint:
         own = nominal.ravel() if whole else nominal.ravel()[here]
         flat = own
         if polynomial is not None:
-            flat = polynomial(self._p, nominal.size) if whole else polynomial.at(self._p, here)
+            p = self._p if polynomial.depends_on_any(self._complex) else np.real(self._p)
+            flat = polynomial(p, nominal.size) if whole else polynomial.at(p, here)
         for k, (entry, slope) in tangents.items():
             flat = flat + scattered(entry if whole else np.searchsorted(here, entry), self._steps[k] * slope, len(here))
         if not any(np.real(step) for step in self._steps.values()):

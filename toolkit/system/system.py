@@ -278,7 +278,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values, seen = seen_quantities(scene, numbering)
-    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
+    changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)
