@@ -73,5 +73,5 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))
     design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
-    found.__dict__.update(placed=placed)
+    found.__dict__.update(placed=placed, **({} if "curves" in changed else {"known_curves": system.known_curves}))
     return found.compiled_as(system)
