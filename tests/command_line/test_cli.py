@@ -21,6 +21,7 @@ from toolkit.command_line.cli import app
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.own_files import OWN, list_own, listed
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -514,6 +515,15 @@ def test_a_folder_keeps_files_that_no_command_has_written(tmp_path):
     (tmp_path / "history.svg").write_text("mine")
     with pytest.raises(InputError, match=r"history\.svg' is there"):
         prepare_folder(tmp_path, "history.*")
+
+
+def test_files_of_an_earlier_set_go_and_those_of_others_stay(tmp_path):
+    for name in ("step-1.png", "step-2.png", "step-mine.png", "table.csv"):
+        (tmp_path / name).write_text("")
+    list_own(tmp_path, ["step-1.png", "step-2.png", "table.csv"])
+    list_own(tmp_path, ["step-2.png", "step-3.png"], instead_of=["step-*.png"])
+    assert sorted(each.name for each in tmp_path.iterdir()) == [OWN, "step-2.png", "step-mine.png", "table.csv"]
+    assert listed(tmp_path) == ["step-2.png", "step-3.png", "table.csv"]
 
 
 def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monkeypatch):
