@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.dependence import Derivatives, scattered
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
 from toolkit.reduced_model.thin_arrays import places, sparing
@@ -45,7 +45,7 @@ class DesignPoint:
             if parameter in self.model.nominal:
                 continue
             raise InputError(
-                f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
+                f"reduced model {self.model.label} has no parameter {parameter!r}{meant(parameter, self.model.parameters)}; available: "
                 f"{listed(self.model.parameters)}. Use one of these names, or state it in the skin file and run "
                 "preprocessing again."
             )
