@@ -10,8 +10,8 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
-from toolkit.validity.bodies.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
+from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
