@@ -70,9 +70,12 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     return places, slopes
 
 
-def moves_nodes(scene: Scene, name: str) -> bool:
-    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body."""
-    return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+def moves_shapes(scene: Scene, name: str) -> bool:
+    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body, or what its parts are reduced to."""
+    body: Any = scene.bodies[name]
+    if body.modes_per_frame is None:
+        return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+    return any(np.any(np.imag(part.part(scene).recovery)) for part in body.parts(name).values())
 
 
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
