@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.itself import Itself
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.dependence import Derivatives, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
 from toolkit.reduced_model.thin_arrays import sparing
@@ -45,7 +46,7 @@ class DesignPoint:
             if parameter in self.model.nominal:
                 continue
             raise InputError(
-                f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
+                f"reduced model {self.model.label} has no parameter {parameter!r}{meant(parameter, self.model.parameters)}; available: "
                 f"{listed(self.model.parameters)}. Use one of these names, or state it in the skin file and run "
                 "preprocessing again."
             )
@@ -243,22 +244,9 @@ class DesignPoint:
 
 def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool) -> DesignPoint:
     """The design point of a model at some values; the same one while it is among the last that were asked for."""
-    return _design_at(_Same(model), tuple(values.items()), first_order)
-
-
-@dataclass(frozen=True, eq=False)
-class _Same:
-    """A model that equals itself alone, whatever is in its arrays."""
-
-    model: ReducedModel
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.model is other.model
-
-    def __hash__(self) -> int:
-        return id(self.model)
+    return _design_at(Itself(model), tuple(values.items()), first_order)
 
 
 @lru_cache(maxsize=KEPT)
-def _design_at(same: _Same, values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
-    return DesignPoint(same.model, dict(values), first_order)
+def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
+    return DesignPoint(same.item, dict(values), first_order)

@@ -19,7 +19,7 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.description.vector_paths import lettered, numbered
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
@@ -228,7 +228,8 @@ class Scene(Description):
         nominal = self._parameters_of(path.split(".")[1]) if path.count(".") else {}
         if path not in nominal:
             raise InputError(
-                f"there is no number {path!r} in the scene; available: {listed(self.available_paths())}. "
+                f"there is no number {path!r} in the scene{meant(path, [*self.design, *self.available_paths()])}; available: "
+                f"{listed(self.available_paths())}. "
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]

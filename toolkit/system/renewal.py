@@ -15,7 +15,7 @@ from toolkit.compilation.quantities import evaluate_quantities, renewed_derivati
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.cut_scene import parts_of, with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 
@@ -26,7 +26,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     Whatever `compile_scene` would make of it gives the same results to round-off: an entry that has become zero stays in the pattern. A
     number that is not zero any more where nothing was before brings a new pattern, and the scene is compiled as if for the first time; so
     is one whose redundant joints are left out, because other numbers may make other ones redundant, and one whose profile of a cam falls
-    into other pieces.
+    into other pieces, or a point of which comes to lie between other nodes of a reduced part.
 
     Parameters
     ----------
@@ -47,6 +47,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     if not paths:  # numbers of the solver and of responses stand in the scene alone
         return replace(system, scene=scene).compiled_as(system)
     names = list(system.design.names)
+    if parts_of(scene) != parts_of(system.scene):
+        return compile_scene(scene, names, system.numbering.seen)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
     placed = Remembered(scene, system.placed)
