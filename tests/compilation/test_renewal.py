@@ -20,6 +20,7 @@ from toolkit.compilation.patterns.kept_pattern import GROUPS, NewEntryError, ren
 from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
+from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -176,6 +177,27 @@ def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):
     found = renewed(system, other, [path])
     assert found.lu_plan is not system.lu_plan
     assert_same(found, prepare(other, ["t_w"]))
+
+
+class Switched(Torque):
+    """A torque that counts the place of its point where it is large."""
+
+    kind = ""
+
+    def parameters(self, scene: Any) -> list[Any]:
+        """Its number, and from 5000 on times a coordinate."""
+        return [self.torque * (scene.position(self.point)[0] if np.real(self.torque) > 5000 else 1.0)]
+
+
+def test_a_load_that_asks_for_a_point_at_some_numbers_alone_has_its_derivative_there():
+    scene = wing()
+    drive = Switched.model_construct(**dict(scene.loads["drive"]))
+    scene = scene.model_copy(update={"loads": {"drive": drive}})
+    variables, path = ["x_A", "M_t"], "loads.drive.torque"
+    other = scene.with_number(path, 6000.0)
+    fresh = prepare(other, variables)
+    assert fresh.derivatives[0].loads[0][0] == 6000.0
+    assert_same(renewed(prepare(scene, variables), other, [path]), fresh)
 
 
 def test_redundant_joints_are_sought_anew():

@@ -56,29 +56,39 @@ class Part(NamedTuple):
     make: Callable[[Any], Any]
 
 
+Asked = dict[tuple[str, int], frozenset[Any]]
+OPEN = ("joints", "loads")
+"""Groups whose formulas anybody writes."""
+
+
 class Seen(NamedTuple):
     """How some numbers of a scene came about."""
 
     placed: Remembered
     parts: dict[str, dict[int, Part]]
-    asked: dict[tuple[str, int], frozenset[Any]]  # of the scene, for the numbers of an item
+    asked: Asked  # of the scene, for the numbers of an item
+
+    @property
+    def asked_by_components(self) -> Asked:
+        """By joints and loads, whose formulas anybody writes: what they ask may depend on the scene's numbers."""
+        return {owner: asked for owner, asked in self.asked.items() if owner[0] in OPEN}
 
 
 Owners = Mapping[str, Collection[int]]
 """Group of `Quantities` -> some of those who have numbers in it."""
 
 
-def evaluate_quantities(
-    scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
-) -> Quantities:
+def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
     """All numbers of a scene, or those of some items and markers."""
-    return _made(_parts(scene, numbering, owners_of(scene, numbering, affected)), remembered or Remembered(scene), scene)
+    return _made(_parts(scene, numbering, owners_of(scene, numbering, affected)), Remembered(scene), scene)
 
 
-def seen_quantities(scene: Scene, numbering: Numbering) -> tuple[Quantities, Seen]:
-    """All numbers of a scene, and how they came about."""
-    placed, parts = Remembered(scene), _parts(scene, numbering, owners_of(scene, numbering))
-    asked: dict[tuple[str, int], frozenset[Any]] = {}
+def seen_quantities(
+    scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
+) -> tuple[Quantities, Seen]:
+    """The same, and how they came about."""
+    placed, parts = remembered or Remembered(scene), _parts(scene, numbering, owners_of(scene, numbering, affected))
+    asked: Asked = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
         for owner, part in owners.items():
@@ -213,7 +223,7 @@ def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) 
     """Derivative of all numbers by each design variable; curves stay complex, they are differentiated where they are evaluated.
 
     Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out. So are
-    those that have not met a complex number then, which is so whatever the values of the scene's numbers are.
+    those of bodies and markers that have not met a complex number then, which is so whatever the values of the scene's numbers are.
     """
     found = []
     for variable in design:
@@ -222,7 +232,7 @@ def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) 
         placed = Remembered(moved, seen.placed)
         stirred = _stirred(seen, placed)
         groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
-        found.append(_rates(_made(groups, placed, moved), _is_complex))
+        found.append(_rates(_made(groups, placed, moved), _is_reached))
     return found
 
 
@@ -238,20 +248,20 @@ def renewed_derivatives(
     return found
 
 
-def _rates(moved: Quantities, wanted: Callable[[Any], bool] = lambda _part: True) -> Quantities:
+def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group, _part: True) -> Quantities:
     """Derivatives from numbers with a complex step, without those that nobody wants."""
     found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
     for group in (f.name for f in fields(Quantities) if f.name != "gravity"):
-        kept = {k: part for k, part in getattr(moved, group).items() if wanted(part)}
+        kept = {k: part for k, part in getattr(moved, group).items() if wanted(group, part)}
         found[group] = kept if group == "curves" else {k: _imag(part) for k, part in kept.items()}
     return Quantities(**found)
 
 
-def _is_complex(part: Any) -> bool:
-    """Whether any number is complex, be its imaginary part zero or not."""
+def _is_reached(group: str, part: Any) -> bool:
+    """Whether any number is complex, be its imaginary part zero or not, or could be at other numbers of the scene."""
     if isinstance(part, tuple):
-        return any(map(_is_complex, part))
-    return isinstance(part, Curve) or np.iscomplexobj(part)
+        return any(_is_reached(group, each) for each in part)
+    return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
 
 
 def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:

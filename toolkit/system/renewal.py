@@ -11,7 +11,7 @@ from toolkit.compilation.dependence import GROUPS
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import evaluate_quantities, renewed_derivatives
+from toolkit.compilation.quantities import renewed_derivatives, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
@@ -55,9 +55,10 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     check_numbers(scene, placed)
     numbering = system.numbering
     affected = numbering.affected_by(scene, paths)
-    new = evaluate_quantities(scene, numbering, affected, placed)
+    new, seen = seen_quantities(scene, numbering, affected, placed)
+    asks_alike = all(system.asked[owner] == asked for owner, asked in seen.asked_by_components.items())
     joints = list(scene.joints.values())
-    if not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
+    if not asks_alike or not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
         return compile_scene(scene, names, numbering.seen)
     rates = renewed_derivatives(scene, numbering, system.design, placed, system.derivatives, affected)
     changed: set[str] = set()

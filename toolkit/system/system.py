@@ -16,7 +16,7 @@ from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_of, seen_quantities
+from toolkit.compilation.quantities import STEP, Asked, Quantities, derivatives, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
@@ -58,6 +58,7 @@ class System:
     dtype: type
     weights: np.ndarray  # (n,) see `numbering.weights`
     files: FileStates = field(default_factory=dict)  # of reduced models, when the scene was compiled
+    asked: Asked = field(default_factory=dict)  # of the scene by joints and loads, when it was compiled
 
     @property
     def n_q(self) -> int:
@@ -293,5 +294,6 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files)
+    asked = seen.asked_by_components
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files, asked)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

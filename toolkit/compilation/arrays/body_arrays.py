@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -40,9 +41,7 @@ def constant_part(
     places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     row, column, first_entry = places["row"], places["column"], places["segment_start"]
     stiffness = joined("stiffness")
-    changes = {
-        f"design_{name}": _changes_of(name, derivatives, first_entry, row, column) for name in ("mass", "damping", "stiffness")
-    }
+    change = partial(_changes_of, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
     return Constant(
         **places,
@@ -52,7 +51,9 @@ def constant_part(
         stiffness=stiffness,
         **stiff_entries(row, column, stiffness, weights, counts)._asdict(),
         force=joined("force"),
-        **changes,
+        design_mass=change("mass"),
+        design_damping=change("damping"),
+        design_stiffness=change("stiffness"),
         force_row=force_row,
         force_variable=force_variable,
         design_force=design_force,
@@ -71,7 +72,7 @@ def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[
 
 
 def _changes_of(
-    name: str, derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray
+    derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray, name: str
 ) -> Changes:
     """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
     parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]

@@ -36,9 +36,9 @@ class PathEquations:
 
     def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """q padded to n, and [0; lam], of the system's type."""
-        q, acc = np.zeros((2, self.n), self.system.dtype)
-        q[: self.n_q], acc[self.n_q :] = z[: self.n_q], z[self.n_q : self.n]
-        return q, acc
+        found: np.ndarray = np.zeros((2, self.n), self.system.dtype)
+        found[0, : self.n_q], found[1, self.n_q :] = z[: self.n_q], z[self.n_q : self.n]
+        return found[0], found[1]
 
     def _terms(self, z: np.ndarray, inputs: Inputs, linearize: bool = True) -> Terms:
         q, acc = self.padded(z)
