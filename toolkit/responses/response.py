@@ -99,6 +99,6 @@ class Response(Registered):
 
 
 def felt_steps(partial: np.ndarray) -> np.ndarray | slice:
-    """Steps at which a derivative (n_t, ...) is not zero, or all if these are most."""
-    felt = np.flatnonzero(partial.reshape(len(partial), -1).any(axis=1))
+    """Steps at which a derivative (n_t, n) is not zero, or all if these are most."""
+    felt = np.flatnonzero(partial.any(axis=1))
     return felt if 2 * len(felt) < len(partial) else slice(None)

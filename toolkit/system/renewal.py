@@ -8,10 +8,11 @@ import numpy as np
 
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.dependence import GROUPS
+from toolkit.compilation.derivatives import renewed_derivatives
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import renewed_derivatives, seen_quantities
+from toolkit.compilation.quantities import seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows

@@ -13,10 +13,11 @@ from scipy.sparse import csr_array
 from toolkit.compilation.arrays.component_arrays import families
 from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.compilation.checks import check_numbers
+from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Asked, Quantities, derivatives, loads_of, seen_quantities
+from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
