@@ -43,7 +43,7 @@ from toolkit.command_line.printed.printing import print_files, print_verdict, wa
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
 from toolkit.foundation.processes.one_thread import SINGLE
-from toolkit.foundation.rare_collections import rare_collections
+from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.sensitivity.method_names import Method
 
@@ -280,7 +280,7 @@ def main() -> None:
     processes more. numpy reads the variables when it is imported, which is after this.
     """
     os.environ.update({name: number for name, number in SINGLE.items() if name not in os.environ})
-    with rare_collections():
+    with last_work():
         app()
 
 
