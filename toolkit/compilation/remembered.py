@@ -48,7 +48,8 @@ class Remembered:
     def answers_as(self, other: Remembered, question: Any) -> bool:
         """Whether another scene, which differs in numbers alone, has the answer to a question that this one was asked.
 
-        Of things without a value of their own it has that only if it holds the very same.
+        Of things without a value of their own it has that only if it holds the very same. A position is the same if no complex number
+        has met it: so that what one step in a scene's numbers leaves alone it leaves alone at all of them.
         """
         kind, *about = question
         if kind in ("attribute", "interface"):
@@ -63,7 +64,7 @@ class Remembered:
         if kind == "arc lengths":
             return bool(other.arc_lengths(about[0].item) == mine)
         its = other.size if kind == "size" else getattr(other, kind)(*about)
-        return mine is its or (kind == "position" and np.array_equal(mine, its)) or (kind == "size" and bool(mine == its))
+        return mine is its or (kind == "position" and not np.iscomplexobj(its)) or (kind == "size" and bool(mine == its))
 
     def _written_alike(self, other: Remembered, point: str) -> bool:
         """Whether another scene has the very same point, which depends on nothing else."""

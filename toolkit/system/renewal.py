@@ -11,7 +11,7 @@ from toolkit.compilation.dependence import GROUPS
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import derivatives, seen_quantities
+from toolkit.compilation.quantities import evaluate_quantities, renewed_derivatives
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
@@ -55,22 +55,25 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     check_numbers(scene, placed)
     numbering = system.numbering
     affected = numbering.affected_by(scene, paths)
-    new, seen = seen_quantities(scene, numbering, affected, placed)
-    if not all(keeps_rows(part.written[0], placed, numbering.forms.rows[j]) for j, part in seen.parts["joints"].items()):  # type: ignore[arg-type]
+    new = evaluate_quantities(scene, numbering, affected, placed)
+    joints = list(scene.joints.values())
+    if not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
         return compile_scene(scene, names, numbering.seen)
-    rates = derivatives(scene, numbering, system.design, seen, affected)
+    rates = renewed_derivatives(scene, numbering, system.design, placed, system.derivatives, affected)
+    changed: set[str] = set()
     try:
-        pairs = [renew(system.values, new, system.values)]
-        for before, after in zip(system.derivatives, rates, strict=True):
-            pairs.append(renew(before, after.rates, system.values, after.still))
+        values, *changes = (
+            renew(before, after, system.values, changed)
+            for before, after in zip([system.values, *system.derivatives], [new, *rates], strict=True)
+        )
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
-    (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
     sizes = weights(scene, placed) if moved else system.weights
-    changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
-    plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
+    if not np.array_equal(sizes, system.weights):
+        changed.add("constant")
+    plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))
     design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
-    found.__dict__.update(placed=placed)
+    found.__dict__.update(placed=placed, **({} if "curves" in changed else {"known_curves": system.known_curves}))
     return found.compiled_as(system)

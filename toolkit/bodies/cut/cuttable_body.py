@@ -21,7 +21,8 @@ class CuttableBody(ModelBody):
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
         names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
         branch, they are always cut.
-        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
+        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`, and where
+        gradients are wanted, for these too.
     modes_per_frame
         How many fixed-interface modes each part keeps, beside the coordinates at its ends and at the points of the scene on it
         (Craig-Bampton); as many more as have the same frequency as the last. Left out, all coordinates of the part's nodes are kept.
