@@ -19,7 +19,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.foundation.processes import preprocessing_process
 from toolkit.foundation.processes.own_process import HOME, safe_path
 from toolkit.reduced_model.file import load
-from toolkit.render.animation import mp4
+from toolkit.render.motion.animation import mp4
 from toolkit.render.packages import RenderError
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all

@@ -13,16 +13,17 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.own_files import list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.spread import spread
-from toolkit.render.animation import ENCODED, MOST_FRAMES, drawn_frames
-from toolkit.render.instants import telling_steps
+from toolkit.render.motion.animation import ENCODED, MOST_FRAMES, drawn_frames
+from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
+from toolkit.render.stress_told import largest_stress
 from toolkit.render.view import View
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
 
-_INSTANTS = 4
+INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
 NARROWEST, WIDEST = 200, 10_000
 """Pixels of a picture."""
@@ -43,8 +44,8 @@ def render_solution(
     Parameters
     ----------
     instants : sequence of float
-        Times, in the scene's unit; each is drawn at the nearest step. By default four up to the end whose
-        pictures differ (`telling_steps`).
+        Times, in the scene's unit; each is drawn at the nearest step. By default up to four at which something happens
+        (`telling_steps`).
     width : int
         Width of every picture in pixels.
     view : View
@@ -90,7 +91,7 @@ def render_solution(
         for file, moment in zip(files, moments, strict=True):
             artist.instant(moment, look, file, width)
         if len(moments) > 1:
-            few = [moments[k] for k in spread(len(moments) - 1, _INSTANTS)]
+            few = [moments[k] for k in spread(len(moments) - 1, INSTANTS)]
             files.append(directory / f"overview.{view.format}")
             artist.overview(few, look, files[-1], width)
         if solution.steps and not solution.names:
@@ -190,7 +191,7 @@ def chosen_steps(solution: Solution, points: Callable[[int], np.ndarray], instan
         An instant lies outside the solution.
     """
     if instants is None:
-        return telling_steps(solution.steps, _INSTANTS, points)
+        return telling_steps(INSTANTS, points, largest_stress(solution))
     first, last = solution.times[0], solution.times[-1]
     slack = 1e-9 * max(abs(first), abs(last))
     for instant in instants:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from toolkit.foundation.spread import spread
-from toolkit.render.animation import MOST_FRAMES
+from toolkit.render.motion.animation import MOST_FRAMES
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look, choose_look
 from toolkit.report.monitors import Monitors, monitor

@@ -25,8 +25,8 @@ JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
 _SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 """Light that leaves colours readable."""
-_REACHES, _LEAD = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0), 2.5
-"""Gaps between a point and its name, and the distance from which a line leads there, in letters."""
+_REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0)
+"""Gaps between a point and its name, in letters."""
 _SMALLEST = 1e-3
 """Of the largest force or torque: a smaller one is not drawn."""
 _MOVED = 0.25
@@ -87,7 +87,7 @@ def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
     for body in look.bodies:
         shape = body_shape(moment, body)
         style: dict[str, Any] = {**colors, **_SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
-        values = look.colored(shape)
+        values = look.colored(shape) if look.stress_limit else np.full(len(shape.points), np.nan)
         if len(shape.triangles) or shape.sides:
             actor = panel.draw(parts.surface(shape, values), **style)
         if len(shape.triangles):
@@ -152,9 +152,10 @@ def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
     """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
     named = names_by_place(moment, look.radius / 2)
     names = [Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in named]
-    for (text, point, _), place in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
-        panel.write(text, place)
-        way = place - point
-        if np.linalg.norm(way) > _LEAD * panel.letter:
+    for each in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
+        if each is None:
+            continue
+        panel.write(each.name.text, each.place)
+        if each.led:
             panel.plotter.subplot(0, panel.number)
-            strokes(panel.plotter, [np.array([point, place - panel.letter * way / np.linalg.norm(way)])], UNDEFORMED, 1.0)
+            strokes(panel.plotter, [each.line], UNDEFORMED, 1.0)

@@ -74,7 +74,9 @@ def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
 def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
     """Time and range of the stress; digits as fine as the scene needs."""
     words = [moment.told]
-    if look.stress_limit:
+    if look.bodies and not look.stress_limit:
+        words.append("no stress")
+    elif look.stress_limit:
         ranges = np.array([stress_extremes(moment, body) for body in look.bodies])
         low, high = ranges[:, 0].min(), np.abs(ranges).max() if not look.signed else ranges[:, 1].max()
         factor, label = look.shown_stress

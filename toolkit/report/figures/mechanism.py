@@ -42,6 +42,6 @@ def mechanism(material: Material) -> list[Drawing]:
         for body in material.skins:
             draw_line(panel, last, body, color="black", linewidth=3.0)
         draw_symbols(panel, last)
-        write_names(panel, last)
+        write_names(panel, last, bodies=True)
     caption = "The last position in full, earlier ones in grey; circles are joints."
     return [Drawing("mechanism", "Motion of the mechanism", caption, figure)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from toolkit.render.animation import write_animation
+from toolkit.render.motion.animation import write_animation
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import Look
 from toolkit.render.plane.scene_picture import instants_alike

@@ -27,6 +27,7 @@ from toolkit.system.flexible_bodies import deforming, design_point, elastic_coor
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.chains.chain import Chain
 from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.planar_chain import PlanarChain
 from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
 from toolkit.validity.bodies.static_deflection import static_deflection
 from toolkit.validity.description.mesh_cautions import bodies_of_stress
@@ -111,7 +112,8 @@ def _strains(solution: Solution, name: str, gravity: np.ndarray) -> tuple[float,
     density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
     fibre = FIBRE / (found.axial * np.sqrt(found.gyration))
     between = normal * density * found.lengths**2 / 12 * fibre
-    unknown = 0.0 if behind.is_full else pulled @ _outside_the_basis(scene, name, behind, found, density)
+    told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
+    unknown = 0.0 if told_apart else pulled @ _outside_the_basis(scene, name, behind, found, density)
     told = _fibre_strains(behind, found, behind.displacements(elastic[instants]))
     return float((between + _fibre_strains(behind, found, unknown + np.zeros((1, behind.forms.count)))).max()), float(told.max())
 
