@@ -547,3 +547,10 @@ def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monke
         for end, *what in ends:
             end(*what)
         assert (tmp_path / "outer").exists() is used
+
+
+def test_a_scene_in_place_of_results_and_no_variable_at_all_are_told():
+    assert f"Keep those of a scene in a file first: ffrf simulate {SCENE}" in refused("export", SCENE, "--csv", "tables")
+    assert "no design variable: --variables names none. Name some with --variables; short names" in refused(
+        "sensitivity", SCENE, "--variables", ""
+    )

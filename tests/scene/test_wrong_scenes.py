@@ -105,7 +105,7 @@ MISTAKES = {
     "torque on a missing body": (
         'body = "rod"',
         'body = "rood"',
-        r"loads\.drive names body 'rood', which does not exist; bodies of the scene: rod, ground",
+        r"loads\.drive names body 'rood', which does not exist, did you mean 'rod'; bodies of the scene: rod, ground",
     ),
     "missing point": (
         'point = "O"',
@@ -147,7 +147,7 @@ MISTAKES = {
     "response of a missing body": (
         "[design]",
         '[responses]\nturn = { type = "rotation", body = "rood", point = "O" }\n[design]',
-        r"responses\.turn names body 'rood', which does not exist; bodies of the scene: rod, ground",
+        r"responses\.turn names body 'rood', which does not exist, did you mean 'rod'; bodies of the scene: rod, ground",
     ),
     "response at a missing point": (
         "[design]",
@@ -395,7 +395,10 @@ def test_an_interface_point_of_a_rigid_body_is_refused():
 
 
 def test_an_interface_point_of_a_missing_body_is_refused():
-    with pytest.raises(InputError, match=r"points\.C names body 'skim', which does not exist; bodies of the scene: skin, body2"):
+    with pytest.raises(
+        InputError,
+        match=r"points\.C names body 'skim', which does not exist, did you mean 'skin'; bodies of the scene: skin, body2",
+    ):
         read_scene(WING / "scene.toml", {"points.C.body": '"skim"'})
 
 

@@ -14,6 +14,7 @@ from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, 
 from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 from toolkit.validity.bodies.spinning.spin import cautions_of_spin
@@ -63,7 +64,11 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
     raised = cautions_of_raised(solution, squares[:count], shapes[:, :count])
-    return Modes(frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised]))
+    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
+    coarse = too_fast_for_elements(system.scene, named, doubt=False)
+    return Modes(
+        frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *coarse])
+    )
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:

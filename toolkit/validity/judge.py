@@ -8,6 +8,7 @@ from typing import Any
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
@@ -90,6 +91,8 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from bent_surfaces(solution)
     yield from critical_loads(solution)
     yield from unseen_tension(scene)
+    yield from sheared(scene)
+    yield from bent_between_nodes(solution)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(
