@@ -19,7 +19,7 @@ from toolkit.studies.tradeoff.settings.axes import read_axes
 from toolkit.studies.tradeoff.settings.frame_axes import framed
 from toolkit.studies.tradeoff.settings.setting import Setting
 from toolkit.validity.bodies.cut.places import largest_displacement, largest_distance, node_places
-from toolkit.validity.bodies.deformation import deformations
+from toolkit.validity.bodies.deformation import LIMIT, deformations
 
 
 def automatic(scene: Scene, body: str, **keys: object) -> Scene:
@@ -72,6 +72,29 @@ def test_one_frame_stays_where_it_is_enough():
     assert said["frames"] == 1
     assert said["tried"] == [1, 2]
     assert said["estimated_error"] < 1e-2
+
+
+def test_gradients_take_as_many_frames_as_they_need():
+    """Their errors are those that a frame to every element shows, to a factor of two; values alone take the fewer that they need."""
+    variables = ["t_w", "M_t", "x_A", "points.A.y"]
+    model = ffrf.compile(automatic(wing(1), "skin"), variables=variables)
+    plain, run = model.statics(), model.statics(gradients=True)
+    said = run.verdict.measures["frames"]["skin"]
+    few, enough = said["for_gradients"][0], said["for_gradients"][-1]
+    assert few["frames"] == plain.verdict.measures["frames"]["skin"]["frames"] < said["frames"] == enough["frames"]
+    assert few["estimated_error"] > LIMIT >= enough["estimated_error"]
+    assert "geometric-gradients" not in {each.code for each in run.verdict.warnings}
+    exact = ffrf.compile(wing(30), variables=variables).statics(gradients=True)
+    others = {
+        each["frames"]: ffrf.compile(wing(each["frames"]), variables=variables).statics(gradients=True) for each in (few, enough)
+    }
+    for each in (few, enough):
+        parts = [
+            abs(exact.gradients[f][x] / slope - 1)
+            for f, row in others[each["frames"]].gradients.items()
+            for x, slope in row.items()
+        ]
+        assert each["estimated_error"] / 2 < max(parts) < 2 * each["estimated_error"]
 
 
 def test_an_error_that_no_number_reaches_is_refused_with_the_mesh_that_would(tmp_path):

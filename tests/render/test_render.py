@@ -23,6 +23,7 @@ from tests.models.scenes import hanging_skin
 from toolkit.bodies.planar.rigid import Rigid, Rod
 from toolkit.description.point import Point
 from toolkit.foundation.errors import InputError, ToolkitError
+from toolkit.foundation.files.own_files import OWN
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
@@ -92,12 +93,17 @@ def no_opengl(monkeypatch):
 def test_every_instant_the_overview_and_the_curves_are_written(wing, tmp_path):
     files = render_solution(wing, tmp_path / "new", instants=[0.5, 1.0], width=WIDTH)
     assert [file.name for file in files] == ["step-2.png", "step-4.png", "overview.png", "curves.png"]
-    assert sorted(files) == sorted((tmp_path / "new").iterdir())  # no temporary file is left
+    assert sorted([*files, tmp_path / "new" / OWN]) == sorted((tmp_path / "new").iterdir())  # no temporary file is left
     for file in files:
         pixels = image(file)
         assert pixels.shape[1] == WIDTH
         assert distinct_colors(pixels) > 100  # a colour bar and smoothed lines; an empty sheet has one
     assert not np.array_equal(image(files[0]), image(files[1]))
+    render_solution(wing, tmp_path / "new", instants=[1.0], width=WIDTH)  # of the earlier pictures none is left
+    assert {file.name for file in (tmp_path / "new").glob("*.png")} == {"step-4.png", "curves.png"}
+    (tmp_path / "new" / "step-2.png").write_text("mine")
+    with pytest.raises(InputError, match=r"step-2\.png' is there, and ffrf has not written it"):
+        render_solution(wing, tmp_path / "new", instants=[1.0], width=WIDTH)
 
 
 def test_a_scene_without_flexible_bodies_is_drawn_in_one_picture(tmp_path):

@@ -20,11 +20,10 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.command_line.cli import app
-from toolkit.command_line.output_folder import prepare_folder
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN
+from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
@@ -247,8 +246,8 @@ def test_a_report_never_overwrites_what_no_report_has_written(name, tmp_path):
     mine.parent.mkdir(exist_ok=True)
     mine.write_text("mine")
     done = CliRunner().invoke(app, ["report", str(WING), "--output", str(tmp_path)])  # refused before anything runs
-    assert (done.exit_code, "no command has written it" in done.stderr) == (1, True)
-    with pytest.raises(InputError, match="no command has written it"):
+    assert (done.exit_code, "ffrf has not written it" in done.stderr) == (1, True)
+    with pytest.raises(InputError, match="ffrf has not written it"):
         write_report(SimpleNamespace(results=SimpleNamespace(path=None)), tmp_path, "title")
     assert mine.read_text() == "mine"
     assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
@@ -262,15 +261,25 @@ def test_a_report_goes_beside_its_results_and_into_the_folder_of_one_that_was_in
     refuse_foreign_files(tmp_path)
 
 
+def test_results_that_a_report_is_about_stay_those_of_whoever_kept_them(tmp_path):
+    kept = tmp_path / "results.h5"
+    kept.write_text("kept")
+    begin(tmp_path, kept)
+    with pytest.raises(InputError, match=r"results\.h5' is there, and ffrf has not written it"):
+        refuse_foreign_files(tmp_path)  # a report of something else
+
+
 def test_pictures_and_reports_know_each_others_files(tmp_path):
-    (tmp_path / "report").mkdir()
-    begin(tmp_path / "report")
     drawn = file_names("png", animate=True, film=False)
-    for folder in (prepare_folder(tmp_path / "pictures", *drawn), tmp_path / "report"):
-        for name in ("step-012.png", "overview.png", "animation.gif"):
-            (folder / name).write_text("drawn")
-        prepare_folder(folder, *drawn)
-        refuse_foreign_files(folder)
+    (tmp_path / "step-012.png").write_text("drawn")
+    list_own(tmp_path, ["step-012.png"])
+    refuse_foreign_files(tmp_path)
+    begin(tmp_path)
+    refuse_foreign(tmp_path, drawn)
+    (tmp_path / "step-013.png").write_text("mine")
+    for refuses in (refuse_foreign_files, lambda folder: refuse_foreign(folder, drawn)):
+        with pytest.raises(InputError, match=r"step-013\.png' is there"):
+            refuses(tmp_path)
 
 
 FORBIDDEN = """

@@ -222,6 +222,7 @@ def test_a_scene_file_that_is_no_toml_is_named(tmp_path, content):
         ("loads.drive.torqe", "1", r"loads\.drive\.torqe.*did you mean 'torque'"),
         ("solver.stepp", "1", r"solver\.stepp.*did you mean 'step'"),
         ("loads.drive.torque", "strong", r"loads\.drive\.torque.*given: 'strong'"),
+        ("points.Ax", "1", r"'points\.Ax' leads nowhere: there is no 'Ax', did you mean 'A'; possible here: O, A"),
         ("nonsense", "1", r"'nonsense' leads nowhere: there is no 'nonsense'; possible here: .*points"),
     ],
 )
@@ -270,7 +271,7 @@ def test_a_parameter_of_the_skin_that_does_not_exist_lists_those_that_do():
     scene = read_scene(WING / "scene.toml")
     with pytest.raises(InputError, match=r"bodies\.skin\.thickness"):
         compile_scene(scene, ["bodies.skin.tickness"])
-    with pytest.raises(InputError, match=r"no parameter 'tickness'; available: .*thickness"):
+    with pytest.raises(InputError, match=r"no parameter 'tickness', did you mean 'thickness'; available: .*thickness"):
         compile_scene(read_scene(WING / "scene.toml", {"bodies.skin.tickness": "1.5"}))
 
 

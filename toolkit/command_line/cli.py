@@ -242,6 +242,7 @@ def render(
 ) -> None:
     """Simulate the scene, or read its results, and draw it at several instants, or its equilibrium."""
     from toolkit.analyses.free_motion import farthest
+    from toolkit.foundation.files.own_files import refuse_foreign
     from toolkit.render.pictures import file_names, refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
@@ -251,7 +252,8 @@ def render(
     if free_motions:
         frames = SWING if animate else 1
         solve, times = free_motions_of(file, changes, times, frames), None
-    folder = prepare_folder(output, *file_names(kind, animate, film))
+    refuse_foreign(output, file_names(kind, animate, film))
+    folder = prepare_folder(output)
     solution = solve()
     if free_motions:
         times = farthest(solution, frames)

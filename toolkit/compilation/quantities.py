@@ -6,11 +6,11 @@ That is exact to round-off, and it happens before time starts to run.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from operator import is_
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +27,6 @@ from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 
-T = TypeVar("T")
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
 
@@ -36,7 +35,7 @@ STEP = 1e-30
 class Quantities:
     """Numbers of a scene, each under its number in the order of bodies, markers, joints, loads, curves.
 
-    The values of a scene hold them all, their derivatives by one variable only those that the variable may change.
+    The values of a scene hold them all, their derivatives by one variable only those that the variable reaches, at whatever numbers.
     """
 
     start: dict[int, tuple[np.ndarray, np.ndarray]]  # coordinates and velocities of each body
@@ -65,23 +64,20 @@ class Seen(NamedTuple):
     asked: dict[tuple[str, int], frozenset[Any]]  # of the scene, for the numbers of an item
 
 
-class Change(NamedTuple):
-    """Derivatives of a scene's numbers by one variable: those that may be other than zero, and of each group the items that are not."""
-
-    rates: Quantities
-    still: dict[str, set[int]]
+Owners = Mapping[str, Collection[int]]
+"""Group of `Quantities` -> some of those who have numbers in it."""
 
 
-def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
-    """All numbers of a scene, or those of some items and markers."""
-    return seen_quantities(scene, numbering, affected)[0]
-
-
-def seen_quantities(
+def evaluate_quantities(
     scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
-) -> tuple[Quantities, Seen]:
-    """The same, and how they came about."""
-    placed, parts = remembered or Remembered(scene), _parts(scene, numbering, affected)
+) -> Quantities:
+    """All numbers of a scene, or those of some items and markers."""
+    return _made(_parts(scene, numbering, owners_of(scene, numbering, affected)), remembered or Remembered(scene), scene)
+
+
+def seen_quantities(scene: Scene, numbering: Numbering) -> tuple[Quantities, Seen]:
+    """All numbers of a scene, and how they came about."""
+    placed, parts = Remembered(scene), _parts(scene, numbering, owners_of(scene, numbering))
     asked: dict[tuple[str, int], frozenset[Any]] = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
@@ -90,43 +86,54 @@ def seen_quantities(
     return _quantities(groups, scene), Seen(placed, parts, asked)
 
 
+def _made(parts: Mapping[str, Mapping[int, Part]], placed: Remembered, scene: Scene) -> Quantities:
+    return _quantities({group: {k: part.make(placed) for k, part in owners.items()} for group, owners in parts.items()}, scene)
+
+
 def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
     """Those bodies alone have invariants of a moving frame that have such a frame."""
     floating = {b: block for b, block in groups["floating"].items() if block is not None}
     return Quantities(**{**groups, "floating": floating}, gravity=np.asarray(scene.gravity))
 
 
-def _parts(scene: Scene, numbering: Numbering, affected: Affected | None) -> dict[str, dict[int, Part]]:
-    """What has numbers, by group and number."""
+def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
+    """All owners of a scene's numbers, or those among some items and markers."""
 
-    def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
-        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected.items}
+    def chosen(items: Iterable[Item]) -> list[int]:
+        return [k for k, item in enumerate(items) if affected is None or item in affected.items]
 
+    bodies = chosen(("bodies", name) for name in scene.all_bodies())
+    return {
+        "start": bodies,
+        "constant": bodies,
+        "floating": bodies,
+        "markers": range(len(numbering.markers)) if affected is None else sorted(affected.markers),
+        "joints": chosen(("joints", name) for name in scene.joints),
+        "loads": chosen(("loads", name) for name in named_loads(scene)),
+        "pressures": chosen(("loads", name) for name in pressures_of(scene)),
+        "curves": chosen(item for item, _ in curves_of(scene)),
+    }
+
+
+def _parts(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
+    """What some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
-    bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
+    bodies, joints, loads = list(everybody.values()), list(scene.joints.values()), loads_of(scene)
+    pressures = list(pressures_of(scene).values())
+    curves = [curve for _, curve in curves_of(scene)] if owners["curves"] else []
     gravity, width = scene.gravity, scene.space.load_parameters
     heavy = tuple(each for each in scene.loads.values() if isinstance(each, UniformGravity))
-    pressures = chosen("loads", pressures_of(scene))
-    return {
-        "start": {b: Part((body,), body.initial_state) for b, body in bodies.items()},
-        "constant": {b: Part((body, *heavy), partial(_constant, body, gravity)) for b, body in bodies.items()},
-        "floating": {b: Part((body,), body.floating) for b, body in bodies.items()},
-        "markers": {
-            m: _marker(scene, everybody, grip)
-            for m, grip in enumerate(numbering.markers)
-            if affected is None or m in affected.markers
-        },
-        "joints": {j: Part((joint,), partial(_rows, joint)) for j, joint in joints.items()},
-        "loads": {k: Part((load,), partial(_parameters, load, width)) for k, load in loads.items()},
-        "pressures": {
-            p: Part((load, everybody[load.body]), partial(_pressure, load, everybody[load.body])) for p, load in pressures.items()
-        },
-        "curves": {
-            c: Part((curve,), partial(_itself, curve))
-            for c, (item, curve) in enumerate(curves_of(scene))
-            if affected is None or item in affected.items
-        },
+    part: dict[str, Callable[[int], Part]] = {
+        "start": lambda b: Part((bodies[b],), bodies[b].initial_state),
+        "constant": lambda b: Part((bodies[b], *heavy), partial(_constant, bodies[b], gravity)),
+        "floating": lambda b: Part((bodies[b],), bodies[b].floating),
+        "markers": lambda m: _marker(scene, everybody, numbering.markers[m]),
+        "joints": lambda j: Part((joints[j],), partial(_rows, joints[j])),
+        "loads": lambda k: Part((loads[k],), partial(_parameters, loads[k], width)),
+        "pressures": lambda p: _under_pressure(pressures[p], everybody),
+        "curves": lambda c: Part((curves[c],), partial(_itself, curves[c])),
     }
+    return {group: {k: part[group](k) for k in some} for group, some in owners.items()}
 
 
 def _constant(body: Any, gravity: np.ndarray, placed: Any) -> ConstantNumbers:
@@ -136,6 +143,11 @@ def _constant(body: Any, gravity: np.ndarray, placed: Any) -> ConstantNumbers:
 
 def _rows(joint: Any, placed: Any) -> np.ndarray:
     return np.array(joint.parameters(placed))
+
+
+def _under_pressure(pressure: Pressure, everybody: Mapping[str, Any]) -> Part:
+    body = everybody[pressure.body]
+    return Part((pressure, body), partial(_pressure, pressure, body))
 
 
 def _pressure(pressure: Pressure, body: Any, placed: Any) -> PressureNumbers:
@@ -197,25 +209,49 @@ def _parameters(component: Component, width: int, placed: Any) -> np.ndarray:
     return np.array([*row, *[0.0] * (width - len(row))])
 
 
-def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen, among: Affected | None = None) -> list[Change]:
-    """Derivative of all numbers, or of those `among` some, by each design variable; curves stay complex, they are differentiated where
-    they are evaluated.
+def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) -> list[Quantities]:
+    """Derivative of all numbers by each design variable; curves stay complex, they are differentiated where they are evaluated.
 
-    Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out.
+    Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out. So are
+    those that have not met a complex number then, which is so whatever the values of the scene's numbers are.
     """
     found = []
     for variable in design:
-        affected = numbering.affected_by(scene, variable.paths)
         moved = scene.moved(variable, 1j * STEP)
-        parts = _parts(moved, numbering, affected if among is None else affected & among)
+        parts = _parts(moved, numbering, owners_of(moved, numbering, numbering.affected_by(scene, variable.paths)))
         placed = Remembered(moved, seen.placed)
         stirred = _stirred(seen, placed)
         groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
-        rates = _quantities({name: {k: part.make(placed) for k, part in each.items()} for name, each in groups.items()}, moved)
-        named = {f.name: getattr(rates, f.name) for f in fields(Quantities)}
-        rates = Quantities(**{name: part if name == "curves" else _imag(part) for name, part in named.items()})
-        found.append(Change(rates, {group: parts[group].keys() - groups[group].keys() for group in parts}))
+        found.append(_rates(_made(groups, placed, moved), _is_complex))
     return found
+
+
+def renewed_derivatives(
+    scene: Scene, numbering: Numbering, design: Design, placed: Remembered, known: Sequence[Quantities], among: Affected
+) -> list[Quantities]:
+    """Those of the same owners at other numbers of the scene, as far as these affect them; `placed` has answered for its values."""
+    found, affected = [], {group: set(owners) for group, owners in owners_of(scene, numbering, among).items()}
+    for variable, before in zip(design, known, strict=True):
+        moved = scene.moved(variable, 1j * STEP)
+        reached = {group: getattr(before, group).keys() & owners for group, owners in affected.items()}
+        found.append(_rates(_made(_parts(moved, numbering, reached), Remembered(moved, placed), moved)))
+    return found
+
+
+def _rates(moved: Quantities, wanted: Callable[[Any], bool] = lambda _part: True) -> Quantities:
+    """Derivatives from numbers with a complex step, without those that nobody wants."""
+    found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
+    for group in (f.name for f in fields(Quantities) if f.name != "gravity"):
+        kept = {k: part for k, part in getattr(moved, group).items() if wanted(part)}
+        found[group] = kept if group == "curves" else {k: _imag(part) for k, part in kept.items()}
+    return Quantities(**found)
+
+
+def _is_complex(part: Any) -> bool:
+    """Whether any number is complex, be its imaginary part zero or not."""
+    if isinstance(part, tuple):
+        return any(map(_is_complex, part))
+    return isinstance(part, Curve) or np.iscomplexobj(part)
 
 
 def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
@@ -236,9 +272,7 @@ def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
 
 
 def _imag(value):
-    if isinstance(value, dict):
-        return {key: _imag(item) for key, item in value.items()}
     if isinstance(value, tuple):
-        items = (_imag(item) for item in value)
+        items = map(_imag, value)
         return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
     return value if np.asarray(value).dtype.kind == "i" else np.imag(value) / STEP  # places stay what they are

@@ -27,7 +27,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     Raises
     ------
     InputError
-        The folder cannot be written, or holds files of these names that no command has written.
+        The folder cannot be written, or holds files of these names that ffrf has not written.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     try:
         for name in ("figures", "tables"):
             (folder / name).mkdir(parents=True, exist_ok=True)
-        begin(folder)
+        begin(folder, material.results.path)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot hold a report ({error.strerror}). Give a writable folder.") from error
     tables = all_tables(material)

@@ -20,7 +20,7 @@ from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
-from toolkit.foundation.compiled.calls import call, formula_for, in_memory
+from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
@@ -124,14 +124,16 @@ class System:
         """
         design = bool(design and self.n_x > 0)
         if not self.compiled:
-            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
+            terms = allocate_terms(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
             return terms
-        q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))  # exactly what the kernel is compiled for
         curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
         inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        memory = self._memory
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, memory.terms, memory.work)
+        memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
+        given = *own, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
+        if memory.formula is None:
+            memory.formula = entry_point(evaluate_all, *given)
+        memory.formula(*given)
         return memory.found(linearize, design)
 
     @cached_property
@@ -226,20 +228,26 @@ class System:
     def curve_values(self, times: np.ndarray) -> np.ndarray:
         """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
         key = times.dtype.str, times.tobytes()
-        found = self._curve_values.get(key)
+        found = self.known_curves.get(key)
         if found is None:
             found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
             for c, curve in enumerate(self.values.curves.values()):
                 found[:, c] = curve.evaluate(times)
-            if len(self._curve_values) >= REMEMBERED:
-                self._curve_values.clear()
+            if len(self.known_curves) >= REMEMBERED:
+                self.known_curves.clear()
             if len(times) <= SHORT:
-                self._curve_values[key] = found
+                self.known_curves[key] = found
         return found.copy()
 
     @cached_property
-    def _curve_values(self) -> dict[tuple[str, bytes], np.ndarray]:
+    def known_curves(self) -> dict[tuple[str, bytes], np.ndarray]:
+        """Those of the last times: of all systems that have the same curves."""
         return {}
+
+    @property
+    def work(self) -> Any:
+        """Scratch memory of this thread for kernels that evaluate one state."""
+        return self._memory.work if self.compiled else allocate_work(self.plan, self.dtype)
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
@@ -278,7 +286,7 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values, seen = seen_quantities(scene, numbering)
-    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
+    changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)

@@ -87,14 +87,15 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
     from toolkit.sensitivity.clock import repeated
-    from toolkit.sensitivity.direct import direct
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+    from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
+    from toolkit.sensitivity.methods import gradients_by
 
     scene, text = read(file, changes, quiet), text_of(file)
     _refuse_undrawn(scene)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(with_chosen_frames(scene, "transient"), names, "transient", progress, repeated)
+        framed = with_frames_for_gradients(scene, "transient", names)
+        found = gradients_by("direct", framed, names, "transient", progress, clock=repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

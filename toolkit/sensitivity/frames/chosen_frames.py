@@ -118,7 +118,7 @@ def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
     end = end_state(scene.start_file)
     found = {name: end.bodies.get(name, {}).get("frames", 1) for name in automatic(scene)}
     return {
-        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, end.path.name))
+        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, kept_run=end.path.name))
         for name, number in found.items()
         if isinstance(number, int)
     }
