@@ -11,7 +11,7 @@ from toolkit.render.plane.parts import draw_band
 from toolkit.render.plane.scene_picture import color_bar
 from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.render.plane.window import open_windows, panel_height, window
-from toolkit.render.round_numbers import round_up
+from toolkit.render.round_numbers import MINUS, round_up
 from toolkit.render.sheet import NARROW, SIGNED, sheet
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.stress_motion import stress
@@ -36,7 +36,7 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
     with sheet(sum(heights) + 1.6, len(heights), height_ratios=heights) as (figure, axes):
         above = axes[0, 0]
         peak = fibres[-1].ravel()[np.nanargmax(np.abs(fibres[-1]))]
-        above.set_title(f"at the end; largest {peak:.4g} {label}", loc="left")
+        above.set_title(f"at the end; largest {f'{peak:.4g}'.replace('-', MINUS)} {label}", loc="left")
         if material.moving:
             _over_time(axes[1, 0], material, body, fibres[..., 0], colors)
         color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}")
