@@ -30,18 +30,23 @@ class Section(NamedTuple):
     body: str
     full: bool = True
     """Whether it needs the whole width; the others fill two columns where there is room."""
+    long: bool = False
+    """Whether it may go on in the next column, between two pictures."""
 
 
-def page(title: str, summary: str, sections: Sequence[Section]) -> str:
-    """The whole page."""
+def page(title: str, summary: str, *parts: Sequence[Section]) -> str:
+    """The whole page; every part begins below the one before it."""
+    sections = [section for part in parts for section in part]
     contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
-    groups = [(full, "".join(map(_section, some))) for full, some in groupby(sections, lambda section: section.full)]
+    grouped = (groupby(part, lambda section: section.full) for part in parts)
+    groups = [(full, "".join(map(_section, some))) for part in grouped for full, some in part]
     bodies = "".join(some if full else f'<div class="halves">{some}</div>' for full, some in groups)
     return _template("page.html").substitute(title=escape(title), summary=escape(summary), contents=contents, sections=bodies)
 
 
 def _section(section: Section) -> str:
-    return f'<section id="{escape(section.name)}"><h2>{escape(section.title)}</h2>{section.body}</section>'
+    kind = ' class="long"' if section.long else ""
+    return f'<section id="{escape(section.name)}"{kind}><h2>{escape(section.title)}</h2>{section.body}</section>'
 
 
 def _template(name: str) -> Template:
@@ -77,7 +82,7 @@ def picture(path: Path, caption: str) -> str:
 
 
 def pictures(parts: Sequence[str]) -> str:
-    """Pictures in two columns where there is room."""
+    """Pictures below each other."""
     return f'<div class="figures">{"".join(parts)}</div>'
 
 

@@ -53,11 +53,11 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
         Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
     ]
     answers = [each for each in written if each.name in ANSWERS]
-    sections = [_trust(material), *answers, *motion_sections(material, folder, progress)]
+    first, sections = [_trust(material), *answers], motion_sections(material, folder, progress)
     sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
     path = folder / PAGE
-    _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
+    _write(path, page.page(title, summary(material), *([each for each in part if each.body] for part in (first, sections))))
     return path
 
 
@@ -100,7 +100,8 @@ def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[
     for kind in dict.fromkeys(kind for kind, _ in drawings):
         own = [drawing for name, drawing in drawings if name == kind]
         body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
-        sections.append(Section(kind, own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize(), body, len(own) > 1))
+        title = own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize()
+        sections.append(Section(kind, title, body, full=False, long=len(own) > 1))
     return sections
 
 

@@ -50,7 +50,9 @@ def _in_space(material: Material, folder: Path, progress: Progress) -> list[Sect
     progress("animation", 1, 1)
     shown = [page.picture(files[name], caption) for name, caption in _CAPTIONS.items() if name in files]
     alone = [page.picture(file, "The scene.") for name, file in files.items() if name.startswith("step-") and len(files) == 1]
-    return [Section("motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone))]
+    return [
+        Section("motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone), full=False, long=True)
+    ]
 
 
 _SECTIONS = {PLANE: _in_the_plane, SPACE: _in_space}
