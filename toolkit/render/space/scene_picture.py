@@ -11,6 +11,7 @@ import numpy as np
 from toolkit.foundation.units import unit
 from toolkit.loads.spatial.gravity import SpatialGravity
 from toolkit.render.round_numbers import even
+from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.camera import Camera
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
@@ -20,6 +21,8 @@ from toolkit.render.space.look import SpatialLook
 from toolkit.render.space.plotter.canvas import canvas
 from toolkit.render.space.plotter.layout import head_line, overview_places
 from toolkit.render.space.plotter.panel import Place, SpatialPanel
+from toolkit.render.stress_told import round_off, told
+from toolkit.responses.stress.von_mises import point_stress
 
 _MARGIN = 0.08
 """Round what is drawn, relative to its extent; symbols stand a little beyond it."""
@@ -72,7 +75,8 @@ def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
 def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
     """Time and range of the stress; digits as fine as the scene needs."""
     words = [moment.told]
-    if look.bodies and not look.stress_limit:
+    every = [(body, point_stress(body_shape(moment, body).stress)) for body in look.bodies]
+    if look.bodies and not any(told(stress, round_off(moment.scene, body)) for body, stress in every):
         words.append("no stress")
     elif look.stress_limit:
         ranges = np.array([stress_extremes(moment, body) for body in look.bodies])
