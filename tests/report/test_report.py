@@ -29,6 +29,7 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
+from toolkit.report.figures.stress_sensitivity import stress_sensitivity
 from toolkit.report.material import JUDGES, PATIENCE, Material, judge
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
@@ -418,3 +419,10 @@ def test_a_report_explains_the_methods_that_it_has_and_takes_what_takes_seconds(
     assert "complex step" in gradient_table(judged).caption
     assert "difference" not in gradient_table(judged).caption
     assert list(judge(slow, lambda *_: None, everything=True).judges) == list(JUDGES)
+
+
+def test_a_variable_without_influence_has_no_colours_of_round_off():
+    """The mass of a rod in an equilibrium without weight."""
+    found = direct(read_scene(WING), ["bodies.body2.density"], "static")
+    (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
+    assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"
