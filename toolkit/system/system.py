@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -94,6 +95,13 @@ class System:
         if not self.compiled:
             return plain(function)(*arguments)
         return call(function, *map(self._handed_on, arguments))
+
+    def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
+        """A kernel with its arguments, looked up once: for whoever writes other numbers into their arrays and calls it again and again."""
+        if not self.compiled:
+            return partial(plain(function), *arguments)
+        given = [in_memory(self._handed_on(each)) for each in arguments]
+        return partial(entry_point(function, *given), *given)
 
     def _handed_on(self, given: Any) -> Any:
         """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
