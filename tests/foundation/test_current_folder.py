@@ -132,7 +132,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     assert found == {
         *(
             "toolkit/foundation/processes/preprocessing_process.py",
-            "toolkit/render/animation.py",
+            "toolkit/render/motion/animation.py",
             "toolkit/render/space/probe.py",
             "toolkit/studies/places/processes.py",
         ),

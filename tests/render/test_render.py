@@ -36,7 +36,7 @@ from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import RenderError
 from toolkit.render.pictures import chosen_steps, render_solution
 from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.curves import shape_errors
+from toolkit.render.plane.curves import curves_figure, shape_errors
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.names import drawn_lines
 from toolkit.render.plane.scene_picture import instant_figure, instant_windows, meanings, overview_figure
@@ -743,3 +743,14 @@ def test_first_window_that_works_is_taken(no_screen, monkeypatch):
 def test_importing_the_pictures_does_not_import_pyvista():
     command = "import sys, toolkit.render.pictures; sys.exit('pyvista' in sys.modules or 'matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", command], cwd=SCENE.parents[2], check=False).returncode == 0
+
+
+@pytest.mark.parametrize(("values", "span"), [(1e-15, 0.05), (2.0, 0.3), (0.0, 0.05)])
+def test_round_off_is_no_scale_of_a_curve(values, span):
+    """A body that rests, or is held at an angle, but for the last digits of its rotation."""
+    solution = pendulum(4)
+    solution.q[:, 2] = values * (1 + 1e-15 * (-1.0) ** np.arange(5))
+    (panel,) = curves_figure(solution).axes
+    assert np.diff(panel.get_ylim())[0] > span
+    if values < 1:
+        assert not np.any(panel.lines[0].get_ydata())

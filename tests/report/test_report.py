@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -28,9 +29,12 @@ from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
-from toolkit.report.material import Material
+from toolkit.report.figures.stress_sensitivity import stress_sensitivity
+from toolkit.report.material import JUDGES, PATIENCE, Material, judge
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
+from toolkit.report.page import typeset
+from toolkit.report.tables import cost_table, gradient_table
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect
 from toolkit.results.restore import restore_scene, restore_solution
@@ -89,7 +93,7 @@ def rows(path):
 
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory):
-    """The reference scene in steps twice as long, which make a dozen pictures in its animation."""
+    """The reference scene in steps twice as long, which make a dozen instants."""
     folder = tmp_path_factory.mktemp("scene") / "wing"
     shutil.copytree(MODELS, folder)
     text = WING.read_text()
@@ -132,7 +136,6 @@ def test_every_figure_is_there_as_png_and_svg(wing):
         "figures",
         "tables",
         "numbers.json",
-        "animation.gif",
         "results.h5",
         "report.html",
         OWN,
@@ -143,7 +146,7 @@ def test_the_page_needs_nothing_but_itself(wing, scene_file):
     page = Page((wing / "report.html").read_text(encoding="utf-8"))
     assert all(address.startswith(("data:", "#")) for address in page.addresses)
     assert {address[1:] for address in page.addresses if address.startswith("#")} <= set(page.identifiers)
-    assert len(page.pictures) == len(FIGURES) + 1  # and the animation
+    assert len(page.pictures) == len(FIGURES)  # the motion is shown once, by the view
     assert all(picture["alt"] for picture in page.pictures)
     text = " ".join(page.words)
     assert "url(" not in text
@@ -196,10 +199,8 @@ def test_the_monitored_drift_is_that_of_the_run(wing):
     assert drift.max() == load_results(wing / "results.h5").run["drift"]
 
 
-def test_the_animation_and_the_view_show_every_step(wing):
+def test_the_view_shows_every_step(wing):
     results = load_results(wing / "results.h5")
-    with Image.open(wing / "animation.gif") as opened:
-        assert opened.n_frames == len(results.times)
     data = viewer_data(Material(restore_solution(results, MODELS), results))
     assert [frame["time"] for frame in data["frames"]] == pytest.approx(results.times.tolist(), abs=1e-6)  # rounded for display
     assert data["limit"] == np.abs(results.bodies["skin"].stress).max()
@@ -360,7 +361,7 @@ def test_a_browser_shows_the_page_without_errors_and_without_scrolling_sideways(
     assert console == []
     found = json.loads(title)
     assert (found["overflow"], found["outside"], found["fetched"], found["moved"]) == (0, 0, 0, True)
-    assert len(found["pictures"]) == len(FIGURES) + 1
+    assert len(found["pictures"]) == len(FIGURES)
     assert all(loaded and natural for loaded, natural, _ in found["pictures"])
     assert found["letters"] >= 16
     # labels are 10 points, 13.3 pixels, in a figure at its natural size; below 8 pixels nobody reads them
@@ -397,3 +398,31 @@ def test_a_file_that_cannot_be_written_is_an_error_of_the_program(tmp_path):
         replaced(tmp_path / "file" / "x.h5"),
     ):
         pass
+
+
+def test_numbers_have_minus_signs_and_words_dashes_and_commands_neither():
+    assert typeset("from -5 to -0.3 (-2e-3) - or so: --set x=-5 at complex-step") == (
+        "from −5 to −0.3 (−2e-3) – or so: --set x=-5 at complex-step"
+    )
+
+
+def test_a_report_explains_the_methods_that_it_has_and_takes_what_takes_seconds():
+    found = direct(read_scene(WING), ["t_w"], "static")
+    plain = Material(found.solution, collect(found))
+    assert gradient_table(plain).caption == "Total derivatives of the responses."
+    assert "Python" not in cost_table(plain).caption
+    slow = replace(plain, results=replace(plain.results, run={**plain.results.run, "wall_primal": PATIENCE}))
+    judged = judge(slow, lambda *_: None)
+    assert list(judged.judges) == [
+        "complex-step"
+    ]  # one step of 117 unknowns, while differences would take three runs of this time
+    assert "complex step" in gradient_table(judged).caption
+    assert "difference" not in gradient_table(judged).caption
+    assert list(judge(slow, lambda *_: None, everything=True).judges) == list(JUDGES)
+
+
+def test_a_variable_without_influence_has_no_colours_of_round_off():
+    """The mass of a rod in an equilibrium without weight."""
+    found = direct(read_scene(WING), ["bodies.body2.density"], "static")
+    (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
+    assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"

@@ -221,7 +221,8 @@ def render(
     file: SceneOrResults,
     output: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the pictures.")] = Path("output"),
     times: Annotated[
-        list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
+        list[float] | None,
+        typer.Option("--time", help="Instant to draw; repeatable. By default up to four at which something happens."),
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
     kind: Annotated[str, typer.Option("--format", help="Of the pictures: png, or of planar scenes svg or pdf.")] = "png",

@@ -14,6 +14,7 @@ _MISTAKEN = 2.0  # clearance that a label gives up to be one length less too far
 _COVERING = 20.0  # how much worse than narrow it is to cover something
 _ONE = 0.2  # letters: points nearer to each other are one
 _FAR = 1.7  # letters: from here on a line leads from the point to its name
+_INSET = 0.2  # letters between a label and the edge of the panel
 _SPACING = 0.3  # letters between points that stand for a line, so half of it is no clearance
 _FINE = 2  # places per length at which what is drawn is seen
 _STEPS = 9  # places at which the line from a point to its name is looked at
@@ -113,7 +114,7 @@ def label_places(
             np.minimum(clear, _ENOUGH * letter)
             + _COVERING * np.minimum(clear - _SPACING / 2 * letter, 0)
             - _MISTAKEN * np.clip(own - _CLEARLY * others, 0, letter)  # further off a line leads there
-            - 100 * _outside(candidates, name.half, size)
+            - 100 * _outside(candidates, name.half + _INSET * letter, size)
             - _NEARNESS * np.hypot(*(candidates - name.point).T)
         )
         places.append(candidates[int(np.argmax(np.round(free, _SAME)))])

@@ -26,8 +26,12 @@ def report(
     file: SceneOrResults,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the report.")] = Path("report"),
     judges: Annotated[
-        bool, typer.Option(help="Compute the gradients by differences and complex step too; seconds per variable.")
-    ] = True,
+        bool | None,
+        typer.Option(
+            "--judges/--no-judges",
+            help="Compute the gradients by differences and complex step too; by default where it takes seconds.",
+        ),
+    ] = None,
     changes: Changes = None,
     models: Models = None,
     as_json: AsJson = False,
@@ -45,10 +49,10 @@ def report(
     material = _from_results(file, models) if is_results(file) else _from_scene(file, changes, quiet)
     folder = prepare_folder(output)
     with bar("report", quiet) as progress:
-        if judges and not is_results(file):
+        if judges is not False and not is_results(file):
             from toolkit.report.material import judge
 
-            material = judge(material, _part(progress))
+            material = judge(material, _part(progress), everything=bool(judges))
         path = write_report(material, folder, title_of(file), _part(progress))
     verdict = material.results.verdict
     if as_json:
