@@ -353,7 +353,10 @@ def test_a_model_that_cannot_be_read_again_is_not_written(model, tmp_path):
 
 
 def test_an_unknown_parameter_lists_those_that_exist(model):
-    with pytest.raises(InputError, match=r"no parameter 'tickness', did you mean 'thickness'; available: youngs_modulus, density, thickness, width"):
+    with pytest.raises(
+        InputError,
+        match=r"no parameter 'tickness', did you mean 'thickness'; available: youngs_modulus, density, thickness, width",
+    ):
         DesignPoint(model, {"tickness": 1.0})
 
 
