@@ -95,3 +95,16 @@ class Response(Registered):
             if partial is not None and derivative.shape[-1]:
                 total = total + np.einsum("ti,tix->x", np.real(partial), derivative)
         return partials.value, total
+
+
+class MeanSquare(Response):
+    """Base of weighted sums of squares of other numbers r_k of a solution."""
+
+    @abstractmethod
+    def curvature(self, solution: Solution) -> np.ndarray:
+        """Second derivative by the design as Gauss and Newton have it, (n_x, n_x).
+
+            f = sum of w_k r_k^2,   H = 2 sum of w_k dr_k dr_k^T
+
+        What is left out is the curvature of r_k times r_k: nothing where they are small, or where the design moves them linearly.
+        """
