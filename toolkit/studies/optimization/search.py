@@ -277,7 +277,8 @@ class Search:
 
     def _visited(self, z: np.ndarray) -> None:
         """A design that the method has accepted: the next run begins at this one, unless it is an optimum, and the method, which leaves a
-        saddle, finds another one next, or nothing that is lower by what counts."""
+        saddle, finds another one next, or nothing that is lower by what counts. Of mean squares that decides alone: a search that is done
+        after a few steps knows only steep slopes, beside which all others look small."""
         values, z = self._functions(z), np.clip(z, 0.0, self.program.top)
         if self.last is not None and np.array_equal(z, self.last):
             return
@@ -286,7 +287,7 @@ class Search:
         self.last, self.met = z, met
         if least is not None and left.violation <= self.options.feasibility:
             counts = min(self.options.optimality * max(float(np.max(np.abs(values.df))), self._typical), LITTLE * abs(least))
-            if met or least - values.f <= counts:
+            if (met and not self.program.problem.curved) or least - values.f <= counts:
                 raise _Arrived
             self.least = None
         if met:
