@@ -6,6 +6,7 @@ INSTALLED := $(VENV)/.installed
 DOCUMENTED := $(VENV)/.documented
 BIN := $(VENV)/bin
 MODEL := models/morphing_wing
+SCENE := $(MODEL)_large/scene.toml
 # Two workers on two cores: threads of the linear algebra would only wait for each other.
 # A worker that crashes ends the run and names its test; with another one in its place some runs never end.
 ALONE := OPENBLAS_NUM_THREADS=1
@@ -21,10 +22,10 @@ unexport PYTHONDONTWRITEBYTECODE
 demo: $(INSTALLED) libraries
 	@if $(BIN)/python -c 'import gmsh' 2>/dev/null; then echo ffrf-preprocess $(MODEL)/skin.toml; $(BIN)/ffrf-preprocess $(MODEL)/skin.toml; \
 	else echo "gmsh lacks its system libraries: no meshing, going on with the reduced model that comes with the project."; fi
-	$(BIN)/ffrf statics $(MODEL)/scene.toml
-	$(BIN)/ffrf simulate $(MODEL)/scene.toml
-	$(BIN)/ffrf sensitivity $(MODEL)/scene.toml
-	$(BIN)/ffrf render $(MODEL)/scene.toml --output output
+	$(BIN)/ffrf statics $(SCENE)
+	$(BIN)/ffrf simulate $(SCENE)
+	$(BIN)/ffrf sensitivity $(SCENE)
+	$(BIN)/ffrf render $(SCENE) --output output
 
 # A worker that crashes ends the run and names its test: with another one in its place a run may never end.
 test: $(INSTALLED)

@@ -35,8 +35,8 @@ for warning in one.verdict.warnings:
 # in doubt, so an optimiser that moves the joint A may walk the wrong way.
 #
 # 2. A number that the program finds. `frames = "auto"` solves the scene with few frames and with more, until the nodes are
-# known to `geometric_error`, one percent of the displacement by default. Nothing is preprocessed again, and to the scene the
-# skin stays one body.
+# known to `geometric_error`, one percent of the displacement by default, and gradients to 5 %. Nothing is preprocessed again,
+# and to the scene the skin stays one body.
 
 # %%
 auto = wing("auto", geometric_error=1e-3).statics(gradients=True)

@@ -52,7 +52,7 @@ print(skin.n_f, "elastic coordinates; joints may grip at", ", ".join(skin.interf
 # %%
 model = ffrf.compile(ffrf.read_scene(wing / "scene.toml"), variables=["M_t"])
 found = {}
-for torque in (1.0, 2000.0, 4000.0, 4400.0, 4800.0):  # N mm
+for torque in (1.0, 2000.0, 4000.0, 4400.0, 4800.0, 5000.0):  # N mm
     result = model.statics({"M_t": torque}, gradients=True)
     found[torque] = result.values["shape_rmse"]
     slope, stress = result.gradients["shape_rmse"]["M_t"], result.values["max_stress_true"]

@@ -13,6 +13,7 @@ from preprocessing.input.output_file import refuse_output
 from preprocessing.recipes.build_model import read_recipe
 from toolkit.foundation.errors import InputError, ModelFileError
 from toolkit.foundation.files.outside_files import told_outside
+from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.reduced_model.file import load, save
 from toolkit.reduced_model.model import ReducedModel
@@ -68,7 +69,8 @@ def preprocess(
 
 def main() -> None:
     """Run the command."""
-    app()
+    with last_work():
+        app()
 
 
 class Remarks:

@@ -11,8 +11,8 @@ from preprocessing.recipes.frame.frame_recipe import FrameRecipe
 from preprocessing.recipes.recipe import Recipe, Remark
 from preprocessing.recipes.skin.skin_recipe import SkinRecipe
 from preprocessing.recipes.solids.body_recipe import BodyRecipe
-from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
+from toolkit.foundation.files.toml_kinds import refuse_other
 from toolkit.reduced_model.file import save as write
 from toolkit.reduced_model.model import ReducedModel
 
@@ -34,11 +34,7 @@ def read_recipe(path: str | Path) -> Recipe[Any]:
     """
     *names, last = (kind.name for kind in reversed(RECIPES))
     content = read_toml(Path(path), f"a {', '.join(names)} or {last}")
-    if content.keys() & {"bodies", "joints", "loads"}:
-        raise InputError(
-            f"{Path(path).name} is a scene, not a flexible body: analyse it with `ffrf simulate {path}`. What is built here are the files "
-            "that describe its flexible bodies."
-        )
+    refuse_other(content, Path(path), "body")
     kind = next((kind for kind in RECIPES if kind.means(content)), RECIPES[-1])
     return kind.of(content, Path(path))
 

@@ -20,6 +20,7 @@ from preprocessing.recipes.tables import Table
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.regular_file import read_whole
 from toolkit.foundation.files.toml_file import read_toml
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.reduced_model.file import SCHEMA_VERSION
 from toolkit.reduced_model.model import ReducedModel
 
@@ -203,7 +204,9 @@ class Recipe(ABC, Generic[File]):
         """Give a parameter another value."""
         places = self._places()
         if parameter not in places:
-            raise InputError(f"{str(self.path)!r} has no parameter {parameter!r}; there are {', '.join(places)}.")
+            raise InputError(
+                f"{str(self.path)!r} has no parameter {parameter!r}{meant(parameter, places)}; there are {listed(places)}."
+            )
         put(content, places[parameter], value)
 
 

@@ -21,6 +21,7 @@ from toolkit.command_line.cli import app
 from toolkit.command_line.output_folder import prepare_folder
 from toolkit.command_line.printed.report import record_of
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.own_files import OWN, list_own, listed
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.certificate import certificate
 from toolkit.sensitivity.evaluation import evaluate_responses
@@ -215,14 +216,24 @@ def test_a_wrong_key_is_told_with_its_line_but_not_one_that_the_file_does_not_ho
 
 def test_files_of_the_other_half_of_the_toolkit_are_told_apart():
     skin = str(ROOT / "models" / "morphing_wing" / "skin.toml")
-    assert "describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess" in refused("simulate", skin)
-    study = refused("simulate", str(ROOT / "models" / "morphing_wing" / "study.toml"))
-    assert (
-        "study.toml is a study of the scene 'scene.toml', not a scene. Give that scene, or the study to `ffrf optimize`" in study
+    assert "is a file that a reduced model is built from, not a scene. Build its reduced model with `ffrf-preprocess" in refused(
+        "simulate", skin
     )
+    study = refused("simulate", str(ROOT / "models" / "morphing_wing" / "study.toml"))
+    assert "study.toml is a study of the scene 'scene.toml', not a scene. Give that scene here; `ffrf optimize" in study
     assert "is a folder. Give the path of a scene (.toml) in it" in refused("render", str(MODELS))
-    with pytest.raises(InputError, match="is a scene, not a flexible body: analyse it with `ffrf simulate"):
+    with pytest.raises(
+        InputError, match=r"is a scene, not a file that a reduced model is built from\. Analyse it with `ffrf simulate"
+    ):
         read_recipe(SCENE)
+    for command in ("optimize", "sweep", "uncertainty"):  # what is beside it is named
+        told = refused(command, str(MODELS / "morphing_wing" / "scene.toml"))
+        assert (
+            f"scene.toml is a scene, not a study. Beside it is a study: give {MODELS / 'morphing_wing' / 'study.toml'}." in told
+        )
+    assert "A study is a file of its own, which begins with scene = 'scene.toml'" in refused(
+        "optimize", str(MODELS / "pendulum" / "scene.toml")
+    )
 
 
 @pytest.mark.parametrize("command", [app, preprocess])
@@ -516,6 +527,15 @@ def test_a_folder_keeps_files_that_no_command_has_written(tmp_path):
         prepare_folder(tmp_path, "history.*")
 
 
+def test_files_of_an_earlier_set_go_and_those_of_others_stay(tmp_path):
+    for name in ("step-1.png", "step-2.png", "step-mine.png", "table.csv"):
+        (tmp_path / name).write_text("")
+    list_own(tmp_path, ["step-1.png", "step-2.png", "table.csv"])
+    list_own(tmp_path, ["step-2.png", "step-3.png"], instead_of=["step-*.png"])
+    assert sorted(each.name for each in tmp_path.iterdir()) == [OWN, "step-2.png", "step-mine.png", "table.csv"]
+    assert listed(tmp_path) == ["step-2.png", "step-3.png", "table.csv"]
+
+
 def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monkeypatch):
     ends = []
     monkeypatch.setattr("atexit.register", lambda *call: ends.append(call))
@@ -527,3 +547,10 @@ def test_a_folder_that_stays_empty_is_gone_when_the_command_ends(tmp_path, monke
         for end, *what in ends:
             end(*what)
         assert (tmp_path / "outer").exists() is used
+
+
+def test_a_scene_in_place_of_results_and_no_variable_at_all_are_told():
+    assert f"Keep those of a scene in a file first: ffrf simulate {SCENE}" in refused("export", SCENE, "--csv", "tables")
+    assert "no design variable: --variables names none. Name some with --variables; short names" in refused(
+        "sensitivity", SCENE, "--variables", ""
+    )

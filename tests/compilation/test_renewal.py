@@ -15,11 +15,13 @@ from tests.models.every_number import SCENES as PLANAR
 from tests.models.spatial_cases import write_models as write_spatial_models
 from tests.models.spatial_every_number import SCENES as SPATIAL
 from toolkit.bodies.planar.body import MarkerNumbers
+from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import number
-from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, evaluate_quantities, seen_quantities
+from toolkit.compilation.patterns.kept_pattern import GROUPS, NewEntryError, renew
+from toolkit.compilation.quantities import STEP, Quantities, evaluate_quantities, seen_quantities
 from toolkit.curves.curve import Curve
 from toolkit.foundation.errors import InputError
+from toolkit.loads.planar.torque import Torque
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.evaluation import evaluate_with_gradients
@@ -58,11 +60,17 @@ def assert_same(found: System, fresh: System) -> None:
     assert typeof(found.plan) == typeof(fresh.plan)  # the compiled loop is handed it without another look
     for (place, one), (_, other) in zip(arrays(found.plan), arrays(fresh.plan), strict=True):
         assert np.array_equal(one, other), place
+    assert reached(found) == reached(fresh)  # a renewal evaluates what the first compilation has found to depend on a variable
     assert np.array_equal(found.weights, fresh.weights)
     assert found.design == fresh.design
     assert all(np.array_equal(one, other) for one, other in zip(found.start(), fresh.start(), strict=True))
     times = np.array([0.0, 0.3, 1.0])
     assert all(np.array_equal(one, other) for one, other in zip(found.curves(times), fresh.curves(times), strict=True))
+
+
+def reached(system: System) -> list[dict[str, set[int]]]:
+    """Whose numbers have a derivative by each variable."""
+    return [{group: set(getattr(each, group)) for group in GROUPS} for each in system.derivatives]
 
 
 def moved(scene: Scene, path: str) -> Scene:
@@ -125,18 +133,13 @@ def markers(*columns: int) -> Quantities:
 
 def test_numbers_take_their_places_among_the_known_entries_and_ask_for_new_ones_where_there_are_none():
     known = markers(0, 2, 5)
-    found, changed = renew(known, markers(0, 5), known)
+    changed: set[str] = set()
+    found = renew(known, markers(0, 5), known, changed)
     assert changed == {"markers"}
     np.testing.assert_array_equal(found.markers[0].columns, [0, 2, 5])
     np.testing.assert_array_equal(found.markers[0].shape, [[1, 2, 3], [0, 0, 0], [4, 5, 6]])
     with pytest.raises(NewEntryError):
-        renew(known, markers(0, 3), known)
-
-
-def test_a_derivative_that_has_become_zero_is_not_kept():
-    known = markers(0, 2)
-    found, changed = renew(known, Quantities({}, {}, {}, {}, {}, {}, {}, np.zeros(2), {}), known, {"markers": {0}})
-    assert (found.markers, changed) == ({}, {"markers"})
+        renew(known, markers(0, 3), known, changed)
 
 
 def imaginary(part: Any) -> bool:
@@ -155,12 +158,12 @@ def test_a_formula_that_is_left_out_has_no_derivative(name, folder):
     design = scene.design_variables(scene.available_paths())
     _, seen = seen_quantities(scene, numbering)
     left_out = 0
-    for variable, change in zip(design, derivatives(scene, numbering, design, seen), strict=True):
+    for variable, rates in zip(design, derivatives(scene, numbering, design, seen), strict=True):
         everything = evaluate_quantities(scene.moved(variable, 1j * STEP), numbering)
-        for group, owners in change.still.items():
-            numbers = getattr(everything, group)
-            assert not any(imaginary(numbers[owner]) for owner in owners if owner in numbers), (variable.name, group)
-            left_out += len(owners)
+        for group in GROUPS:
+            numbers, known = getattr(everything, group), getattr(rates, group)
+            assert not any(imaginary(numbers[owner]) for owner in numbers.keys() - known.keys()), (variable.name, group)
+            left_out += len(numbers) - len(known)
     assert left_out
 
 
@@ -175,6 +178,27 @@ def test_a_scene_that_needs_a_new_entry_is_compiled_anew(monkeypatch):
     found = renewed(system, other, [path])
     assert found.lu_plan is not system.lu_plan
     assert_same(found, prepare(other, ["t_w"]))
+
+
+class Switched(Torque):
+    """A torque that counts the place of its point where it is large."""
+
+    kind = ""
+
+    def parameters(self, scene: Any) -> list[Any]:
+        """Its number, and from 5000 on times a coordinate."""
+        return [self.torque * (scene.position(self.point)[0] if np.real(self.torque) > 5000 else 1.0)]
+
+
+def test_a_load_that_asks_for_a_point_at_some_numbers_alone_has_its_derivative_there():
+    scene = wing()
+    drive = Switched.model_construct(**dict(scene.loads["drive"]))
+    scene = scene.model_copy(update={"loads": {"drive": drive}})
+    variables, path = ["x_A", "M_t"], "loads.drive.torque"
+    other = scene.with_number(path, 6000.0)
+    fresh = prepare(other, variables)
+    assert fresh.derivatives[0].loads[0][0] == 6000.0
+    assert_same(renewed(prepare(scene, variables), other, [path]), fresh)
 
 
 def test_redundant_joints_are_sought_anew():

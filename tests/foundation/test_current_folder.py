@@ -19,7 +19,7 @@ from toolkit.foundation.kernel import plain
 from toolkit.foundation.processes import preprocessing_process
 from toolkit.foundation.processes.own_process import HOME, safe_path
 from toolkit.reduced_model.file import load
-from toolkit.render.animation import mp4
+from toolkit.render.motion.animation import mp4
 from toolkit.render.packages import RenderError
 from toolkit.render.space.probe import drawing_environment
 from toolkit.sensitivity.certificate.rebuilt_bodies import build_all
@@ -132,7 +132,7 @@ def test_no_other_code_starts_processes_than_what_is_tested_here():
     assert found == {
         *(
             "toolkit/foundation/processes/preprocessing_process.py",
-            "toolkit/render/animation.py",
+            "toolkit/render/motion/animation.py",
             "toolkit/render/space/probe.py",
             "toolkit/studies/places/processes.py",
         ),

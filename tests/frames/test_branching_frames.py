@@ -93,6 +93,20 @@ def test_one_frame_per_element_is_the_corotational_frame(tmp_path, nodes, beams)
     assert found.values["stress"] == pytest.approx(np.abs(judge.stress(u)).max(), rel=1e-6)  # E times that
 
 
+def test_reduced_members_bend_as_all_their_coordinates_do(tmp_path):
+    """Without a mode, because forces act where points are; gradients too, by a thickness and by the place where all members meet."""
+    save_frame(tmp_path, FORK, BEAMS, 6)
+    full, few = (
+        ffrf.compile(scene_of(tmp_path, 4, body=f'frame = "grounded", {words}'), variables=["t", "x"]).statics(gradients=True)
+        for words in ("", "modes_per_frame = 0, ")
+    )
+    assert few.solution.q.shape[1] < full.solution.q.shape[1] / 1.5
+    for response, value in full.values.items():
+        assert few.values[response] == pytest.approx(value, rel=1e-9)  # statics end at 1e-10 of the size
+        for name, slope in full.gradients[response].items():
+            assert few.gradients[response][name] == pytest.approx(slope, rel=1e-8)
+
+
 def test_it_bends_in_space_as_in_the_plane(tmp_path):
     values = {}
     for dimension in (2, 3):

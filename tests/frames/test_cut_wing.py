@@ -75,6 +75,24 @@ def test_gradients_by_the_geometry_are_those_of_models_built_afresh(runs, tmp_pa
         )  # the step's square, and statics to 1e-10 over it
 
 
+def test_reduced_parts_of_the_wing_bend_as_all_coordinates_do(runs):
+    """Its loads act at points that are kept, so that no mode is missed; shapes between are of the design, which a complex step judges: by
+    the thickness, which their curvature makes them depend on, and the chord."""
+    scene = wing(4)
+    skin = scene.bodies["skin"].model_copy(update={"modes_per_frame": 0})
+    model = ffrf.compile(
+        scene.model_copy(update={"bodies": {**scene.bodies, "skin": skin}}), variables=["t_w", "bodies.skin.chord"]
+    )
+    few, judge = (model.statics(gradients=method) for method in ("direct", "complex-step"))
+    assert few.solution.q.shape[1] < runs[4].solution.q.shape[1] / 1.5
+    for response, value in runs[4].values.items():
+        assert few.values[response] == pytest.approx(value, rel=1e-8), response  # statics end at 1e-10 of the size
+        for name, slope in judge.gradients[response].items():
+            assert few.gradients[response][name] == pytest.approx(slope, rel=1e-9), (response, name)
+            if response not in ("shape_max_error", "max_stress"):  # a smooth maximum weighs the round-off of places
+                assert slope == pytest.approx(runs[4].gradients[response][name], rel=1e-6), (response, name)
+
+
 def test_parts_are_the_same_in_other_units(runs, tmp_path):
     """Lengths in m: the file's elements are converted with it."""
     save(converted_model(load(WING / "skin.h5"), "m-kg-s"), tmp_path / "skin.h5")

@@ -14,6 +14,7 @@ from toolkit.scene.cut_scene import with_parts
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
 from toolkit.validity.bodies.cut.places import node_places
 from toolkit.validity.bodies.physics import speed_limits
+from toolkit.validity.motion.snap_through import snap_through
 
 LENGTH, EA, EI, MASS = 10.0, 2.8e7, 1.4e4, 1.2
 SPEED, UP = 6.0, 15.0
@@ -101,8 +102,9 @@ def folder(tmp_path_factory):
 
 
 def tip(folder, body):
-    """Times, and displacement of the tip along and across the turning axes."""
+    """Times, and displacement of the tip along and across the turning axes; of a motion in which nothing snaps through."""
     solution = ffrf.compile(chain_scene(folder, body, MOTOR, 2)).simulate().solution
+    assert snap_through(solution) is None
     x, y = node_places(solution, "beam")[:, -1].T
     turned = angle(solution.times)
     c, s = np.cos(turned), np.sin(turned)

@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from html.parser import HTMLParser
 from types import SimpleNamespace
 from xml.etree import ElementTree
@@ -20,18 +21,20 @@ from tests.models.scenes import HANGING_DESIGN, MODELS, WING, hanging_skin
 from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rod
 from toolkit.command_line.cli import app
-from toolkit.command_line.output_folder import prepare_folder
 from toolkit.description.point import Point
 from toolkit.description.run_options import RunOptions
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN
+from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import replaced
 from toolkit.joints.planar.revolute import Revolute
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.render.pictures import file_names
-from toolkit.report.material import Material
+from toolkit.report.figures.stress_sensitivity import stress_sensitivity
+from toolkit.report.material import JUDGES, PATIENCE, Material, judge
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.own_folder import begin, refuse_foreign_files
+from toolkit.report.page import typeset
+from toolkit.report.tables import cost_table, gradient_table
 from toolkit.report.write import write_report
 from toolkit.results.collect import collect
 from toolkit.results.restore import restore_scene, restore_solution
@@ -90,7 +93,7 @@ def rows(path):
 
 @pytest.fixture(scope="module")
 def scene_file(tmp_path_factory):
-    """The reference scene in steps twice as long, which make a dozen pictures in its animation."""
+    """The reference scene in steps twice as long, which make a dozen instants."""
     folder = tmp_path_factory.mktemp("scene") / "wing"
     shutil.copytree(MODELS, folder)
     text = WING.read_text()
@@ -133,7 +136,6 @@ def test_every_figure_is_there_as_png_and_svg(wing):
         "figures",
         "tables",
         "numbers.json",
-        "animation.gif",
         "results.h5",
         "report.html",
         OWN,
@@ -144,7 +146,7 @@ def test_the_page_needs_nothing_but_itself(wing, scene_file):
     page = Page((wing / "report.html").read_text(encoding="utf-8"))
     assert all(address.startswith(("data:", "#")) for address in page.addresses)
     assert {address[1:] for address in page.addresses if address.startswith("#")} <= set(page.identifiers)
-    assert len(page.pictures) == len(FIGURES) + 1  # and the animation
+    assert len(page.pictures) == len(FIGURES)  # the motion is shown once, by the view
     assert all(picture["alt"] for picture in page.pictures)
     text = " ".join(page.words)
     assert "url(" not in text
@@ -197,10 +199,8 @@ def test_the_monitored_drift_is_that_of_the_run(wing):
     assert drift.max() == load_results(wing / "results.h5").run["drift"]
 
 
-def test_the_animation_and_the_view_show_every_step(wing):
+def test_the_view_shows_every_step(wing):
     results = load_results(wing / "results.h5")
-    with Image.open(wing / "animation.gif") as opened:
-        assert opened.n_frames == len(results.times)
     data = viewer_data(Material(restore_solution(results, MODELS), results))
     assert [frame["time"] for frame in data["frames"]] == pytest.approx(results.times.tolist(), abs=1e-6)  # rounded for display
     assert data["limit"] == np.abs(results.bodies["skin"].stress).max()
@@ -247,8 +247,8 @@ def test_a_report_never_overwrites_what_no_report_has_written(name, tmp_path):
     mine.parent.mkdir(exist_ok=True)
     mine.write_text("mine")
     done = CliRunner().invoke(app, ["report", str(WING), "--output", str(tmp_path)])  # refused before anything runs
-    assert (done.exit_code, "no command has written it" in done.stderr) == (1, True)
-    with pytest.raises(InputError, match="no command has written it"):
+    assert (done.exit_code, "ffrf has not written it" in done.stderr) == (1, True)
+    with pytest.raises(InputError, match="ffrf has not written it"):
         write_report(SimpleNamespace(results=SimpleNamespace(path=None)), tmp_path, "title")
     assert mine.read_text() == "mine"
     assert [each for each in tmp_path.rglob("*") if each.is_file()] == [mine]
@@ -262,15 +262,25 @@ def test_a_report_goes_beside_its_results_and_into_the_folder_of_one_that_was_in
     refuse_foreign_files(tmp_path)
 
 
+def test_results_that_a_report_is_about_stay_those_of_whoever_kept_them(tmp_path):
+    kept = tmp_path / "results.h5"
+    kept.write_text("kept")
+    begin(tmp_path, kept)
+    with pytest.raises(InputError, match=r"results\.h5' is there, and ffrf has not written it"):
+        refuse_foreign_files(tmp_path)  # a report of something else
+
+
 def test_pictures_and_reports_know_each_others_files(tmp_path):
-    (tmp_path / "report").mkdir()
-    begin(tmp_path / "report")
     drawn = file_names("png", animate=True, film=False)
-    for folder in (prepare_folder(tmp_path / "pictures", *drawn), tmp_path / "report"):
-        for name in ("step-012.png", "overview.png", "animation.gif"):
-            (folder / name).write_text("drawn")
-        prepare_folder(folder, *drawn)
-        refuse_foreign_files(folder)
+    (tmp_path / "step-012.png").write_text("drawn")
+    list_own(tmp_path, ["step-012.png"])
+    refuse_foreign_files(tmp_path)
+    begin(tmp_path)
+    refuse_foreign(tmp_path, drawn)
+    (tmp_path / "step-013.png").write_text("mine")
+    for refuses in (refuse_foreign_files, lambda folder: refuse_foreign(folder, drawn)):
+        with pytest.raises(InputError, match=r"step-013\.png' is there"):
+            refuses(tmp_path)
 
 
 FORBIDDEN = """
@@ -351,7 +361,7 @@ def test_a_browser_shows_the_page_without_errors_and_without_scrolling_sideways(
     assert console == []
     found = json.loads(title)
     assert (found["overflow"], found["outside"], found["fetched"], found["moved"]) == (0, 0, 0, True)
-    assert len(found["pictures"]) == len(FIGURES) + 1
+    assert len(found["pictures"]) == len(FIGURES)
     assert all(loaded and natural for loaded, natural, _ in found["pictures"])
     assert found["letters"] >= 16
     # labels are 10 points, 13.3 pixels, in a figure at its natural size; below 8 pixels nobody reads them
@@ -388,3 +398,31 @@ def test_a_file_that_cannot_be_written_is_an_error_of_the_program(tmp_path):
         replaced(tmp_path / "file" / "x.h5"),
     ):
         pass
+
+
+def test_numbers_have_minus_signs_and_words_dashes_and_commands_neither():
+    assert typeset("from -5 to -0.3 (-2e-3) - or so: --set x=-5 at complex-step") == (
+        "from −5 to −0.3 (−2e-3) – or so: --set x=-5 at complex-step"
+    )
+
+
+def test_a_report_explains_the_methods_that_it_has_and_takes_what_takes_seconds():
+    found = direct(read_scene(WING), ["t_w"], "static")
+    plain = Material(found.solution, collect(found))
+    assert gradient_table(plain).caption == "Total derivatives of the responses."
+    assert "Python" not in cost_table(plain).caption
+    slow = replace(plain, results=replace(plain.results, run={**plain.results.run, "wall_primal": PATIENCE}))
+    judged = judge(slow, lambda *_: None)
+    assert list(judged.judges) == [
+        "complex-step"
+    ]  # one step of 117 unknowns, while differences would take three runs of this time
+    assert "complex step" in gradient_table(judged).caption
+    assert "difference" not in gradient_table(judged).caption
+    assert list(judge(slow, lambda *_: None, everything=True).judges) == list(JUDGES)
+
+
+def test_a_variable_without_influence_has_no_colours_of_round_off():
+    """The mass of a rod in an equilibrium without weight."""
+    found = direct(read_scene(WING), ["bodies.body2.density"], "static")
+    (drawing,) = stress_sensitivity(Material(found.solution, collect(found)))
+    assert drawing.figure.axes[0].get_title("left") == "at the end; no influence"

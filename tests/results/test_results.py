@@ -304,6 +304,17 @@ def test_tables_hold_the_numbers_to_the_last_bit_under_names_with_units(wing, tm
     assert float(files["responses.csv"][1][3]) == results.gradients["max_stress"]["t_w"]
 
 
+def test_tables_replace_those_of_an_earlier_export_and_nothing_else(wing, tmp_path):
+    results = load_results(wing[1])
+    kept = {file.name for file in export_csv(results, tmp_path)}
+    without = {file.name for file in export_csv(replace(results, bodies={}), tmp_path)}
+    assert "stress_skin.csv" in kept - without
+    assert {file.name for file in tmp_path.glob("*.csv")} == without
+    (tmp_path / "stress_skin.csv").write_text("mine")
+    with pytest.raises(InputError, match=r"stress_skin\.csv' is there, and ffrf has not written it"):
+        export_csv(results, tmp_path)
+
+
 def test_names_of_files_cannot_leave_their_folder():
     assert "/" not in safe_name("../../etc/passwd")
 

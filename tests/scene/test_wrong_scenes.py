@@ -105,7 +105,7 @@ MISTAKES = {
     "torque on a missing body": (
         'body = "rod"',
         'body = "rood"',
-        r"loads\.drive names body 'rood', which does not exist; bodies of the scene: rod, ground",
+        r"loads\.drive names body 'rood', which does not exist, did you mean 'rod'; bodies of the scene: rod, ground",
     ),
     "missing point": (
         'point = "O"',
@@ -147,7 +147,7 @@ MISTAKES = {
     "response of a missing body": (
         "[design]",
         '[responses]\nturn = { type = "rotation", body = "rood", point = "O" }\n[design]',
-        r"responses\.turn names body 'rood', which does not exist; bodies of the scene: rod, ground",
+        r"responses\.turn names body 'rood', which does not exist, did you mean 'rod'; bodies of the scene: rod, ground",
     ),
     "response at a missing point": (
         "[design]",
@@ -222,6 +222,7 @@ def test_a_scene_file_that_is_no_toml_is_named(tmp_path, content):
         ("loads.drive.torqe", "1", r"loads\.drive\.torqe.*did you mean 'torque'"),
         ("solver.stepp", "1", r"solver\.stepp.*did you mean 'step'"),
         ("loads.drive.torque", "strong", r"loads\.drive\.torque.*given: 'strong'"),
+        ("points.Ax", "1", r"'points\.Ax' leads nowhere: there is no 'Ax', did you mean 'A'; possible here: O, A"),
         ("nonsense", "1", r"'nonsense' leads nowhere: there is no 'nonsense'; possible here: .*points"),
     ],
 )
@@ -270,7 +271,7 @@ def test_a_parameter_of_the_skin_that_does_not_exist_lists_those_that_do():
     scene = read_scene(WING / "scene.toml")
     with pytest.raises(InputError, match=r"bodies\.skin\.thickness"):
         compile_scene(scene, ["bodies.skin.tickness"])
-    with pytest.raises(InputError, match=r"no parameter 'tickness'; available: .*thickness"):
+    with pytest.raises(InputError, match=r"no parameter 'tickness', did you mean 'thickness'; available: .*thickness"):
         compile_scene(read_scene(WING / "scene.toml", {"bodies.skin.tickness": "1.5"}))
 
 
@@ -394,7 +395,10 @@ def test_an_interface_point_of_a_rigid_body_is_refused():
 
 
 def test_an_interface_point_of_a_missing_body_is_refused():
-    with pytest.raises(InputError, match=r"points\.C names body 'skim', which does not exist; bodies of the scene: skin, body2"):
+    with pytest.raises(
+        InputError,
+        match=r"points\.C names body 'skim', which does not exist, did you mean 'skin'; bodies of the scene: skin, body2",
+    ):
         read_scene(WING / "scene.toml", {"points.C.body": '"skim"'})
 
 

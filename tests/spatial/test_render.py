@@ -1,5 +1,7 @@
 """Pictures of space: bodies, axes and loads are where the solution has them, the camera sees them, and a time series can be read."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -43,6 +45,7 @@ from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import counted_angle, stress_extremes
 from toolkit.render.space.look import choose_spatial_look, outermost
 from toolkit.render.space.probe import drawing
+from toolkit.render.space.scene_picture import spatial_caption
 from toolkit.render.view import View
 from toolkit.report.material import Material
 from toolkit.report.write import write_report
@@ -311,6 +314,37 @@ def test_arrows_are_the_loads_of_the_moment(folder):
     np.testing.assert_array_equal(force.point, moment.position("rod", "E"))
     np.testing.assert_array_equal([torque.vector, reaction.vector], [[0, 5, 0], [0, -5, 0]])
     assert np.all([a.vector == 0 for a in arrows(SpatialConfiguration(solution, 0)) if a.kind == "force"])
+
+
+def test_every_symbol_has_its_word_in_the_legend():
+    from toolkit.render.space.legend import SYMBOLS
+    from toolkit.render.space.symbols import _SURFACES
+
+    known = {kind for name, (_, *beside) in SYMBOLS.items() for kind in (name, *beside)}
+    assert known - {"spring"} == set(_SURFACES) - {"pin"}  # a spring is a coil, and a pin the end of a link
+
+
+def test_what_stands_faintly_behind_is_called_what_it_is(folder):
+    from toolkit.render.space.legend import _faint
+
+    solution = rest(crank(folder), 1)
+    look = choose_spatial_look(solution, [1], View())
+    assert _faint(SpatialConfiguration(solution, 1), look) == "at the start"
+    solution.q[0, :3] += 0.5  # it begins elsewhere
+    assert _faint(SpatialConfiguration(solution, 1), look) == "as the scene is written"
+    assert _faint(SpatialConfiguration(rest(crank(folder), 0), 0), look) == "as the scene is written"
+    named = replace(solution, names=("as given", "free motion 1 of 1"))
+    assert _faint(SpatialConfiguration(named, 1), look) == "as given"
+
+
+def test_a_rigid_motion_has_no_stress_whatever_its_round_off_is(folder):
+    solution = rest(crank(folder), 1)
+    elastic = solution.q[1, solution.coordinates("beam")][solution.system.scene.bodies["beam"].frame_size :]
+    elastic[:] = 1e-16  # m
+    assert choose_spatial_look(solution, [1], View()).stress_limit == 0
+    assert spatial_caption(SpatialConfiguration(solution, 1), choose_spatial_look(solution, [1], View()))[1:] == ["no stress"]
+    elastic[:] = 1e-9
+    assert choose_spatial_look(solution, [1], View()).stress_limit > 0
 
 
 @pytest.mark.parametrize("frame", ["moving", "grounded"])

@@ -10,17 +10,20 @@ import pytest
 from typer.testing import CliRunner
 
 from preprocessing.elements.section import Section
+from tests.frames.test_cut_bodies import EI, STRAIGHT, cantilever, in_space
 from tests.models.beam_models import save_beam
 from toolkit.analyses.statics import solve_statics
 from toolkit.analyses.transient import simulate
 from toolkit.command_line.cli import app
 from toolkit.scene_file.reader import read_scene
+from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.solvers.static.stability import static_array
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.compressed import critical_load, geometric_stiffness, missed_deflections
 from toolkit.validity.bodies.compressed.critical_load import compression
 from toolkit.validity.bodies.corotational_check import compare_with_corotational
+from toolkit.validity.bodies.cut.places import node_places
 
 MODELS = Path(__file__).parents[2] / "models"
 SECTION = Section(youngs_modulus=210e9, density=7800.0, thickness=0.02, width=0.05)
@@ -232,3 +235,21 @@ def test_verdict_and_json_say_it(tmp_path, part, said, trusted):
 def test_of_the_models_only_the_arch_that_snaps_is_near(model, said):
     warnings = simulate(compile_scene(read_scene(MODELS / model / "scene.toml"))).warnings
     assert [each.doubt for each in warnings if each.code == "critical-load"] == [False] * said
+
+
+@pytest.mark.parametrize(("frames", "part", "said"), [(2, 0.9, True), (4, 0.9, True), (4, 0.99, True), (16, 0.9, False)])
+def test_a_column_of_several_frames_near_its_critical_load_says_by_how_much_it_is_too_stiff(frames, part, said, tmp_path):
+    """Its parts lose hardly any stiffness of their own, and the whole nearly all; exact is q / (P k) (tan k L - k L), k^2 = P / E I."""
+    euler, across = np.pi**2 / 4 * EI, 1e-4 * EI
+    solution = solve(prepare(cantilever(tmp_path, STRAIGHT, frames, in_space((-part * euler, across)))), "static")
+    k = np.pi / 2 * np.sqrt(part)
+    exact = across / (part * euler * k) * (np.tan(k) - k)
+    end = (node_places(solution, "beam")[-1, -1] - node_places(solution, "beam")[-1, 0]) @ in_space((0.0, 1.0))
+    lacks = exact / end - 1
+    found = [each for each in solution.verdict.warnings if each.code == "critical-load"]
+    assert bool(found) == said == (lacks > critical_load.LIMIT)
+    if said:
+        missed = compression(solution).missed
+        assert lacks < missed < 1.6 * lacks  # the largest over all lateral loads, of which one at the end is none of the worst
+        assert found[0].doubt == (missed > critical_load.DOUBTFUL)
+        assert "cut beam into more frames" in found[0].text

@@ -12,10 +12,12 @@ from toolkit.analyses.transient import simulate
 from toolkit.bodies.planar.rigid import Rigid
 from toolkit.curves.kinds.smooth_step import SmoothStep
 from toolkit.description.run_options import RunOptions
+from toolkit.kinematics.spatial import matrix_of, quaternion_of, quaternion_rate
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
 from toolkit.system.solution import Solution
 from toolkit.system.system import compile_scene
+from toolkit.validity.motion.dead_inertia import stiffness_of_turns
 from toolkit.validity.motion.snap_through import snap_through
 
 MODELS = Path(__file__).parents[2] / "models"
@@ -89,3 +91,14 @@ def test_the_wing_that_snaps_says_that_its_driven_rod_runs_away():
     assert found is not None
     assert "motion of rotation of body 'body2'" in found.text
     assert 0.77 < float(found.text.split("t = ")[1].split()[0]) < 0.79  # the load is that of the limit point at 0.7699
+
+
+def test_a_force_that_keeps_its_direction_resists_turns_as_a_weight_does_those_of_a_pendulum():
+    """In whatever direction and with whatever quaternion: the second derivative of -g . A c along a turn about n is g . A (c - n n . c)."""
+    rng = np.random.default_rng(5)
+    for _ in range(5):
+        force, centre, axis = rng.normal(size=(3, 3))
+        quaternion, axis = quaternion_of(rng.normal(size=3)), axis / np.linalg.norm(axis)
+        A, rate = matrix_of(quaternion), quaternion_rate(quaternion, axis)
+        found = rate @ stiffness_of_turns(force, centre, A, 4) @ rate
+        assert found == pytest.approx(force @ A @ (centre - axis * (axis @ centre)), abs=1e-12)

@@ -14,7 +14,9 @@ from toolkit.solvers.free_motions import ROUND_OFF, free_motions, is_symmetric, 
 from toolkit.solvers.start.initial_conditions import closed, initial_accelerations
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.damped_modes import cautions_of_damping
+from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 from toolkit.validity.bodies.spinning.spin import cautions_of_spin
 from toolkit.validity.judge import judge
 
@@ -61,7 +63,12 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
-    return Modes(frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped]))
+    raised = cautions_of_raised(solution, squares[:count], shapes[:, :count])
+    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
+    coarse = too_fast_for_elements(system.scene, named, doubt=False)
+    return Modes(
+        frequencies[:count], shapes[:, :count], Verdict.of([*cautions_of_spin(solution, frequencies), *damped, *raised, *coarse])
+    )
 
 
 def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.ndarray, np.ndarray]:

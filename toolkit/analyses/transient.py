@@ -9,7 +9,6 @@ import numpy as np
 
 from toolkit.analyses.run_start import run_start
 from toolkit.description.run_options import RunOptions
-from toolkit.equations.equations import allocate_work
 from toolkit.foundation.compiled.compile_watch import watched_compilation
 from toolkit.foundation.errors import ConvergenceError
 from toolkit.foundation.processes.one_thread import one_thread
@@ -138,7 +137,7 @@ def check_drift(run: Run, q: np.ndarray, first: int) -> float:
     found, curves = np.zeros(4), system.curve_values(times)
     system.run(
         largest_drift, system.plan, system.functions, curves, system.weights, q, np.zeros(system.n, system.dtype), found,
-        allocate_work(system.plan, system.dtype),
+        system.work,
     )  # fmt: skip
     if not found[0] <= options.drift_tolerance and found[2] in system.plan.dropped:
         raise ConvergenceError(

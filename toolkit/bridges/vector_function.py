@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.door.model import Model, compile_model, kind_of
 from toolkit.door.run import Run
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.sensitivity.preparation import responses_of
 
 
@@ -96,4 +96,4 @@ def _refuse_unknown(model: Model, responses: Sequence[str], moving: bool) -> Non
         raise InputError(f"which responses? Possible here: {listed(known)}.")
     for name in responses:
         if name not in known:
-            raise InputError(f"no response {name!r}; possible here: {listed(known)}.")
+            raise InputError(f"no response {name!r}{meant(name, known)}; possible here: {listed(known)}.")

@@ -75,7 +75,7 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
     Raises
     ------
     InputError
-        No variable is named, and the scene declares none.
+        No variable is named, or none is named and the scene declares none.
     """
     chosen = list(scene.design) if names is None else [name.strip() for name in names.split(",") if name.strip()]
     if chosen == [EVERY] and EVERY not in scene.design:
@@ -83,9 +83,10 @@ def design_of(scene: Scene, names: str | None) -> list[str]:
     if any("*" in name for name in chosen):
         chosen = [path for name in chosen for path in (_like(scene, name) if "*" in name else [name])]
     if not chosen:
+        why = "the scene declares none in its table [design]" if names is None else "--variables names none"
+        known = f"short names of the scene: {', '.join(scene.design)}; " if scene.design else ""
         raise InputError(
-            "no design variable: the scene declares none in its table [design]. Name some with --variables; available paths: "
-            f"{listed(scene.available_paths())}."
+            f"no design variable: {why}. Name some with --variables; {known}available paths: {listed(scene.available_paths())}."
         )
     return chosen
 

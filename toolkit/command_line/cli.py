@@ -43,7 +43,7 @@ from toolkit.command_line.printed.printing import print_files, print_verdict, wa
 from toolkit.command_line.printed.receipt import compiled, print_receipt, receipt_of
 from toolkit.command_line.printed.report import print_frequencies, print_result
 from toolkit.foundation.processes.one_thread import SINGLE
-from toolkit.foundation.rare_collections import rare_collections
+from toolkit.foundation.rare_collections import last_work
 from toolkit.foundation.terminal import AsJson, Quiet, Version, errors_in_words, print_json, usage_in_json
 from toolkit.sensitivity.method_names import Method
 
@@ -221,7 +221,8 @@ def render(
     file: SceneOrResults,
     output: Annotated[Path, typer.Option(metavar="DIR", help="Folder of the pictures.")] = Path("output"),
     times: Annotated[
-        list[float] | None, typer.Option("--time", help="Instant to draw; repeatable. By default four up to the end.")
+        list[float] | None,
+        typer.Option("--time", help="Instant to draw; repeatable. By default up to four at which something happens."),
     ] = None,
     width: Annotated[int, typer.Option(min=200, max=10000, help="Width of the pictures in pixels.")] = 1600,
     kind: Annotated[str, typer.Option("--format", help="Of the pictures: png, or of planar scenes svg or pdf.")] = "png",
@@ -242,6 +243,7 @@ def render(
 ) -> None:
     """Simulate the scene, or read its results, and draw it at several instants, or its equilibrium."""
     from toolkit.analyses.free_motion import farthest
+    from toolkit.foundation.files.own_files import refuse_foreign
     from toolkit.render.pictures import file_names, refuse_what_cannot_be_drawn, render_solution
     from toolkit.render.view import View
 
@@ -251,7 +253,8 @@ def render(
     if free_motions:
         frames = SWING if animate else 1
         solve, times = free_motions_of(file, changes, times, frames), None
-    folder = prepare_folder(output, *file_names(kind, animate, film))
+    refuse_foreign(output, file_names(kind, animate, film))
+    folder = prepare_folder(output)
     solution = solve()
     if free_motions:
         times = farthest(solution, frames)
@@ -278,7 +281,7 @@ def main() -> None:
     processes more. numpy reads the variables when it is imported, which is after this.
     """
     os.environ.update({name: number for name, number in SINGLE.items() if name not in os.environ})
-    with rare_collections():
+    with last_work():
         app()
 
 

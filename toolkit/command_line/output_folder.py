@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.files.own_files import OWN, foreign, list_own
+from toolkit.foundation.files.own_files import OWN, list_own, refuse_foreign
 
 
 def prepare_folder(path: Path, *names: str) -> Path:
@@ -16,7 +16,7 @@ def prepare_folder(path: Path, *names: str) -> Path:
 
     Parameters
     ----------
-    names : names or patterns of what the command will write there
+    names : what the command will write there
 
     Raises
     ------
@@ -24,13 +24,12 @@ def prepare_folder(path: Path, *names: str) -> Path:
         It cannot be made, or it is a file; or something is there by one of the names that no command has written.
     """
     made = [each for each in (path, *path.parents) if not each.exists()]
-    if (there := foreign(path, names)) is not None:
-        raise InputError(f"{str(there)!r} is there, and ffrf has not written it. Give another folder, or move it away.")
+    refuse_foreign(path, names)
     try:
         path.mkdir(parents=True, exist_ok=True)
-        list_own(path, names)
     except OSError as error:
         raise InputError(f"{str(path)!r} cannot be made a folder ({error.strerror}). Give another with --output.") from error
+    list_own(path, names)
     if made:
         atexit.register(_remove_empty, made)
     return path

@@ -83,7 +83,7 @@ class Numbering:
     def _numbers(self) -> dict[tuple[str, ...], int]:
         return {grip: m for m, grip in enumerate(self.markers)}
 
-    @property
+    @cached_property
     def states(self) -> np.ndarray:
         """Coordinates that are states of loads."""
         return np.array([first for owner, first in self.first.items() if "." in owner], np.int64)

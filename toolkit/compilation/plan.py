@@ -71,12 +71,16 @@ def build_plan(
         Pattern.of(kept.plan.indptr, kept.plan.indices) if kept else _pattern(scene, numbering, values, constant_rows, columns)
     )
     makers: dict[str, Callable[[], Any]] = {
-        "constant": lambda: constant_part(numbering, values, derivatives, constant_rows, pattern, dtype, sizes),
+        "constant": lambda: constant_part(
+            numbering, values, derivatives, constant_rows, pattern, dtype, sizes, kept.plan.constant if kept else None
+        ),
         **_PARTS[scene.space](scene, numbering, values, derivatives, columns, pattern, dtype),
         "joints": lambda: joint_arrays(
             scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.joints if kept else None
         ),
-        "loads": lambda: load_arrays(scene, numbering, values, derivatives, columns, pattern, dtype),
+        "loads": lambda: load_arrays(
+            scene, numbering, values, derivatives, columns, pattern, dtype, kept.plan.loads if kept else None
+        ),
     }
     parts = {
         name: getattr(kept.plan, name) if kept and not kept.changed & _needs(name, derivatives) else make()

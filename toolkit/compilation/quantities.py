@@ -1,16 +1,11 @@
-"""All numbers of a scene in the order of its numbering, real or complex: the construction formulas evaluated once.
-
-The compilation evaluates them at the scene's values, and with a complex step in every design variable what that variable may change.
-That is exact to round-off, and it happens before time starts to run.
-"""
+"""All numbers of a scene in the order of its numbering, real or complex: the construction formulas evaluated once."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass
 from functools import partial
-from operator import is_
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,7 +14,6 @@ from toolkit.compilation.dependence import Affected, Item
 from toolkit.compilation.numbering import Numbering
 from toolkit.compilation.remembered import Remembered
 from toolkit.curves.curve import Curve
-from toolkit.description.design import Design
 from toolkit.foundation.errors import InputError
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import Load
@@ -27,7 +21,6 @@ from toolkit.loads.spatial.pressure import Pressure, PressureNumbers
 from toolkit.markers.component import Component
 from toolkit.scene.scene import Scene
 
-T = TypeVar("T")
 STEP = 1e-30
 """Complex step: far below round-off, so that nothing but the first derivative is left."""
 
@@ -36,7 +29,7 @@ STEP = 1e-30
 class Quantities:
     """Numbers of a scene, each under its number in the order of bodies, markers, joints, loads, curves.
 
-    The values of a scene hold them all, their derivatives by one variable only those that the variable may change.
+    The values of a scene hold them all, their derivatives by one variable only those that the variable reaches, at whatever numbers.
     """
 
     start: dict[int, tuple[np.ndarray, np.ndarray]]  # coordinates and velocities of each body
@@ -57,37 +50,49 @@ class Part(NamedTuple):
     make: Callable[[Any], Any]
 
 
+Asked = dict[tuple[str, int], frozenset[Any]]
+OPEN = ("joints", "loads")
+"""Groups whose formulas anybody writes."""
+
+
 class Seen(NamedTuple):
     """How some numbers of a scene came about."""
 
     placed: Remembered
     parts: dict[str, dict[int, Part]]
-    asked: dict[tuple[str, int], frozenset[Any]]  # of the scene, for the numbers of an item
+    asked: Asked  # of the scene, for the numbers of an item
+
+    @property
+    def asked_by_components(self) -> Asked:
+        """By joints and loads, whose formulas anybody writes: what they ask may depend on the scene's numbers."""
+        return {owner: asked for owner, asked in self.asked.items() if owner[0] in OPEN}
 
 
-class Change(NamedTuple):
-    """Derivatives of a scene's numbers by one variable: those that may be other than zero, and of each group the items that are not."""
-
-    rates: Quantities
-    still: dict[str, set[int]]
+Owners = Mapping[str, Collection[int]]
+"""Group of `Quantities` -> some of those who have numbers in it."""
 
 
 def evaluate_quantities(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Quantities:
     """All numbers of a scene, or those of some items and markers."""
-    return seen_quantities(scene, numbering, affected)[0]
+    return made_of(parts_of(scene, numbering, owners_of(scene, numbering, affected)), Remembered(scene), scene)
 
 
 def seen_quantities(
     scene: Scene, numbering: Numbering, affected: Affected | None = None, remembered: Remembered | None = None
 ) -> tuple[Quantities, Seen]:
     """The same, and how they came about."""
-    placed, parts = remembered or Remembered(scene), _parts(scene, numbering, affected)
-    asked: dict[tuple[str, int], frozenset[Any]] = {}
+    placed, parts = remembered or Remembered(scene), parts_of(scene, numbering, owners_of(scene, numbering, affected))
+    asked: Asked = {}
     groups: dict[str, dict[int, Any]] = {group: {} for group in parts}
     for group, owners in parts.items():
         for owner, part in owners.items():
             groups[group][owner], asked[group, owner] = placed.watched(part.make)
     return _quantities(groups, scene), Seen(placed, parts, asked)
+
+
+def made_of(parts: Mapping[str, Mapping[int, Part]], placed: Remembered, scene: Scene) -> Quantities:
+    """Numbers from the parts of a scene."""
+    return _quantities({group: {k: part.make(placed) for k, part in owners.items()} for group, owners in parts.items()}, scene)
 
 
 def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
@@ -96,37 +101,44 @@ def _quantities(groups: dict[str, dict[int, Any]], scene: Scene) -> Quantities:
     return Quantities(**{**groups, "floating": floating}, gravity=np.asarray(scene.gravity))
 
 
-def _parts(scene: Scene, numbering: Numbering, affected: Affected | None) -> dict[str, dict[int, Part]]:
-    """What has numbers, by group and number."""
+def owners_of(scene: Scene, numbering: Numbering, affected: Affected | None = None) -> Owners:
+    """All owners of a scene's numbers, or those among some items and markers."""
 
-    def chosen(group: str, items: Mapping[str, T]) -> dict[int, T]:
-        return {k: item for k, (name, item) in enumerate(items.items()) if affected is None or (group, name) in affected.items}
+    def chosen(items: Iterable[Item]) -> list[int]:
+        return [k for k, item in enumerate(items) if affected is None or item in affected.items]
 
+    bodies = chosen(("bodies", name) for name in scene.all_bodies())
+    return {
+        "start": bodies,
+        "constant": bodies,
+        "floating": bodies,
+        "markers": range(len(numbering.markers)) if affected is None else sorted(affected.markers),
+        "joints": chosen(("joints", name) for name in scene.joints),
+        "loads": chosen(("loads", name) for name in named_loads(scene)),
+        "pressures": chosen(("loads", name) for name in pressures_of(scene)),
+        "curves": chosen(item for item, _ in curves_of(scene)),
+    }
+
+
+def parts_of(scene: Scene, numbering: Numbering, owners: Owners) -> dict[str, dict[int, Part]]:
+    """What some owners have numbers from, by group and number."""
     everybody: Mapping[str, Any] = scene.all_bodies()
-    bodies, joints, loads = chosen("bodies", everybody), chosen("joints", scene.joints), chosen("loads", named_loads(scene))
+    bodies, joints, loads = list(everybody.values()), list(scene.joints.values()), loads_of(scene)
+    pressures = list(pressures_of(scene).values())
+    curves = [curve for _, curve in curves_of(scene)] if owners["curves"] else []
     gravity, width = scene.gravity, scene.space.load_parameters
     heavy = tuple(each for each in scene.loads.values() if isinstance(each, UniformGravity))
-    pressures = chosen("loads", pressures_of(scene))
-    return {
-        "start": {b: Part((body,), body.initial_state) for b, body in bodies.items()},
-        "constant": {b: Part((body, *heavy), partial(_constant, body, gravity)) for b, body in bodies.items()},
-        "floating": {b: Part((body,), body.floating) for b, body in bodies.items()},
-        "markers": {
-            m: _marker(scene, everybody, grip)
-            for m, grip in enumerate(numbering.markers)
-            if affected is None or m in affected.markers
-        },
-        "joints": {j: Part((joint,), partial(_rows, joint)) for j, joint in joints.items()},
-        "loads": {k: Part((load,), partial(_parameters, load, width)) for k, load in loads.items()},
-        "pressures": {
-            p: Part((load, everybody[load.body]), partial(_pressure, load, everybody[load.body])) for p, load in pressures.items()
-        },
-        "curves": {
-            c: Part((curve,), partial(_itself, curve))
-            for c, (item, curve) in enumerate(curves_of(scene))
-            if affected is None or item in affected.items
-        },
+    part: dict[str, Callable[[int], Part]] = {
+        "start": lambda b: Part((bodies[b],), bodies[b].initial_state),
+        "constant": lambda b: Part((bodies[b], *heavy), partial(_constant, bodies[b], gravity)),
+        "floating": lambda b: Part((bodies[b],), bodies[b].floating),
+        "markers": lambda m: _marker(scene, everybody, numbering.markers[m]),
+        "joints": lambda j: Part((joints[j],), partial(_rows, joints[j])),
+        "loads": lambda k: Part((loads[k],), partial(_parameters, loads[k], width)),
+        "pressures": lambda p: _under_pressure(pressures[p], everybody),
+        "curves": lambda c: Part((curves[c],), partial(_itself, curves[c])),
     }
+    return {group: {k: part[group](k) for k in some} for group, some in owners.items()}
 
 
 def _constant(body: Any, gravity: np.ndarray, placed: Any) -> ConstantNumbers:
@@ -136,6 +148,11 @@ def _constant(body: Any, gravity: np.ndarray, placed: Any) -> ConstantNumbers:
 
 def _rows(joint: Any, placed: Any) -> np.ndarray:
     return np.array(joint.parameters(placed))
+
+
+def _under_pressure(pressure: Pressure, everybody: Mapping[str, Any]) -> Part:
+    body = everybody[pressure.body]
+    return Part((pressure, body), partial(_pressure, pressure, body))
 
 
 def _pressure(pressure: Pressure, body: Any, placed: Any) -> PressureNumbers:
@@ -195,50 +212,3 @@ def _parameters(component: Component, width: int, placed: Any) -> np.ndarray:
     if len(row) > width:
         raise InputError(f"a component has {len(row)} parameters, at most {width} are possible: {component!r}.")
     return np.array([*row, *[0.0] * (width - len(row))])
-
-
-def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen, among: Affected | None = None) -> list[Change]:
-    """Derivative of all numbers, or of those `among` some, by each design variable; curves stay complex, they are differentiated where
-    they are evaluated.
-
-    Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out.
-    """
-    found = []
-    for variable in design:
-        affected = numbering.affected_by(scene, variable.paths)
-        moved = scene.moved(variable, 1j * STEP)
-        parts = _parts(moved, numbering, affected if among is None else affected & among)
-        placed = Remembered(moved, seen.placed)
-        stirred = _stirred(seen, placed)
-        groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
-        rates = _quantities({name: {k: part.make(placed) for k, part in each.items()} for name, each in groups.items()}, moved)
-        named = {f.name: getattr(rates, f.name) for f in fields(Quantities)}
-        rates = Quantities(**{name: part if name == "curves" else _imag(part) for name, part in named.items()})
-        found.append(Change(rates, {group: parts[group].keys() - groups[group].keys() for group in parts}))
-    return found
-
-
-def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
-    """Whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
-    same: dict[Any, bool] = {}
-
-    def unchanged(question: Any) -> bool:
-        if question not in same:
-            same[question] = seen.placed.answers_as(moved, question)
-        return same[question]
-
-    def stirred(group: str, owner: int, part: Part) -> bool:
-        before = seen.parts[group][owner].written
-        written = len(before) == len(part.written) and all(map(is_, before, part.written))
-        return not (written and all(map(unchanged, seen.asked[group, owner])))
-
-    return stirred
-
-
-def _imag(value):
-    if isinstance(value, dict):
-        return {key: _imag(item) for key, item in value.items()}
-    if isinstance(value, tuple):
-        items = (_imag(item) for item in value)
-        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
-    return value if np.asarray(value).dtype.kind == "i" else np.imag(value) / STEP  # places stay what they are

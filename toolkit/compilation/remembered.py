@@ -8,23 +8,11 @@ from typing import Any, TypeVar
 import numpy as np
 
 from toolkit.description.point import Point
+from toolkit.foundation.itself import Itself
 from toolkit.reduced_model.model import ReducedModel
 from toolkit.scene.scene import Scene, position_in, size_of
 
 T = TypeVar("T")
-
-
-class _Itself:
-    """Something that equals itself alone, whatever is in it."""
-
-    def __init__(self, item: Any) -> None:
-        self.item = item
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Itself) and self.item is other.item
-
-    def __hash__(self) -> int:
-        return id(self.item)
 
 
 class Remembered:
@@ -60,7 +48,8 @@ class Remembered:
     def answers_as(self, other: Remembered, question: Any) -> bool:
         """Whether another scene, which differs in numbers alone, has the answer to a question that this one was asked.
 
-        Of things without a value of their own it has that only if it holds the very same.
+        Of things without a value of their own it has that only if it holds the very same. A position is the same if no complex number
+        has met it: so that what one step in a scene's numbers leaves alone it leaves alone at all of them.
         """
         kind, *about = question
         if kind in ("attribute", "interface"):
@@ -75,7 +64,7 @@ class Remembered:
         if kind == "arc lengths":
             return bool(other.arc_lengths(about[0].item) == mine)
         its = other.size if kind == "size" else getattr(other, kind)(*about)
-        return mine is its or (kind == "position" and np.array_equal(mine, its)) or (kind == "size" and bool(mine == its))
+        return mine is its or (kind == "position" and not np.iscomplexobj(its)) or (kind == "size" and bool(mine == its))
 
     def _written_alike(self, other: Remembered, point: str) -> bool:
         """Whether another scene has the very same point, which depends on nothing else."""
@@ -101,11 +90,11 @@ class Remembered:
 
     def arc_lengths(self, body: Any) -> dict[str, Any]:
         """Interface points of a body that the scene puts elsewhere along it."""
-        return self.once(("arc lengths", _Itself(body)), lambda: self._scene.arc_lengths(body))
+        return self.once(("arc lengths", Itself(body)), lambda: self._scene.arc_lengths(body))
 
     def of_body(self, body: Any, what: str, make: Callable[[], T]) -> T:
         """What is made of one of its bodies, once. Its questions count each time, as if it were made each time."""
-        key, outer = (what, _Itself(body)), self._asked
+        key, outer = (what, Itself(body)), self._asked
         if key not in self._kept:
             self._asked = set()
             try:

@@ -83,6 +83,8 @@ def _said(error: Any, owner: type[BaseModel]) -> str:
         return f"this key is missing; needed or possible here: {possible}."
     if error["type"] == "value_error":
         return str(error["ctx"]["error"]).rstrip(".") + "."
+    if error["type"] == "tuple_type":
+        return f"write a list, as [1.0, 2.0] (given: {SHORT.repr(error['input'])})."
     if error["type"] == "union_tag_not_found":
         return "this table needs a `type`."
     return f"{error['msg']} (given: {SHORT.repr(error['input'])})."

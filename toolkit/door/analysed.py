@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 
@@ -14,13 +13,12 @@ from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.sensitivity.clock import Progress, once, repeated
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import again, evaluated, values_alone
-from toolkit.sensitivity.frames.chosen_frames import Frames
+from toolkit.sensitivity.frames_for_gradients import more_frames
 from toolkit.sensitivity.method_names import METHODS
 from toolkit.sensitivity.methods import by_method
-from toolkit.sensitivity.preparation import Kind, check_kind, frozen
+from toolkit.sensitivity.preparation import Kind, check_kind
 from toolkit.solvers.start.continued import continued_start
 from toolkit.system.model_files import refuse_changed
-from toolkit.system.solution import Solution
 
 
 @one_thread()
@@ -45,7 +43,7 @@ def analysed(
     if gradients and not compiled.names:
         raise InputError("gradients of what? The model has no design variables. Name some: compile(scene, variables=[...]).")
     refuse_changed(compiled.files)
-    compiled = compiled.analysed_by(kind)
+    compiled = compiled.analysed_by(kind, more_frames if gradients else None)
     if start is not None:
         if timed:
             raise InputError("the price of a run with a start is not measured. Leave out one of timed and start.")
@@ -53,19 +51,7 @@ def analysed(
     clock = repeated if timed else once
     if not gradients:
         return Run.of(values_alone(compiled, kind, progress, clock))
-    found = by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock)
-    return Run.of(replace(found, reframed=partial(_reframed, compiled, kind, found.solution)))
-
-
-def _reframed(
-    compiled: Compiled, kind: Kind, solution: Solution, frames: Mapping[str, Frames]
-) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
-    """Values and gradients with other frames, and the same steps."""
-    other = compiled.reframed(frames)
-    if kind == "transient" and compiled.scene.solver.local_error is not None:
-        other = Compiled(frozen(other.scene, solution), other.names)
-    found = by_method("auto", other, kind)
-    return found.values, found.gradients
+    return Run.of(by_method("auto" if gradients is True else str(gradients), compiled, kind, progress, keep_states, clock))
 
 
 def check_method(gradients: bool | str) -> None:

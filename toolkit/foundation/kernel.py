@@ -12,11 +12,11 @@ from types import FunctionType
 from typing import Any
 
 import numba
-from numba.core.compiler import Compiler
 from numba.core.errors import NumbaExperimentalFeatureWarning
 from numba.core.registry import CPUDispatcher
 
 from toolkit.foundation.compiled.compiled_code import CompiledCode
+from toolkit.foundation.compiled.formula_compiler import FormulaCompiler
 from toolkit.foundation.compiled.inner_code import InnerCompiler
 from toolkit.foundation.compiled.packed import Formula
 from toolkit.foundation.errors import InputError
@@ -68,7 +68,7 @@ def _refuse(dispatcher: CPUDispatcher, *_arguments: Any, **_named: Any) -> None:
     raise TypeError(f"{name} is a formula that only other kernels call. Call plain({name}), or decorate it by kernel.")
 
 
-def _compiled(function: Callable, compiler: type = Compiler, **options: bool) -> CPUDispatcher:
+def _compiled(function: Callable, compiler: type = FormulaCompiler, **options: bool) -> CPUDispatcher:
     dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, pipeline_class=compiler, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
         dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]

@@ -223,7 +223,7 @@ def _check_affine(model: ReducedModel, path: Path, sizes: Sizes) -> None:
             continue
         nominal = model.item(item)
         here = places(nominal, polynomial.entry)
-        difference = np.abs(polynomial.at(p, here) - nominal.ravel()[here])
+        difference = np.abs(polynomial.on(here)(p, len(here)) - nominal.ravel()[here])
         size = sizes_of[item] if item in sizes_of else _largest(nominal)
         if not np.all(difference <= ROUND_OFF * size.at(here)):
             _refuse(path, f"{place}/value", f"differs from invariants/{item} at the nominal design")

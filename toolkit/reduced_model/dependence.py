@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from dataclasses import dataclass, fields
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+
+FEW = 0.5
+"""Part of an array's places below which it is evaluated there alone."""
 
 
 @dataclass(frozen=True)
@@ -63,9 +66,9 @@ class Polynomial:
         """The flattened array (size,) at parameters p (n_parameters,), real or complex."""
         return scattered(self.entry, self._weights(p, self.power)[self.term] * self.value, size)
 
-    def at(self, p: np.ndarray, places: np.ndarray) -> np.ndarray:
-        """The same at some places in their order, among which are all that are not zero."""
-        return scattered(np.searchsorted(places, self.entry), self._weights(p, self.power)[self.term] * self.value, len(places))
+    def on(self, places: np.ndarray) -> Polynomial:
+        """That of the values at some places in their order, among which are all that are not zero."""
+        return replace(self, entry=np.searchsorted(places, self.entry))
 
     def rates(self, p: np.ndarray) -> Derivatives:
         """Derivatives by all parameters, one entry for every factor of every term; places can occur more than once."""
@@ -92,6 +95,24 @@ class Polynomial:
 
     def _weights(self, p: np.ndarray, power: np.ndarray) -> np.ndarray:
         return np.prod(np.append(p, 1.0)[self.factor] ** power, axis=1)  # a factor of -1 is the 1 at the end
+
+
+class Told(NamedTuple):
+    """What is known of an array, on those of its places alone that are not zero or can become so, if these are few."""
+
+    here: np.ndarray | slice  # places in the flattened array, ascending, or all
+    polynomial: Polynomial | None  # whose entries, as those of the tangents, are places among these
+    tangents: dict[int, tuple[np.ndarray, np.ndarray]]  # parameter -> places and values of its derivative
+
+
+def told_of(nominal: np.ndarray, polynomial: Polynomial | None, tangents: Mapping[int, tuple[np.ndarray, np.ndarray]]) -> Told:
+    """Of an array at the nominal design, its polynomial, and derivatives by some parameters."""
+    filled = [] if polynomial is None else [polynomial.entry]
+    here = np.unique(np.concatenate([np.flatnonzero(nominal), *filled, *(entry for entry, _ in tangents.values())]))
+    if len(here) > FEW * nominal.size:
+        return Told(slice(None), polynomial, dict(tangents))
+    fewer = None if polynomial is None else polynomial.on(here)
+    return Told(here, fewer, {k: (np.searchsorted(here, entry), value) for k, (entry, value) in tangents.items()})
 
 
 def scattered(entry: np.ndarray, value: np.ndarray, size: int) -> Any:

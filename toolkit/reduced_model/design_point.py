@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
-from toolkit.reduced_model.dependence import Derivatives, scattered
+from toolkit.foundation.itself import Itself
+from toolkit.foundation.listed_names import listed, meant
+from toolkit.reduced_model.dependence import Derivatives, Told, scattered, told_of
 from toolkit.reduced_model.model import InterfacePoint, ReducedModel, Shape
-from toolkit.reduced_model.thin_arrays import places, sparing
+from toolkit.reduced_model.thin_arrays import sparing
 
 NONE = Derivatives(np.zeros(0, np.int64), np.zeros(0, np.int64), np.zeros(0))
 
@@ -45,7 +46,7 @@ class DesignPoint:
             if parameter in self.model.nominal:
                 continue
             raise InputError(
-                f"reduced model {self.model.label} has no parameter {parameter!r}; available: "
+                f"reduced model {self.model.label} has no parameter {parameter!r}{meant(parameter, self.model.parameters)}; available: "
                 f"{listed(self.model.parameters)}. Use one of these names, or state it in the skin file and run "
                 "preprocessing again."
             )
@@ -69,6 +70,11 @@ class DesignPoint:
         numbers, nominal = self.model.numbers, self.model.nominal
         steps = {numbers[name]: value - nominal[name] for name, value in self.values.items()}
         return {k: step for k, step in steps.items() if step != 0}
+
+    @cached_property
+    def _complex(self) -> frozenset[int]:
+        """Parameters with a complex step: items that depend on none of them are real."""
+        return frozenset(k for k, step in self._steps.items() if isinstance(step, complex))
 
     def invariants(self) -> Any:
         """All invariants.
@@ -143,26 +149,28 @@ class DesignPoint:
             return nominal
         by_tangent = [k for k in self._steps if self._is_tangent(item, k)]
         self._check(item, by_tangent)
-        derivatives, polynomials = self.model.dependence(item)
-        polynomial = (polynomials or {}).get(item)
-        tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
-        reached = () if polynomial is None else (polynomial.entry,)
-        here = places(nominal, *reached, *(entry for entry, _ in tangents.values()))
-        whole = len(here) == nominal.size
-        own = nominal.ravel() if whole else nominal.ravel()[here]
-        flat = own
+        here, polynomial, tangents = self._told(item, nominal, by_tangent)
+        own = flat = nominal.ravel()[here]
         if polynomial is not None:
-            flat = polynomial(self._p, nominal.size) if whole else polynomial.at(self._p, here)
+            flat = polynomial(self._p if polynomial.depends_on_any(self._complex) else np.real(self._p), len(own))
         for k, (entry, slope) in tangents.items():
-            flat = flat + scattered(entry if whole else np.searchsorted(here, entry), self._steps[k] * slope, len(here))
+            flat = flat + scattered(entry, self._steps[k] * slope, len(own))
         if not any(np.real(step) for step in self._steps.values()):
             # the nominal body itself, whose last digits a thin skin feels
             flat = own + 1j * np.imag(flat)
-        if whole:
-            return flat.reshape(nominal.shape)
         found = np.zeros(nominal.size, flat.dtype)
         found[here] = flat
         return found.reshape(nominal.shape)
+
+    def _told(self, item: str, nominal: np.ndarray, by_tangent: list[int]) -> Told:
+        """What the file tells of an item; looked up once for all designs."""
+        known, key = self.model.told, (item, *by_tangent)
+        if key not in known:
+            derivatives, polynomials = self.model.dependence(item)
+            tangents = {k: derivatives[item].by(k) for k in by_tangent}  # type: ignore[index]
+            known[key] = told_of(nominal, (polynomials or {}).get(item), tangents)
+        found: Told = known[key]
+        return found
 
     def rows(self, item: str) -> Any:
         """An item as a matrix (.., n) of its last axis; sparse if it is large and zero nearly everywhere.
@@ -236,22 +244,9 @@ class DesignPoint:
 
 def design_at(model: ReducedModel, values: Mapping[str, Any], first_order: bool) -> DesignPoint:
     """The design point of a model at some values; the same one while it is among the last that were asked for."""
-    return _design_at(_Same(model), tuple(values.items()), first_order)
-
-
-@dataclass(frozen=True, eq=False)
-class _Same:
-    """A model that equals itself alone, whatever is in its arrays."""
-
-    model: ReducedModel
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.model is other.model
-
-    def __hash__(self) -> int:
-        return id(self.model)
+    return _design_at(Itself(model), tuple(values.items()), first_order)
 
 
 @lru_cache(maxsize=KEPT)
-def _design_at(same: _Same, values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
-    return DesignPoint(same.model, dict(values), first_order)
+def _design_at(same: Itself[ReducedModel], values: tuple[tuple[str, Any], ...], first_order: bool) -> DesignPoint:
+    return DesignPoint(same.item, dict(values), first_order)

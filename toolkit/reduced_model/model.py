@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -210,6 +210,11 @@ class ReducedModel:
     def numbers(self) -> dict[str, int]:
         """Number of each parameter."""
         return {name: k for k, name in enumerate(self.nominal)}
+
+    @cached_property
+    def told(self) -> dict[tuple[Any, ...], Any]:
+        """What its design points have looked up about its items, see `dependence.Told`."""
+        return {}
 
     @property
     def n_f(self) -> int:

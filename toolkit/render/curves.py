@@ -12,22 +12,32 @@ from toolkit.system.solution import Solution
 
 Panels = list[tuple[str, str, dict[str, np.ndarray]]]
 """Of each panel what it shows, the quantity that this is, and name -> values over time."""
+SEEN = 1e-9
+"""A rotation in rad, or a way in parts of the scene's size, below which curves are zero: round-off."""
+EVEN = 1e-6
+"""A change that no curve shows, in parts of the values."""
 _ROWS = 9
 """Names below each other beside a panel."""
 
 
 def draw_panels(solution: Solution, panels: Panels) -> Figure:
     """A panel per quantity, each in a unit in which its numbers are short."""
-    units = solution.system.scene.units
+    scene, units = solution.system.scene, solution.system.scene.units
+    seen = {"angle": SEEN, "length": SEEN * scene.size}
     with sheet(0.8 + 2.6 * len(panels), len(panels), width=WIDE, sharex=True) as (figure, axes):
         for panel, (what, quantity, curves) in zip(axes[:, 0], panels, strict=True):
             factor, label = readable(max(float(np.abs(values).max()) for values in curves.values()), unit(units, quantity))
-            for number, (name, values) in enumerate(curves.items()):
+            for number, (name, exact) in enumerate(curves.items()):
+                values = np.where(np.abs(exact) > seen.get(quantity, 0.0), exact, 0.0)
                 panel.plot(
                     solution.times, factor * values, marker="." if len(values) < 100 else None, label=name, **style(number)
                 )
             panel.set_ylabel(f"{what} in {label}")
             panel.set_ylim(bottom=0 if min(np.min(values) for values in curves.values()) >= 0 else None)
+            low, high = panel.dataLim.intervaly
+            size = max(abs(low), abs(high))
+            if size and high - low <= EVEN * size:  # digits that nobody asked for would be the scale
+                panel.set_ylim(low - 0.1 * abs(low), high + 0.1 * abs(high))
             columns = -(-len(curves) // _ROWS)
             words = panel.legend(curves, loc="upper left", bbox_to_anchor=(1.0, 1.0), ncols=columns).get_texts()
             for word in words:

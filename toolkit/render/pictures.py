@@ -10,18 +10,20 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.files.own_files import list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.spread import spread
-from toolkit.render.animation import ENCODED, MOST_FRAMES, drawn_frames
-from toolkit.render.instants import telling_steps
+from toolkit.render.motion.animation import ENCODED, MOST_FRAMES, drawn_frames
+from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import require
 from toolkit.render.space.probe import drawing, drawing_environment
+from toolkit.render.stress_told import largest_stress
 from toolkit.render.view import View
 from toolkit.scene.scene import Scene
 from toolkit.scene.space import PLANE, SPACE
 from toolkit.system.solution import Solution
 
-_INSTANTS = 4
+INSTANTS = 4
 """Instants that are drawn if nobody asks for others, and most that fit into the overview."""
 NARROWEST, WIDEST = 200, 10_000
 """Pixels of a picture."""
@@ -42,8 +44,8 @@ def render_solution(
     Parameters
     ----------
     instants : sequence of float
-        Times, in the scene's unit; each is drawn at the nearest step. By default four up to the end whose
-        pictures differ (`telling_steps`).
+        Times, in the scene's unit; each is drawn at the nearest step. By default up to four at which something happens
+        (`telling_steps`).
     width : int
         Width of every picture in pixels.
     view : View
@@ -57,19 +59,22 @@ def render_solution(
     -------
     files : list of Path
         `step-<number>.png` (or what the format is) per instant; `overview.png` with up to four of them; `curves.png` and, on request,
-        `animation.gif` and `animation.mp4` if there is more than one step.
+        `animation.gif` and `animation.mp4` if there is more than one step. Those of an earlier call by these names go.
 
     Raises
     ------
     RenderError
         A package is missing or, for a scene in space, OpenGL; names what to install.
     InputError
-        An instant lies outside the solution, or the scene cannot be looked at like this.
+        An instant lies outside the solution, or the scene cannot be looked at like this; or the folder has files of such names
+        that ffrf has not written.
     """
     view.check(solution.system.scene)
     _check(directory, instants, width)
     directory = Path(directory)
     require("matplotlib", *["imageio_ffmpeg"] * film)
+    names = file_names(view.format, animate, film)
+    refuse_foreign(directory, names)
     endings = [ending for ending, wanted in zip((".gif", ".mp4"), (animate, film), strict=True) if wanted]
     with drawing() if solution.system.scene.space.camera else nullcontext():
         artist = _ARTISTS[solution.system.scene.space](solution, view)
@@ -79,10 +84,14 @@ def render_solution(
         look, moments = artist.look([*steps, *shown]), [artist.moment(step) for step in steps]
         digits = len(str(solution.steps))
         files = [directory / f"step-{moment.step:0{digits}}.{view.format}" for moment in moments]
+        further = {"overview": len(moments) > 1, "curves": solution.steps and not solution.names}
+        others = [f"{name}.{view.format}" for name, drawn in further.items() if drawn]
+        films = [f"animation{ending}" for ending in endings if len(shown) > 1]
+        list_own(directory, [*(file.name for file in files), *others, *films], instead_of=names)
         for file, moment in zip(files, moments, strict=True):
             artist.instant(moment, look, file, width)
         if len(moments) > 1:
-            few = [moments[k] for k in spread(len(moments) - 1, _INSTANTS)]
+            few = [moments[k] for k in spread(len(moments) - 1, INSTANTS)]
             files.append(directory / f"overview.{view.format}")
             artist.overview(few, look, files[-1], width)
         if solution.steps and not solution.names:
@@ -182,7 +191,7 @@ def chosen_steps(solution: Solution, points: Callable[[int], np.ndarray], instan
         An instant lies outside the solution.
     """
     if instants is None:
-        return telling_steps(solution.steps, _INSTANTS, points)
+        return telling_steps(INSTANTS, points, largest_stress(solution))
     first, last = solution.times[0], solution.times[-1]
     slack = 1e-9 * max(abs(first), abs(last))
     for instant in instants:

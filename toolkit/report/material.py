@@ -7,9 +7,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from toolkit.foundation.spread import spread
-from toolkit.render.animation import MOST_FRAMES
+from toolkit.render.motion.animation import MOST_FRAMES
+from toolkit.render.pictures import chosen_steps
 from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.look import Look, choose_look
+from toolkit.render.plane.look import Look, choose_look, drawn_points
 from toolkit.report.monitors import Monitors, monitor
 from toolkit.results.results import Results
 from toolkit.scene.scene import Scene
@@ -23,8 +24,10 @@ from toolkit.system.solution import Solution
 Progress = Callable[[str, int, int], None]
 JUDGES = ("forward-difference", "central-difference", "complex-step")
 """Methods that the gradients are compared with, from the roughest to the finest."""
-AFFORDABLE = 200_000
-"""Steps x unknowns x variables up to which a report takes a complex step: about a minute of plain Python."""
+AFFORDABLE = 20_000
+"""Steps x unknowns x variables up to which a report takes a complex step without being asked: some seconds of plain Python."""
+PATIENCE = 20.0
+"""Seconds that differences may take without being asked for, by the time of one run."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,11 @@ class Material:
         return spread(self.solution.steps, MOST_FRAMES)
 
     @cached_property
+    def telling(self) -> list[int]:
+        """Steps of pictures beside each other, the last among them: those at which something happens."""
+        return chosen_steps(self.solution, lambda step: drawn_points(self.moment(step)), None)
+
+    @cached_property
     def look(self) -> Look:
         """Window and colours of all pictures."""
         return replace(choose_look(self.solution, self.shown), detail=None)
@@ -75,8 +83,8 @@ class Material:
         return monitor(self.solution)
 
 
-def judge(material: Material, progress: Progress) -> Material:
-    """The same material with the gradients of all numerical methods, without the complex step where it would take minutes."""
+def judge(material: Material, progress: Progress, everything: bool = False) -> Material:
+    """The same material with the gradients of numerical methods: of all on request, else of those that take seconds."""
     names = list(material.results.variables)
     kind: Kind = "transient" if material.moving else "static"
     if not names:
@@ -86,7 +94,10 @@ def judge(material: Material, progress: Progress) -> Material:
         return numerical(material.scene, names, kind, method, lambda done, total: progress(method, done, total), clock=repeated)
 
     effort = max(material.solution.steps, 1) * material.solution.system.n * len(names)
-    affordable = [method for method in JUDGES if method != "complex-step" or effort <= AFFORDABLE]
+    quick = {"complex-step": effort <= AFFORDABLE}
+    seconds = material.results.run["wall_primal"] or 0.0
+    runs = {"forward-difference": len(names) + 1, "central-difference": 2 * len(names) + 1}
+    affordable = [method for method in JUDGES if everything or quick.get(method, seconds * runs.get(method, 0) <= PATIENCE)]
     judges = {method: run(method) for method in affordable}
     return Material(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
 

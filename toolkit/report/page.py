@@ -5,15 +5,19 @@ from __future__ import annotations
 import base64
 import json
 import math
+import re
 from collections.abc import Sequence
 from html import escape
 from importlib.resources import files
+from itertools import groupby
 from pathlib import Path
 from string import Template
 from typing import Any, NamedTuple
 
+from toolkit.render.round_numbers import MINUS
 from toolkit.report.tables import Table
 
+DASH = "\N{EN DASH}"
 LONG = 40
 """Letters from which on an entry of a table is broken into lines."""
 
@@ -25,18 +29,23 @@ class Section(NamedTuple):
     title: str
     body: str
     full: bool = True
-    """Whether it needs the whole width; the others stand side by side where there is room."""
+    """Whether it needs the whole width; the others fill two columns where there is room."""
+    long: bool = False
+    """Whether it may go on in the next column, between two pictures."""
 
 
-def page(title: str, summary: str, sections: Sequence[Section]) -> str:
-    """The whole page."""
+def page(title: str, summary: str, *parts: Sequence[Section]) -> str:
+    """The whole page; every part begins below the one before it."""
+    sections = [section for part in parts for section in part]
     contents = "".join(f'<a href="#{escape(section.name)}">{escape(section.title)}</a>' for section in sections)
-    bodies = "".join(map(_section, sections))
+    grouped = (groupby(part, lambda section: section.full) for part in parts)
+    groups = [(full, "".join(map(_section, some))) for part in grouped for full, some in part]
+    bodies = "".join(some if full else f'<div class="halves">{some}</div>' for full, some in groups)
     return _template("page.html").substitute(title=escape(title), summary=escape(summary), contents=contents, sections=bodies)
 
 
 def _section(section: Section) -> str:
-    kind = ' class="full"' if section.full else ""
+    kind = ' class="long"' if section.long else ""
     return f'<section id="{escape(section.name)}"{kind}><h2>{escape(section.title)}</h2>{section.body}</section>'
 
 
@@ -46,7 +55,17 @@ def _template(name: str) -> Template:
 
 def paragraph(text: str) -> str:
     """A paragraph of plain text."""
-    return f"<p>{escape(text)}</p>"
+    return f"<p>{escape(typeset(text))}</p>"
+
+
+def bullets(lines: Sequence[str]) -> str:
+    """A list of plain texts."""
+    return f"<ul>{''.join(f'<li>{escape(typeset(line))}</li>' for line in lines)}</ul>"
+
+
+def typeset(text: str) -> str:
+    """The same with minus signs before numbers, and dashes between words, instead of hyphens."""
+    return re.sub(r"(?<=\s)-(?=\s)", DASH, re.sub(r"(?<![^\s(])-(?=\d)", MINUS, text))
 
 
 def listing(text: str) -> str:
@@ -58,11 +77,12 @@ def picture(path: Path, caption: str) -> str:
     """A picture's file inside the page, with its caption."""
     kind = {".svg": "image/svg+xml", ".png": "image/png", ".gif": "image/gif"}[path.suffix]
     data = base64.b64encode(path.read_bytes()).decode()
-    return f'<figure><img src="data:{kind};base64,{data}" alt="{escape(caption)}"><figcaption>{escape(caption)}</figcaption></figure>'
+    words = escape(typeset(caption))
+    return f'<figure><img src="data:{kind};base64,{data}" alt="{words}"><figcaption>{words}</figcaption></figure>'
 
 
 def pictures(parts: Sequence[str]) -> str:
-    """Pictures side by side where there is room."""
+    """Pictures below each other."""
     return f'<div class="figures">{"".join(parts)}</div>'
 
 
@@ -83,7 +103,7 @@ def table(content: Table) -> str:
 
 def _cell(value: Any) -> str:
     if isinstance(value, (int, float)) and not isinstance(value, bool):
-        text = f"{value:.6g}" if math.isfinite(value) else "does not exist"
+        text = f"{value:.6g}".replace("-", MINUS) if math.isfinite(value) else "does not exist"
         return f'<td class="number">{text}</td>'
     kind = "word" if len(str(value)) < LONG else "long"
     return f'<td class="{kind}">{escape(str(value))}</td>'

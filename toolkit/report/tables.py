@@ -19,6 +19,12 @@ from toolkit.scene_file.gradient_units import per, variable_unit
 
 AGGREGATIONS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Parameters of the table, beside the scene's own."""
+_JUDGES = {
+    "forward-difference": "The forward difference uses steps of 1e-6 of the value.",
+    "central-difference": "The central difference uses steps of 1e-5 of the value.",
+    "complex-step": "The complex step is exact to round-off.",
+}
+"""What the methods are that gradients are compared with."""
 
 
 @dataclass(frozen=True)
@@ -78,7 +84,7 @@ def _ks_table(material: Material, name: str, response: KSStress) -> Table:
         f"The scene uses {response.aggregation:g}."
     )
     head = [
-        "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS - maximum in {label}",
+        "parameter" if response.reference_stress else f"rho in 1/{label}", f"KS in {label}", f"KS minus maximum in {label}",
         f"bound ln(n)/rho in {label}", "relative excess",
     ]  # fmt: skip
     return Table(f"ks_{name}", "Smooth maximum and its parameter", caption, head, rows)
@@ -93,10 +99,8 @@ def gradient_table(material: Material) -> Table:
             others = [judge.gradients[name][variable] for judge in material.judges.values()]
             rows.append([name, variable, slope, label, *(abs(other - slope) / (abs(slope) or 1.0) for other in others)])
     compared = [f"relative difference to {method}" for method in material.judges]
-    caption = (
-        "Total derivatives of the responses. The forward difference uses steps of 1e-6 of the value, the central "
-        "one 1e-5; the complex step is exact to round-off."
-    )
+    known = [words for method, words in _JUDGES.items() if method in material.judges]
+    caption = " ".join(["Total derivatives of the responses.", *known])
     head = ["response", "variable", f"derivative ({results.method})", "unit", *compared]
     return Table("gradients", "Gradients", caption, head, rows)
 
@@ -117,7 +121,8 @@ def cost_table(material: Material) -> Table:
         rows.append([method, runs, total, total / primal if primal else np.nan])
     caption = (
         f"Wall times on the machine of this report, {count} variables. Compiled and warm; the median of several runs where a run is "
-        "short. The other methods compile the scene's numbers anew for every run, and the complex step runs as plain Python."
+        f"short.{' The other methods compile the numbers of the scene anew for every run.' * bool(material.judges)}"
+        f"{' The complex step runs as plain Python.' * ('complex-step' in material.judges)}"
     )
     return Table("cost", "Cost", caption, ["analysis", "runs", "wall time in s", "relative to primal"], rows)
 

@@ -1,4 +1,4 @@
-"""Writing a report: page, figures, tables, numbers, animation and results file in one folder."""
+"""Writing a report: page, figures, tables, numbers and results file in one folder."""
 
 from __future__ import annotations
 
@@ -27,18 +27,19 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
     Raises
     ------
     InputError
-        The folder cannot be written, or holds files of these names that no command has written.
+        The folder cannot be written, or holds files of these names that ffrf has not written.
 
     Returns
     -------
-    path of `report.html`; beside it `figures/` (PNG, SVG), `tables/` (CSV), `numbers.json`, `animation.gif`, `results.h5`
+    path of `report.html`; beside it `figures/` (PNG, SVG), `tables/` (CSV), `numbers.json`, `results.h5`; of a
+    motion in space `animation.gif`, `overview.png` and `curves.png` too
     """
     folder = Path(folder)
     refuse_foreign_files(folder, material.results.path)
     try:
         for name in ("figures", "tables"):
             (folder / name).mkdir(parents=True, exist_ok=True)
-        begin(folder)
+        begin(folder, material.results.path)
     except OSError as error:
         raise InputError(f"{str(folder)!r} cannot hold a report ({error.strerror}). Give a writable folder.") from error
     tables = all_tables(material)
@@ -52,11 +53,11 @@ def write_report(material: Material, folder: str | Path, title: str, progress: P
         Section(table.name, table.title, page.table(table), len(table.head) > 4) for table in tables if table.name != "monitors"
     ]
     answers = [each for each in written if each.name in ANSWERS]
-    sections = [_trust(material), *answers, *motion_sections(material, folder, progress)]
+    first, sections = [_trust(material), *answers], motion_sections(material, folder, progress)
     sections += [*_figure_sections(drawings, folder / "figures"), *(each for each in written if each not in answers)]
     sections += [_missing(material), _again(material)]
     path = folder / PAGE
-    _write(path, page.page(title, summary(material), [section for section in sections if section.body]))
+    _write(path, page.page(title, summary(material), *([each for each in part if each.body] for part in (first, sections))))
     return path
 
 
@@ -99,23 +100,25 @@ def _figure_sections(drawings: list[tuple[str, Drawing]], folder: Path) -> list[
     for kind in dict.fromkeys(kind for kind, _ in drawings):
         own = [drawing for name, drawing in drawings if name == kind]
         body = page.pictures([page.picture(folder / f"{each.name}.svg", each.caption) for each in own])
-        sections.append(Section(kind, own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize(), body, len(own) > 1))
+        title = own[0].title if len(own) == 1 else kind.replace("_", " ").capitalize()
+        sections.append(Section(kind, title, body, full=False, long=len(own) > 1))
     return sections
 
 
 def _trust(material: Material) -> Section:
     """Whether the numbers of the report can be trusted, and why not."""
-    lines = str(material.results.verdict).splitlines()
-    return Section("trust", "Whether to trust these numbers", "".join(page.paragraph(line) for line in lines))
+    head, *reasons = str(material.results.verdict).splitlines()
+    listed = page.bullets([reason.removeprefix("- ") for reason in reasons]) if reasons else ""
+    return Section("trust", "Whether to trust these numbers", page.paragraph(head) + listed, full=False)
 
 
 def _missing(material: Material) -> Section:
     """What this report does not say, and how to get it."""
     lines = []
     if material.results.variables and not material.judges:
-        lines.append("Gradients are not compared with other methods here: report the scene itself, without --no-judges.")
-    if material.judges and "complex-step" not in material.judges:
-        lines.append("Gradients are not compared with a complex step, which would take minutes: ffrf certify does it.")
+        lines.append("Gradients are not compared with other methods here: report the scene itself, with --judges.")
+    elif material.results.variables and "complex-step" not in material.judges:
+        lines.append("Gradients are not compared with a complex step, which takes its time here: ffrf report --judges does it.")
     if not material.results.design:
         lines.append(
             "There are no derivatives of stress and shape: report the scene itself, or a file written by ffrf sensitivity with the "
@@ -123,7 +126,7 @@ def _missing(material: Material) -> Section:
         )
     if not material.moving:
         lines.append("There are no curves over time, because this is an equilibrium.")
-    return Section("missing", "Not in this report", "".join(page.paragraph(line) for line in lines))
+    return Section("missing", "Not in this report", "".join(page.paragraph(line) for line in lines), full=False)
 
 
 def _again(material: Material) -> Section:

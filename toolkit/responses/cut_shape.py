@@ -10,7 +10,6 @@ and how far it has turned, x_0 its undeformed place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -19,6 +18,7 @@ import numpy as np
 from toolkit.bodies.cut.framed_part import elements_at, whole_design
 from toolkit.bodies.planar.cut.cut_body import PlanarCutBody
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.itself import Itself
 from toolkit.kinematics.planar import rotation
 from toolkit.reduced_model.cut.chain import Place, chain_nodes
 from toolkit.scene.cut_scene import clamped_nodes
@@ -70,9 +70,12 @@ def cut_positions(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, n
     return places, slopes
 
 
-def moves_nodes(scene: Scene, name: str) -> bool:
-    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body."""
-    return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+def moves_shapes(scene: Scene, name: str) -> bool:
+    """Whether the imaginary step that a scene holds moves the undeformed nodes of a cut body, or what its parts are reduced to."""
+    body: Any = scene.bodies[name]
+    if body.modes_per_frame is None:
+        return bool(np.any(np.imag(whole_design(scene, name).value("elements.nodes"))))
+    return any(np.any(np.imag(part.part(scene).recovery)) for part in body.parts(name).values())
 
 
 def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, float, np.ndarray]:
@@ -86,27 +89,14 @@ def whole_axes(scene: Scene, name: str, q: np.ndarray) -> tuple[np.ndarray, floa
     return axes.place, float(axes.angle), origin
 
 
-@dataclass(frozen=True, eq=False)
-class _Same:
-    """A scene that equals itself alone: states of one run are looked at one by one."""
-
-    scene: Scene
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.scene is other.scene
-
-    def __hash__(self) -> int:
-        return id(self.scene)
-
-
 def _rows(scene: Scene, name: str) -> list[Rows]:
     """All nodes in the order of the chain, one between two parts as the first of the second."""
-    return _rows_of(_Same(scene), name)
+    return _rows_of(Itself(scene), name)
 
 
 @lru_cache(maxsize=8)
-def _rows_of(same: _Same, name: str) -> list[Rows]:
-    scene, found = same.scene, []
+def _rows_of(same: Itself[Scene], name: str) -> list[Rows]:
+    scene, found = same.item, []
     body = scene.bodies[name]
     assert isinstance(body, PlanarCutBody)
     for k, part in enumerate(body.parts(name).values()):
@@ -114,7 +104,7 @@ def _rows_of(same: _Same, name: str) -> list[Rows]:
         last = k == len(body.cuts) - 2
         for node in range(count + last):
             place = Place(part.first + min(node, count - 1), float(node == count))  # type: ignore[attr-defined]
-            found.append(Rows(body.first_coordinate(k), *assembled.at(place)))
+            found.append(Rows(body.starts[k], *assembled.at(place)))
     return found
 
 

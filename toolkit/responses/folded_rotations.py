@@ -19,9 +19,8 @@ def folded_rotations(solution: Solution) -> Iterator[Caution]:
     """A remark for every rotation of a scene in space that jumps from one half turn to the other on the way."""
     for name, response in solution.system.scene.responses.items():
         if isinstance(response, Rotation) and response.axis is not None:
-            angles = np.array(
-                [float(np.real(response.at(solution, step).value)) for step in spread(len(solution.times) - 1, LOOKED_AT)]
-            )
+            look = response.instants(solution)
+            angles = np.array([float(np.real(look(step).value)) for step in spread(len(solution.times) - 1, LOOKED_AT)])
             if np.any(np.abs(np.diff(angles)) > np.pi):
                 yield Caution(
                     "rotation-folded",

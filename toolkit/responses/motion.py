@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -16,17 +17,21 @@ from toolkit.responses.instant import magnitude
 from toolkit.responses.one_point import OnePoint
 from toolkit.responses.response import Partials
 from toolkit.responses.rotation_axis import refuse_axis
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
-from toolkit.system.system import System
 
 
 class MarkerResponse(OnePoint):
     """Base of responses that follow from the pose of one point."""
 
-    def pose(self, system: System, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def at(self, solution: Solution, step: int) -> Partials:
+        """Value and partial derivatives at one step."""
+        return self.instants(solution)(step)
+
+    def pose(self, states: MarkerStates, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pose (p,), 3 or 12 numbers, its derivatives by the coordinates (p, n_q) and by the design (p, n_x)."""
-        marker, state, markers = system.numbering.marker((self.body, self.point)), marker_states(system, q), system.plan.markers
+        system, state = states.system, states.at(q)
+        marker, markers = system.numbering.marker((self.body, self.point)), system.plan.markers
         columns = slice(markers.start[marker], markers.start[marker + 1])
         size = state.y.shape[1]
         pose_q: np.ndarray = np.zeros((size, system.n_q), system.dtype)
@@ -34,7 +39,7 @@ class MarkerResponse(OnePoint):
         pose_x = np.zeros((size, system.n_x))
         for d in range(markers.design_start[marker], markers.design_start[marker + 1]):
             pose_x[:, markers.design_variable[d]] += np.real(state.y_x[d])
-        return state.y[marker], pose_q, pose_x
+        return state.y[marker].copy(), pose_q, pose_x
 
 
 class Rotation(MarkerResponse):
@@ -65,9 +70,12 @@ class Rotation(MarkerResponse):
         super().check(scene)
         refuse_axis(self.axis, scene, "rotation")
 
-    def at(self, solution: Solution, step: int) -> Partials:
-        """The angle of the marker."""
-        pose, pose_q, pose_x = self.pose(solution.system, solution.q[step])
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """The angle of the marker, step by step."""
+        states = MarkerStates(solution.system)
+        return lambda step: self._angle(*self.pose(states, solution.q[step]))
+
+    def _angle(self, pose: np.ndarray, pose_q: np.ndarray, pose_x: np.ndarray) -> Partials:
         if self.axis is None:
             return Partials(pose[2], q=pose_q[2], design=pose_x[2])
         axes = axes_along(self.axis)
@@ -103,16 +111,21 @@ class Displacement(MarkerResponse):
         if self.component not in (*scene.space.axes, "magnitude"):
             raise InputError('a scene of dimension 2 has no displacement along z; take "x", "y" or "magnitude".')
 
-    def at(self, solution: Solution, step: int) -> Partials:
-        """Position of the marker minus the undeformed one, which may follow the design too."""
-        system = solution.system
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """Position of the marker minus the undeformed one, which may follow the design too, step by step."""
+        system, d = solution.system, solution.system.scene.dimension
+        states = MarkerStates(system)
         start, dstart = (item[: system.n_q] for item in system.undeformed())
-        pose, pose_q, pose_x = self.pose(system, solution.q[step])
-        origin, origin_q, origin_x = self.pose(system, start)
-        d = system.scene.dimension
-        move, move_q, move_x = (pose - origin)[:d], pose_q[:d], (pose_x - origin_x - np.real(origin_q) @ dstart)[:d]
-        if self.component != "magnitude":
-            row = "xyz".index(self.component)
-            return Partials(move[row], q=move_q[row], design=move_x[row])
-        length, direction = magnitude(move, lambda: np.real(move_q) @ solution.derivative("q")[step] + move_x)
-        return Partials(length, q=direction @ move_q, design=direction @ move_x)
+        origin, origin_q, origin_x = self.pose(states, start)
+        fixed_x = origin_x + np.real(origin_q) @ dstart
+
+        def look(step: int) -> Partials:
+            pose, pose_q, pose_x = self.pose(states, solution.q[step])
+            move, move_q, move_x = (pose - origin)[:d], pose_q[:d], (pose_x - fixed_x)[:d]
+            if self.component != "magnitude":
+                row = "xyz".index(self.component)
+                return Partials(move[row], q=move_q[row], design=move_x[row])
+            length, direction = magnitude(move, lambda: np.real(move_q) @ solution.derivative("q")[step] + move_x)
+            return Partials(length, q=direction @ move_q, design=direction @ move_x)
+
+        return look

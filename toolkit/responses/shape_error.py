@@ -12,7 +12,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.foundation.near_ties import SAME, first_largest
 from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
-from toolkit.responses.cut_shape import cut_positions, moves_nodes
+from toolkit.responses.cut_shape import cut_positions, moves_shapes
 from toolkit.responses.instant import Instant
 from toolkit.responses.response import MeanSquare, Partials
 from toolkit.responses.stress.stress import design_rates
@@ -98,7 +98,7 @@ def _rates_of_cut(solution: Solution, body: str, q: np.ndarray) -> Iterator[tupl
             target = target_shape(moved, body).target
             if (
                 set(variable.paths) <= set(scene.model_parameters())
-                and not moves_nodes(moved, body)
+                and not moves_shapes(moved, body)
                 and not np.any(np.imag(target))
             ):
                 continue  # a section: its effect is that of the state

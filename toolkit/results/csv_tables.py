@@ -11,10 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from toolkit.foundation.files.own_files import list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.results.results import BodyResults, Results
 
 STATES = {"coordinates": "q", "velocities": "v", "accelerations": "a"}
+BY_BODY = "stress_*.csv", "shape_error_*.csv"
+"""Tables that other results may not have."""
 
 
 def export_csv(results: Results, directory: str | Path) -> list[Path]:
@@ -24,18 +27,26 @@ def export_csv(results: Results, directory: str | Path) -> list[Path]:
     -------
     files : `responses.csv` with gradients; `coordinates.csv`, `velocities.csv`, `accelerations.csv`, `multipliers.csv`, a line per
         time; per flexible body `stress_<body>.csv`, `shape_error_<body>.csv`, and both again per variable
+
+    Raises
+    ------
+    InputError
+        There are files of these names that ffrf has not written.
     """
     directory = Path(directory)
-    directory.mkdir(parents=True, exist_ok=True)
     time = f"time in {results.unit('time')}"
     tables = {name: (results.coordinates, getattr(results, field)) for name, field in STATES.items()}
     tables["multipliers"] = (results.multiplier_names, results.multipliers)
     for name, body in results.bodies.items():
         tables |= _body_tables(results, name, body)
-    files = [write_csv(directory / "responses.csv", *response_table(results))]
+    names = {name: f"{safe_name(name)}.csv" for name in ["responses", *tables]}
+    refuse_foreign(directory, list(names.values()))
+    directory.mkdir(parents=True, exist_ok=True)
+    list_own(directory, list(names.values()), instead_of=BY_BODY)
+    files = [write_csv(directory / names["responses"], *response_table(results))]
     for name, (columns, values) in tables.items():
         rows = np.column_stack([results.times, values]).tolist()
-        files.append(write_csv(directory / f"{safe_name(name)}.csv", [time, *columns], rows))
+        files.append(write_csv(directory / names[name], [time, *columns], rows))
     return files
 
 

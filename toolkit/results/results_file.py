@@ -122,6 +122,11 @@ def load_results(path: str | Path) -> Results:
         raise ResultsFileError(
             f"there is no results file {str(path)!r}. Write one with: ffrf simulate SCENE.toml --output {path.name}."
         )
+    if path.suffix == ".toml":
+        raise ResultsFileError(
+            f"{str(path)!r} holds no results, but is a text. Keep those of a scene in a file first: ffrf simulate {path} --output "
+            f"{path.stem}.h5."
+        )
     with reading(path, partial(damaged, path)) as content:
         check_schema(content.attributes(), path)
         return _read(content, path)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any
@@ -12,10 +11,11 @@ from toolkit.bodies.body import Body
 from toolkit.bodies.cut.chosen_frames import ChosenFrames
 from toolkit.bodies.cut.cut_body import CutBody, part_name, part_number
 from toolkit.bodies.cut.cuttable_body import CuttableBody
-from toolkit.bodies.cut.framed_part import NODE
-from toolkit.bodies.model_body import ModelBody
+from toolkit.bodies.cut.framed_part import NODE, place_on
+from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.itself import Itself
 from toolkit.joints.both.tie import Tie
 from toolkit.reduced_model.cut.chain import breaks, chain_nodes, node_labels, place_at
 from toolkit.reduced_model.model import ReducedModel
@@ -31,7 +31,7 @@ class CutScene(Scene):
 
     def all_bodies(self) -> dict[str, Body]:
         """The bodies, each with its parts behind it, and the ground."""
-        return {"ground": self.space.ground, **_with_parts_of(_SameBodies(self.bodies))}
+        return {"ground": self.space.ground, **_with_parts_of(Itself(self.bodies))}
 
     def body(self, name: str) -> Body:
         """One body, or part of one."""
@@ -77,24 +77,11 @@ def written(scene: Scene) -> Scene:
     return scene
 
 
-@dataclass(frozen=True, eq=False)
-class _SameBodies:
-    """Bodies that equal themselves alone, whatever their numbers are."""
-
-    bodies: dict[str, Body]
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _SameBodies) and self.bodies is other.bodies
-
-    def __hash__(self) -> int:
-        return id(self.bodies)
-
-
 @lru_cache(maxsize=8)
-def _with_parts_of(same: _SameBodies) -> dict[str, Body]:
+def _with_parts_of(same: Itself[dict[str, Body]]) -> dict[str, Body]:
     """Bodies, each with its parts behind it: many ask for the same ones."""
     found: dict[str, Body] = {}
-    for name, body in same.bodies.items():
+    for name, body in same.item.items():
         found[name] = body
         if isinstance(body, CutBody):
             found |= body.parts(name)
@@ -119,7 +106,10 @@ def with_parts(scene: Scene) -> Scene:
         if body.frames == "auto":
             raise InputError(f'bodies.{name}.frames = "auto" is chosen by runs, and nobody has chosen it here. Write a number.')
         cuts = cuts_of(name, body, model)
-        cut = scene.space.cut_body.model_construct(**{**dict(body), **body.model_values()}, cuts=tuple(cuts))
+        gripped = () if body.modes_per_frame is None else _gripped(scene, name, model)
+        written = {**dict(body), **body.model_values()}
+        cut = scene.space.cut_body.model_construct(**written, cuts=tuple(cuts), gripped=gripped)
+        cut = cut.model_copy(update={"starts": cut.part_starts(name, model)})
         held = _clamp(name, model) if body.frame == "grounded" else []
         fields["bodies"] = {**fields["bodies"], name: cut}
         tied = {tie_name(name, model, node): (node, parts) for node, parts in _meetings(name, model, cuts, held).items()}
@@ -127,6 +117,24 @@ def with_parts(scene: Scene) -> Scene:
         fields["points"] = {**fields["points"], **points}
         fields["joints"] = {**fields["joints"], **dict(_ties(scene, tied))}
     return CutScene.model_construct(**fields)
+
+
+def _gripped(scene: Scene, name: str, model: ReducedModel) -> tuple[int, ...]:
+    """Nodes of the elements that points of the scene lie in, and those that they lie at."""
+    assert model.elements is not None
+    found: set[int] = set()
+    for point, written in scene.points.items():
+        if isinstance(written, BodyPoint) and written.body == name and written.interface != FRAME:
+            place = place_on(scene, name, point)
+            ends = model.elements.connectivity[place.element]
+            found |= {int(ends[int(place.ratio)])} if place.at_node else {int(node) for node in ends}
+    return tuple(sorted(found))
+
+
+def parts_of(scene: Scene) -> dict[str, tuple[tuple[int, ...], ...]]:
+    """Cut body -> where it is cut, the nodes that it keeps, and how many coordinates come before each of its parts."""
+    cut = {name: body for name, body in scene.bodies.items() if isinstance(body, CutBody)}
+    return {name: (body.cuts, body.gripped, body.starts) for name, body in cut.items()}
 
 
 def _meetings(name: str, model: ReducedModel, cuts: list[int], held: list[int]) -> dict[int, list[str]]:

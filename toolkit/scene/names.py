@@ -9,6 +9,7 @@ from toolkit.bodies.model_body import ModelBody
 from toolkit.description.point import BodyPoint
 from toolkit.description.validation_messages import SHORT
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
 from toolkit.loads.spatial.pressure import Pressure
 from toolkit.markers.component import Component
 
@@ -94,7 +95,8 @@ def known(name: str, existing: Iterable[str], user: str, kind: str) -> None:
     """
     if name not in existing:
         raise InputError(
-            f"{user} names {kind} {name!r}, which does not exist; {PLURAL[kind]} of the scene: {', '.join(existing) or 'none'}."
+            f"{user} names {kind} {name!r}, which does not exist{meant(name, existing)}; {PLURAL[kind]} of the scene: "
+            f"{', '.join(existing) or 'none'}."
         )
 
 

@@ -19,7 +19,7 @@ from toolkit.description.point import BodyPoint, Point
 from toolkit.description.run_options import RunOptions
 from toolkit.description.vector_paths import lettered, numbered
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.joints.joint import Joint
 from toolkit.loads.gravity import UniformGravity
 from toolkit.loads.load import AnyLoad
@@ -225,10 +225,11 @@ class Scene(Description):
         written = self._written(path)
         if written is not None:
             return written
-        nominal = self.model_parameters()
+        nominal = self._parameters_of(path.split(".")[1]) if path.count(".") else {}
         if path not in nominal:
             raise InputError(
-                f"there is no number {path!r} in the scene; available: {listed(self.available_paths())}. "
+                f"there is no number {path!r} in the scene{meant(path, [*self.design, *self.available_paths()])}; available: "
+                f"{listed(self.available_paths())}. "
                 "Design variables and overrides are paths of such numbers."
             )
         return nominal[path]
@@ -255,14 +256,18 @@ class Scene(Description):
 
     def model_parameters(self) -> dict[str, float]:
         """Paths of the numbers that come from reduced models: parameters, and arc lengths of interface points."""
+        return self._parameters_of(*self.bodies, *self.points)
+
+    def _parameters_of(self, *names: str) -> dict[str, float]:
+        """Those of bodies and points of these names."""
         found: dict[str, float] = {}
-        for name, body in self.bodies.items():
+        for name, body in ((name, self.bodies[name]) for name in names if name in self.bodies):
             if isinstance(body, ModelBody):
                 model = self.model(body.model)
                 places = {place_parameter(interface) for interface in model.interfaces or {}}  # reached through their points
                 own = {parameter: value for parameter, value in model.nominal.items() if parameter not in places}
                 found |= {f"bodies.{name}.{parameter}": value for parameter, value in own.items()}
-        for name, point in self.points.items():
+        for name, point in ((name, self.points[name]) for name in names if name in self.points):
             owner = self.bodies[point.body] if isinstance(point, BodyPoint) else None
             if isinstance(point, BodyPoint) and isinstance(owner, ModelBody):
                 interfaces = self.model(owner.model).interfaces or {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,7 @@ from toolkit.description.run_options import RunOptions
 from toolkit.description.validation_messages import SHORT, messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import parse_toml, read_toml
+from toolkit.foundation.files.toml_kinds import refuse_other
 from toolkit.foundation.files.toml_lines import naming_lines
 from toolkit.foundation.listed_names import meant
 from toolkit.responses.catalogue import Response
@@ -23,10 +24,8 @@ from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.kinds import DIMENSIONS, kinds_of
 from toolkit.scene.scene import Scene
 
-OF_BODIES = {"airfoil", "mesh", "matrices", "beams"}
-"""Keys of the files that reduced models are built from."""
-OF_STUDIES = {"variables", "objective", "analysis", "uncertain"}
-"""Keys of studies."""
+GROUPS = "points", "bodies", "joints", "loads", "responses"
+"""Tables of names."""
 
 
 def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Scene:
@@ -60,7 +59,7 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
         else:
             single.add(long if isinstance(long, str) else key)
             _change(table, long if isinstance(long, str) else key, text, path)
-    _refuse_others(table, path)
+    refuse_other(table, path, "scene")
     with naming_lines(path, changed={*single, *common}):
         scene = scene_from_table(table, path)
     for name in common:
@@ -69,22 +68,6 @@ def read_scene(path: str | Path, changes: Mapping[str, Any] | None = None) -> Sc
         ) is not None:
             raise InputError(f"{path.name}: {name!r} drives {twice}, which is given a value of its own too. Give one of them.")
     return with_numbers(scene, common)[0] if common else scene
-
-
-def _refuse_others(table: Mapping[str, Any], path: Path) -> None:
-    """A file of another kind is told apart before all its keys are unknown."""
-    if table.keys() & {"points", "bodies", "joints", "loads", "solver"}:
-        return
-    if "scene" in table and table.keys() & OF_STUDIES:
-        raise InputError(
-            f"{path.name} is a study of the scene {SHORT.repr(table['scene'])}, not a scene. Give that scene, or the study to `ffrf "
-            "optimize`, `ffrf sweep` or `ffrf uncertainty`."
-        )
-    if table.keys() & OF_BODIES and "responses" not in table:
-        raise InputError(
-            f"{path.name} describes a flexible body, not a scene. Build its reduced model with `ffrf-preprocess {path}`, and name that as "
-            "the model of a body in a scene."
-        )
 
 
 def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
@@ -97,7 +80,7 @@ def scene_from_table(table: dict[str, Any], path: Path) -> Scene:
     """
     problems: list[str] = []
     dimension = _dimension(table, path)
-    groups = {name: _group(table.get(name, {}), name, problems) for name in ("points", "bodies", "joints", "loads", "responses")}
+    groups = {name: _group(table.get(name, {}), name, problems) for name in GROUPS}
     parsed: dict[str, Any] = {name: {} for name in groups}
     for name, text in groups["points"].items():
         parsed["points"][name] = _point(text, dimension, f"points.{name}", problems)
@@ -162,6 +145,11 @@ def _point(value: Any, dimension: int, where: str, problems: list[str]) -> Any:
         hint = f" A scene of dimension {other} begins with dimension = {other}." if len(value) == other else ""
         problems.append(f"{where} has {len(value)} coordinates; {SPACES[dimension]}.{hint}")
         return None
+    if not isinstance(value, dict):
+        problems.append(
+            f"{where} = {SHORT.repr(value)} is no point; {SPACES[dimension]}, and one on a body a table of body and interface."
+        )
+        return None
     return _validated(BodyPoint, value, where, problems)
 
 
@@ -175,11 +163,11 @@ def _item(
     wanted = value["type"]
     kind = kinds.get(wanted) if isinstance(wanted, str) else None
     if kind is None:
-        hint = ""
+        hint, near = "", meant(wanted, kinds) if isinstance(wanted, str) else ""
         if isinstance(wanted, str) and wanted in others:
             other = others[wanted].dimension
             hint = f" It belongs to scenes with dimension = {other}, this one has dimension = {5 - other}."
-        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown; available: {', '.join(sorted(kinds))}.{hint}")
+        problems.append(f"{where}.type = {SHORT.repr(wanted)} is unknown{near}; available: {', '.join(sorted(kinds))}.{hint}")
         return None
     return _validated(kind, {key: item for key, item in value.items() if key != "type"}, where, problems)
 
@@ -210,6 +198,9 @@ def _change(table: dict[str, Any], key: str, text: Any, path: Path) -> None:
             raise InputError(f"{path.name}: {key!r} leads nowhere: {'.'.join(owners[: depth + 1])} is a value, not a table.")
     index = _index(owner, last, axes)
     if index is None and (isinstance(owner, list) or not owners):
+        short = table.get("design", ()) if not owners else ()
+        raise InputError(_leads_nowhere(key, last, owner, axes, path, short))
+    if index is None and len(owners) == 1 and owners[0] in GROUPS and not isinstance(value, dict | list):
         raise InputError(_leads_nowhere(key, last, owner, axes, path))
     owner[last if index is None else index] = value
 
@@ -230,7 +221,7 @@ def _index(owner: Any, name: str, axes: str) -> Any:
     return name if name in owner else None
 
 
-def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path) -> str:
-    letters, close = ", ".join(axes), list(owner) if isinstance(owner, dict) else []
+def _leads_nowhere(key: str, name: str, owner: Any, axes: str, path: Path, short: Iterable[str] = ()) -> str:
+    letters, close = ", ".join(axes), [*short, *owner] if isinstance(owner, dict) else []
     possible = ", ".join(owner) if isinstance(owner, dict) else letters if len(owner) == len(axes) else f"0 to {len(owner) - 1}"
     return f"{path.name}: {SHORT.repr(key)} leads nowhere: there is no {SHORT.repr(name)}{meant(name, close)}; possible here: {possible}."

@@ -54,16 +54,25 @@ class Compiled:
         """States of the files of reduced models when they were first asked for; all of one origin share them."""
         return file_states(self.scene) if self.base is None else self.base.files
 
-    def analysed_by(self, kind: Kind) -> Compiled:
+    def analysed_by(self, kind: Kind, for_gradients: More | None = None) -> Compiled:
         """The same with numbers of frames that an analysis needs, where the scene leaves them to be chosen.
 
-        They are chosen once, at the scene's own numbers, so that its values at other numbers can be compared.
+        They are chosen once, at the scene's own numbers, so that its values at other numbers can be compared; where gradients are wanted
+        too, `for_gradients` tells the numbers that these need.
         """
         root = self if self.base is None else self.base
         if kind not in root._chosen:
             root._chosen[kind] = chosen_frames(root.scene, kind)
-        choices = root._chosen[kind]
-        return self._other(("chosen", kind), lambda scene: with_choices(scene, choices)) if choices else self
+        if for_gradients is None or not root._chosen[kind]:
+            return self.chosen(root._chosen[kind])
+        if kind not in root._chosen_for_gradients:
+            root._chosen_for_gradients[kind] = for_gradients(root, kind, root._chosen[kind])
+        return self.chosen(root._chosen_for_gradients[kind])
+
+    def chosen(self, choices: Choices) -> Compiled:
+        """The same with numbers of frames that were chosen."""
+        key = ("chosen", *sorted(choices.items()))
+        return self._other(key, lambda scene: with_choices(scene, choices)) if choices else self
 
     def of_one_frame(self) -> Compiled:
         """The same with one frame where the number is to be chosen: enough for what is not deformed."""
@@ -84,6 +93,10 @@ class Compiled:
 
     @cached_property
     def _chosen(self) -> dict[Kind, Choices]:
+        return {}
+
+    @cached_property
+    def _chosen_for_gradients(self) -> dict[Kind, Choices]:
         return {}
 
     @cached_property
@@ -120,3 +133,7 @@ class Compiled:
         scene, paths = with_numbers(self.scene, numbers)
         root = self if self.base is None else self.base
         return Compiled(scene, self.names, root, tuple(dict.fromkeys([*self.paths, *paths])))
+
+
+More = Callable[[Compiled, Kind, Choices], Choices]
+"""Numbers of frames for gradients, from a scene as it is written and those that its values need."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 
 from toolkit.foundation.errors import NeedsDirectError
 from toolkit.scene.scene import Scene
@@ -11,9 +13,11 @@ from toolkit.sensitivity.choice import choose
 from toolkit.sensitivity.clock import Clock, Progress, once
 from toolkit.sensitivity.compiled import Compiled
 from toolkit.sensitivity.direct import by_direct
+from toolkit.sensitivity.frames.chosen_frames import Frames
 from toolkit.sensitivity.numerical import by_repetition
-from toolkit.sensitivity.preparation import Kind, check_kind, check_names
+from toolkit.sensitivity.preparation import Kind, check_kind, check_names, frozen
 from toolkit.sensitivity.result import Result
+from toolkit.system.solution import Solution
 
 
 def gradients_by(
@@ -50,6 +54,11 @@ def by_method(
     clock: Clock = once,
 ) -> Result:
     """The same of a compiled scene."""
+    found = _by_method(method, compiled, kind, progress, keep_states, clock)
+    return replace(found, reframed=partial(_reframed, compiled, kind, found.solution))
+
+
+def _by_method(method: str, compiled: Compiled, kind: Kind, progress: Progress | None, keep_states: bool, clock: Clock) -> Result:
     if method == "auto":
         return _chosen(compiled, kind, progress, keep_states, clock)
     if method == "direct":
@@ -68,3 +77,14 @@ def _chosen(compiled: Compiled, kind: Kind, progress: Progress | None, keep_stat
     except NeedsDirectError as refusal:
         reason = f"direct differentiation, because {refusal.why}."
         return replace(by_direct(compiled, kind, progress, clock), reason=reason)
+
+
+def _reframed(
+    compiled: Compiled, kind: Kind, solution: Solution, frames: Mapping[str, Frames]
+) -> tuple[Mapping[str, float], Mapping[str, Mapping[str, float]]]:
+    """Values and gradients with other frames, and the same steps."""
+    other = compiled.reframed(frames)
+    if kind == "transient" and compiled.scene.solver.local_error is not None:
+        other = Compiled(frozen(other.scene, solution), other.names)
+    found = by_method("auto", other, kind)
+    return found.values, found.gradients

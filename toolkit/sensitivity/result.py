@@ -13,6 +13,7 @@ from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.responses.folded_rotations import folded_rotations
 from toolkit.responses.forces.joint_force import JointForce
 from toolkit.responses.magnitude import Largest, largest_in, magnitude_that_counts
+from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.errors.step_cautions import step_cautions
 from toolkit.sensitivity.errors.step_error import Repeat, StepError, step_error
@@ -20,6 +21,7 @@ from toolkit.sensitivity.frames.gradient_errors import FrameErrors, Reframed, do
 from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -119,7 +121,7 @@ class Result:
         """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
-            return Verdict.of([*found.warnings, *self._undefined()], found.measures)
+            return Verdict.of([*found.warnings, *self._undefined(), *self._coarse()], found.measures)
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:
@@ -131,13 +133,19 @@ class Result:
             }
             measured["estimated_error"] = {**measured["estimated_error"], **estimated}
         about_forces = force_cautions(self.solution, measured["force_noise"])
-        about_responses = (*about_forces, *about_steps, *folded_rotations(self.solution), *self._undefined())
+        about_responses = (*about_forces, *about_steps, *folded_rotations(self.solution), *self._undefined(), *self._coarse())
         return Verdict.of([*cautions(self.solution, measured), *about_responses], measured)
 
     @property
     def warnings(self) -> tuple[Caution, ...]:
         """All that whoever reads the numbers has to know, doubts first."""
         return self.verdict.warnings
+
+    def _coarse(self) -> Iterator[Caution]:
+        """Frequencies that the elements of a body are too long for."""
+        scene = self.solution.system.scene
+        asked = {f: self.values[f] for f, each in scene.responses.items() if isinstance(each, Frequency) and f in self.values}
+        return too_fast_for_elements(scene, asked, doubt=True)
 
     def _undefined(self) -> Iterator[Caution]:
         """Values and derivatives that do not exist at this design."""

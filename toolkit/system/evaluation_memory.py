@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -22,15 +23,22 @@ class EvaluationMemory(threading.local):
 
     def __init__(self, plan: Plan) -> None:
         self._terms = allocate_terms(plan, float)
+        self._zero = [np.zeros_like(values) for values in self._terms]
+        self._state = np.zeros((3, plan.n))
         self.terms: Any = in_memory(self._terms)
         self.work: Any = in_memory(allocate_work(plan, float))
+        self.formula: Callable[..., Any] | None = None
+        """The compiled equations, once they have been looked up."""
+
+    def state(self, *vectors: np.ndarray) -> np.ndarray:
+        """q, v and acc (n,) as the compiled equations take them."""
+        self._state[:] = vectors
+        return self._state
 
     def found(self, linearized: bool, designed: bool) -> Terms:
         """What the last evaluation has found, for whoever asked; what it was not asked for is zero."""
         wanted = {"inertial": True, "applied": True, "I_x": designed, "A_x": designed}
+        asked = [wanted.get(name, linearized) for name in Terms._fields]
         return Terms(
-            *(
-                values.copy() if wanted.get(name, linearized) else np.zeros_like(values)
-                for name, values in zip(Terms._fields, self._terms, strict=True)
-            )
+            *[(each if is_wanted else zero).copy() for is_wanted, each, zero in zip(asked, self._terms, self._zero, strict=True)]
         )

@@ -8,14 +8,15 @@ import numpy as np
 
 from toolkit.compilation.checks import check_numbers
 from toolkit.compilation.dependence import GROUPS
+from toolkit.compilation.derivatives import renewed_derivatives
 from toolkit.compilation.numbering import weights
 from toolkit.compilation.patterns.kept_pattern import NewEntryError, renew
 from toolkit.compilation.plan import Kept, build_plan
-from toolkit.compilation.quantities import derivatives, seen_quantities
+from toolkit.compilation.quantities import seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.joints.row_checks import keeps_rows
-from toolkit.scene.cut_scene import with_parts
+from toolkit.scene.cut_scene import parts_of, with_parts
 from toolkit.scene.scene import Scene
 from toolkit.system.system import System, compile_scene
 
@@ -26,7 +27,7 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     Whatever `compile_scene` would make of it gives the same results to round-off: an entry that has become zero stays in the pattern. A
     number that is not zero any more where nothing was before brings a new pattern, and the scene is compiled as if for the first time; so
     is one whose redundant joints are left out, because other numbers may make other ones redundant, and one whose profile of a cam falls
-    into other pieces.
+    into other pieces, or a point of which comes to lie between other nodes of a reduced part.
 
     Parameters
     ----------
@@ -47,6 +48,8 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     if not paths:  # numbers of the solver and of responses stand in the scene alone
         return replace(system, scene=scene).compiled_as(system)
     names = list(system.design.names)
+    if parts_of(scene) != parts_of(system.scene):
+        return compile_scene(scene, names, system.numbering.seen)
     if not system.compiled or scene.solver.redundant == "least-squares":
         return compile_scene(scene, names, system.numbering.seen)
     placed = Remembered(scene, system.placed)
@@ -54,21 +57,25 @@ def renewed(system: System, scene: Scene, paths: list[str]) -> System:
     numbering = system.numbering
     affected = numbering.affected_by(scene, paths)
     new, seen = seen_quantities(scene, numbering, affected, placed)
-    if not all(keeps_rows(part.written[0], placed, numbering.forms.rows[j]) for j, part in seen.parts["joints"].items()):  # type: ignore[arg-type]
+    asks_alike = all(system.asked[owner] == asked for owner, asked in seen.asked_by_components.items())
+    joints = list(scene.joints.values())
+    if not asks_alike or not all(keeps_rows(joints[j], placed, numbering.forms.rows[j]) for j in new.joints):
         return compile_scene(scene, names, numbering.seen)
-    rates = derivatives(scene, numbering, system.design, seen, affected)
+    rates = renewed_derivatives(scene, numbering, system.design, placed, system.derivatives, affected)
+    changed: set[str] = set()
     try:
-        pairs = [renew(system.values, new, system.values)]
-        for before, after in zip(system.derivatives, rates, strict=True):
-            pairs.append(renew(before, after.rates, system.values, after.still))
+        values, *changes = (
+            renew(before, after, system.values, changed)
+            for before, after in zip([system.values, *system.derivatives], [new, *rates], strict=True)
+        )
     except NewEntryError:
         return compile_scene(scene, names, numbering.seen)
-    (values, *changes), changed = [found for found, _ in pairs], frozenset().union(*(groups for _, groups in pairs))
     moved = any(group in ("points", "bodies") for group, _ in affected.items)
     sizes = weights(scene, placed) if moved else system.weights
-    changed |= frozenset() if np.array_equal(sizes, system.weights) else {"constant"}
-    plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, changed))
+    if not np.array_equal(sizes, system.weights):
+        changed.add("constant")
+    plan = build_plan(scene, numbering, values, changes, float, sizes, Kept(system.plan, frozenset(changed)))
     design = Design(tuple(replace(each, value=scene.value_of(each.name)) for each in system.design))
     found = replace(system, scene=scene, design=design, plan=plan, values=values, derivatives=changes, weights=sizes)
-    found.__dict__.update(placed=placed)
+    found.__dict__.update(placed=placed, **({} if "curves" in changed else {"known_curves": system.known_curves}))
     return found.compiled_as(system)

@@ -113,6 +113,6 @@ class Solution:
         """Where the coordinates of a body, of a cut one those of all its parts, are on the second axis of q, v, a."""
         first, written = self.system.numbering.first, self.system.scene.bodies.get(body)
         if isinstance(written, CutBody):
-            return slice(first[body], first[body] + written.first_coordinate(len(written.cuts) - 1))
+            return slice(first[body], first[body] + written.starts[-1])
         later = [start for start in first.values() if start > first[body]]
         return slice(first[body], min(later, default=self.system.n_q))

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -13,14 +14,15 @@ from scipy.sparse import csr_array
 from toolkit.compilation.arrays.component_arrays import families
 from toolkit.compilation.arrays.joint_arrays import laws_of
 from toolkit.compilation.checks import check_numbers
+from toolkit.compilation.derivatives import derivatives
 from toolkit.compilation.numbering import Numbering, number, weights
 from toolkit.compilation.patterns.common_pattern import on_common_pattern
 from toolkit.compilation.plan import build_plan
-from toolkit.compilation.quantities import STEP, Quantities, derivatives, loads_of, seen_quantities
+from toolkit.compilation.quantities import STEP, Asked, Quantities, loads_of, seen_quantities
 from toolkit.compilation.remembered import Remembered
 from toolkit.description.design import Design
 from toolkit.equations.equations import Inputs, Plan, Terms, allocate_terms, allocate_work, evaluate_all
-from toolkit.foundation.compiled.calls import call, formula_for, in_memory
+from toolkit.foundation.compiled.calls import call, entry_point, formula_for, in_memory
 from toolkit.foundation.kernel import plain, slots
 from toolkit.foundation.near_ties import first_largest
 from toolkit.joints.kernels.laws import SIGNATURE as LAW_SIGNATURE
@@ -58,6 +60,7 @@ class System:
     dtype: type
     weights: np.ndarray  # (n,) see `numbering.weights`
     files: FileStates = field(default_factory=dict)  # of reduced models, when the scene was compiled
+    asked: Asked = field(default_factory=dict)  # of the scene by joints and loads, when it was compiled
 
     @property
     def n_q(self) -> int:
@@ -95,6 +98,13 @@ class System:
             return plain(function)(*arguments)
         return call(function, *map(self._handed_on, arguments))
 
+    def prepared(self, function: CPUDispatcher, *arguments: Any) -> Callable[[], Any]:
+        """A kernel with its arguments, looked up once: for whoever writes other numbers into their arrays and calls it again and again."""
+        if not self.compiled:
+            return partial(plain(function), *arguments)
+        given = [in_memory(self._handed_on(each)) for each in arguments]
+        return partial(entry_point(function, *given), *given)
+
     def _handed_on(self, given: Any) -> Any:
         """An argument, or what compiled code takes for it where it is a part of this system, which never changes: made once."""
         known = id(given)
@@ -124,14 +134,16 @@ class System:
         """
         design = bool(design and self.n_x > 0)
         if not self.compiled:
-            terms, work = allocate_terms(self.plan, self.dtype), allocate_work(self.plan, self.dtype)
-            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, work)
+            terms = allocate_terms(self.plan, self.dtype)
+            self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, terms, self.work)
             return terms
-        q, v, acc = (np.ascontiguousarray(state, float) for state in (q, v, acc))  # exactly what the kernel is compiled for
         curves, curves_x, levels = (np.ascontiguousarray(part, float) for part in (inputs.curves, inputs.curves_x, inputs.levels))
         inputs = Inputs(curves, curves_x, float(inputs.scale), levels, bool(inputs.inertia), bool(inputs.joints_only))
-        memory = self._memory
-        self.run(evaluate_all, self.plan, self.functions, inputs, q, v, acc, linearize, design, memory.terms, memory.work)
+        memory, own = self._memory, map(self._handed_on, (self.plan, self.functions))
+        given = *own, inputs, *memory.state(q, v, acc), bool(linearize), design, memory.terms, memory.work
+        if memory.formula is None:
+            memory.formula = entry_point(evaluate_all, *given)
+        memory.formula(*given)
         return memory.found(linearize, design)
 
     @cached_property
@@ -226,20 +238,26 @@ class System:
     def curve_values(self, times: np.ndarray) -> np.ndarray:
         """The first of these alone; those of the last times are remembered, because the parts of an analysis ask for the same ones."""
         key = times.dtype.str, times.tobytes()
-        found = self._curve_values.get(key)
+        found = self.known_curves.get(key)
         if found is None:
             found = np.zeros((len(times), len(self.values.curves), 3), self.dtype)
             for c, curve in enumerate(self.values.curves.values()):
                 found[:, c] = curve.evaluate(times)
-            if len(self._curve_values) >= REMEMBERED:
-                self._curve_values.clear()
+            if len(self.known_curves) >= REMEMBERED:
+                self.known_curves.clear()
             if len(times) <= SHORT:
-                self._curve_values[key] = found
+                self.known_curves[key] = found
         return found.copy()
 
     @cached_property
-    def _curve_values(self) -> dict[tuple[str, bytes], np.ndarray]:
+    def known_curves(self) -> dict[tuple[str, bytes], np.ndarray]:
+        """Those of the last times: of all systems that have the same curves."""
         return {}
+
+    @property
+    def work(self) -> Any:
+        """Scratch memory of this thread for kernels that evaluate one state."""
+        return self._memory.work if self.compiled else allocate_work(self.plan, self.dtype)
 
     def inputs(self, time: float, levels: np.ndarray, scale: float = 1.0) -> Inputs:
         """What acts at one time."""
@@ -278,12 +296,13 @@ def compile_scene(scene: Scene, design: list[str] | None = None, markers: tuple[
     variables = scene.design_variables(design or [])
     numbering = number(scene, markers)
     values, seen = seen_quantities(scene, numbering)
-    changes = [each.rates for each in derivatives(scene, numbering, variables, seen)]
+    changes = derivatives(scene, numbering, variables, seen)
     on_common_pattern(values, changes)
     dtype = complex if any(isinstance(value, complex) for _, value in scene.numbers()) else float
     sizes = weights(scene)
     plan = build_plan(scene, numbering, values, changes, dtype, sizes)
     functions = formulas_of(scene) if dtype is float else plain_formulas_of(scene)
     lu_plan = analyse(plan.indptr, plan.indices, plan.n_q)
-    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files)
+    asked = seen.asked_by_components
+    system = System(scene, variables, numbering, plan, lu_plan, values, changes, functions, dtype, sizes, files, asked)
     return without_redundant_rows(system) if scene.solver.redundant == "least-squares" else system

@@ -8,9 +8,11 @@ from typing import Any
 from toolkit.foundation.processes.one_thread import one_thread
 from toolkit.foundation.verdict import Caution, Verdict
 from toolkit.system.solution import Solution
+from toolkit.validity.bodies.beam_assumptions import bent_between_nodes, sheared
 from toolkit.validity.bodies.bent_surfaces import bent_surfaces
 from toolkit.validity.bodies.compressed.unseen_tension import unseen_tension
 from toolkit.validity.bodies.physics import critical_loads, excessive_speeds, large_deformations, turning
+from toolkit.validity.bodies.reduced.left_out_shapes import shapes_measured, shapes_missed
 from toolkit.validity.bodies.spinning.missing_stiffening import missing_stiffening
 from toolkit.validity.bodies.spinning.partly_stiffened import partly_stiffened
 from toolkit.validity.curves.curve_overshoot import overshooting_tables
@@ -54,8 +56,8 @@ def _of_states(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution
 def measures(solution: Solution) -> dict[str, Any]:
     """What is measured to judge a solution; of an equilibrium nothing but how well its joints are closed."""
     found = measured(solution) if solution.steps else {"drift": solution.drift}
-    chosen = frames_chosen(solution.system.scene)
-    return {**found, "frames": chosen} if chosen else found
+    told = {"frames": frames_chosen(solution.system.scene), "left_out_shapes": shapes_measured(solution)}
+    return {**found, **{name: each for name, each in told.items() if each}}
 
 
 def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
@@ -84,10 +86,13 @@ def cautions(solution: Solution, found: Mapping[str, Any]) -> Iterator[Caution]:
     yield from cautions_of_start(solution)
     yield from cautions_of_scene(scene)
     yield from left_over(solution)
+    yield from shapes_missed(solution)
     yield from large_deformations(solution)
     yield from bent_surfaces(solution)
     yield from critical_loads(solution)
     yield from unseen_tension(scene)
+    yield from sheared(scene)
+    yield from bent_between_nodes(solution)
     yield from turning(solution)
     for body, names in scene.extrapolated().items():
         yield Caution(

@@ -19,6 +19,7 @@ from preprocessing.projects.solid.texts import BODY, README, SCENE
 from preprocessing.recipes.solids.body_tables import Region
 from preprocessing.recipes.solids.node_sets import nodes_in
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
 from toolkit.foundation.units import UNIT_SYSTEMS, unit
 
 DENSITY, MODULUS = 2700.0, 70e9
@@ -98,7 +99,10 @@ def _own(path: Path, clamp: str, grip: str) -> Solid:
     for option, group in (("--clamp", clamp), ("--grip", grip)):
         if group not in solid.mesh.groups:
             known = ", ".join(map(repr, solid.mesh.groups)) or "none"
-            raise InputError(f"the mesh {path.name!r} has no group {group!r}; there are {known}. Name one of them with {option}.")
+            near = meant(group, solid.mesh.groups)
+            raise InputError(
+                f"the mesh {path.name!r} has no group {group!r}{near}; there are {known}. Name one of them with {option}."
+            )
     return solid
 
 

@@ -47,8 +47,9 @@ E = { body = "skin", interface = "E" }
 G = { body = "skin", interface = "G" }
 
 [bodies]
-# Where a run warns of large deformation, write frames = "auto" into the line of the skin: it is cut into parts with frames of their own.
-skin = { type = "flexible", model = "skin.h5", frame = "grounded" }  # clamped at F
+# The skin turns farther than one linear frame allows. "auto" finds into how many parts with frames of their own it has to be cut; each run
+# says how many it took, and that number in its place spares it looking.
+skin = { type = "flexible", model = "skin.h5", frame = "grounded", frames = "auto" }  # clamped at F
 body2 = { type = "rod", between = ["A", "B"], area = $area, density = 2.7e-9 }
 body3 = { type = "rod", between = ["B", "C"], area = $area, density = 2.7e-9 }
 body4 = { type = "rod", between = ["B", "D"], area = $area, density = 2.7e-9 }
@@ -128,9 +129,9 @@ ffrf sensitivity $folder/scene.toml      # the same of the whole motion
 ffrf statics $folder/scene.toml --set M_t=$more   # any number can be changed for one run
 ```
 
-Runs that end with "NOT TO BE TRUSTED" mean it: the skin turns farther than one linear frame allows, which puts values off by some
-ten percent and may turn signs of gradients. `frames = 4` in the table of the skin in `scene.toml` (or `--set bodies.skin.frames=4`)
-cuts it into parts that turn with it; `frames = "auto"` finds how many it takes.
+The skin turns farther than one linear frame allows, which would put values off by some ten percent and turn signs of gradients.
+`frames = "auto"` in `scene.toml` cuts it into as many parts, which turn with it, as values and gradients need. A run that ends with
+"NOT TO BE TRUSTED" means it, and says what to do.
 
 The linkage is that of `models/morphing_wing`, moved into this section.
 """)

@@ -8,6 +8,7 @@ from preprocessing.elements.section import QUANTITIES
 from preprocessing.recipes.checked_file import put
 from preprocessing.recipes.skin.skin_file import SkinFile
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
 
 _KEYS = {
     "youngs_modulus": ("material", "youngs_modulus"),
@@ -60,7 +61,8 @@ def _place(file: SkinFile, name: str) -> tuple[str, ...]:
         if owner in map(str, range(file.skin.elements)) and quantity in file.skin.separate:
             return ()
     raise InputError(
-        f"skin.toml has no parameter {name!r}; there are {', '.join(_KEYS)}, shape modes ({', '.join(file.shape) or 'none'}), "
+        f"skin.toml has no parameter {name!r}{meant(name, _KEYS)}; there are {', '.join(_KEYS)}, "
+        f"shape modes ({', '.join(file.shape) or 'none'}), "
         f"quantities of groups such as thickness_NAME ({', '.join(file.groups) or 'no groups'}), of separate elements such as "
         "thickness_0, and interface_points.NAME.arc_length."
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from preprocessing.mesh.outline import BoundaryLines
 from preprocessing.mesh.solid_mesh import SolidMesh
 from preprocessing.recipes.solids.body_tables import Region
 from toolkit.foundation.errors import InputError
+from toolkit.foundation.listed_names import meant
 
 ON_EDGE = 1e-9
 """Part of the body's extent by which a node may be outside of a box."""
@@ -53,9 +53,10 @@ def _numbered(mesh: SolidMesh, wanted: np.ndarray) -> np.ndarray:
 
 def _of_group(mesh: SolidMesh, group: str) -> np.ndarray:
     if group not in mesh.groups:
-        close = get_close_matches(group, mesh.groups, n=1)
-        hint = f" Did you mean {close[0]!r}?" if close else " Name one of them, or take a box or numbers of nodes."
-        raise InputError(f"the mesh has no group {group!r}; there are {', '.join(map(repr, mesh.groups)) or 'none'}.{hint}")
+        raise InputError(
+            f"the mesh has no group {group!r}{meant(group, mesh.groups)}; there are {', '.join(map(repr, mesh.groups)) or 'none'}. Name "
+            "one of them, or take a box or numbers of nodes."
+        )
     return mesh.groups[group]
 
 

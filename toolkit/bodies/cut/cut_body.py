@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import accumulate, pairwise
 from typing import Any, ClassVar
 
 import numpy as np
@@ -19,6 +20,7 @@ from toolkit.bodies.cut.framed_part import (
 )
 from toolkit.bodies.model_body import FRAME, ModelBody
 from toolkit.reduced_model.cut.chain import Place
+from toolkit.reduced_model.model import ReducedModel
 
 
 class CutBody(ModelBody):
@@ -35,6 +37,10 @@ class CutBody(ModelBody):
 
     cuts: tuple[int, ...]
     choice: FrameChoice | None = None
+    gripped: tuple[int, ...] = ()
+    """Nodes of the reduced model whose coordinates reduced parts keep between their ends."""
+    starts: tuple[int, ...] = ()
+    """Coordinates before every part, and of all."""
 
     @property
     def has_frame(self) -> bool:
@@ -44,7 +50,8 @@ class CutBody(ModelBody):
     def uncut(self) -> ModelBody:
         """The body as the scene has written it."""
         written = {**dict(self), **self.model_values()}
-        del written["cuts"], written["choice"]
+        for own in ("cuts", "choice", "gripped", "starts"):
+            written.pop(own, None)
         return self.uncut_kind.model_construct(**written)
 
     def parts(self, name: str) -> dict[str, Body]:
@@ -52,7 +59,9 @@ class CutBody(ModelBody):
         written = {**dict(self.uncut()), **self.model_values(), "frame": "moving"}
         pairs = zip(self.cuts, self.cuts[1:], strict=False)
         return {
-            part_name(name, k): self.part_kind.model_construct(**written, whole=name, first=first, last=last)
+            part_name(name, k): self.part_kind.model_construct(
+                **written, whole=name, first=first, last=last, gripped=self.gripped
+            )
             for k, (first, last) in enumerate(pairs)
         }
 
@@ -95,7 +104,7 @@ class CutBody(ModelBody):
             refuse_frame_points(point, f"body {name!r}")
         number = self.part_at(scene, point, name)
         found = self.parts(name)[part_name(name, number)].marker(scene, point, name, *axes)
-        return found._replace(columns=self.first_coordinate(number) + found.columns)
+        return found._replace(columns=self.starts[number] + found.columns)
 
     def stress_operator(self, scene: Placed) -> np.ndarray:
         """That of all parts, on their elastic coordinates one after the other."""
@@ -113,12 +122,13 @@ class CutBody(ModelBody):
     @property
     def elastic_places(self) -> np.ndarray:
         """Where the elastic coordinates of all parts are among those of the body."""
-        spans = [(self.first_coordinate(k), self.first_coordinate(k + 1)) for k in range(len(self.cuts) - 1)]
+        spans = pairwise(self.starts)
         return np.concatenate([np.arange(first + self.part_kind.frame_coordinates, end) for first, end in spans])
 
-    def first_coordinate(self, number: int) -> int:
-        """Coordinates of the parts before one."""
-        return self.part_kind.per_node * (self.cuts[number] - self.cuts[0]) + self.part_kind.frame_coordinates * number
+    def part_starts(self, name: str, model: ReducedModel) -> tuple[int, ...]:
+        """Coordinates before every part, and of all, by the reduced model with its elements."""
+        sizes = [part.size(model) for part in self.parts(name).values()]  # type: ignore[attr-defined]
+        return tuple(accumulate(sizes, initial=0))
 
 
 def part_number(cuts: Sequence[int], place: Place) -> int:

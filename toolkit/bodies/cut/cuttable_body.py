@@ -21,7 +21,11 @@ class CuttableBody(ModelBody):
         it, and the error falls with the square of their number. Or nodes where it is cut: their numbers from the beginning of the body, or
         names of interface points of the reduced model. It needs a model of beams with all nodal coordinates (`kind = "full"`); where these
         branch, they are always cut.
-        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`.
+        "auto" takes the number that runs of the scene with fewer and more frames find to be enough for `geometric_error`, and where
+        gradients are wanted, for these too.
+    modes_per_frame
+        How many fixed-interface modes each part keeps, beside the coordinates at its ends and at the points of the scene on it
+        (Craig-Bampton); as many more as have the same frequency as the last. Left out, all coordinates of the part's nodes are kept.
     geometric_error
         With `frames = "auto"`: how far nodes may be from where ever more frames would bring them, in parts of the body's largest
         displacement; by default 0.01.
@@ -30,6 +34,7 @@ class CuttableBody(ModelBody):
     kind = ""
 
     frames: Annotated[int, Field(ge=1, strict=True)] | Literal["auto"] | tuple[Annotated[int, Field(strict=True)] | str, ...] = 1
+    modes_per_frame: Annotated[int, Field(ge=0, strict=True)] | None = None
     geometric_error: Annotated[Annotated[float, Field(gt=0, lt=1, allow_inf_nan=False)] | None, Quantity("1")] = None
 
     @field_validator("frames", mode="before")
@@ -47,6 +52,15 @@ class CuttableBody(ModelBody):
     def _error_of_a_choice(self) -> "CuttableBody":
         if self.geometric_error is not None and self.frames != "auto":
             raise ValueError('`geometric_error` is what frames = "auto" chooses a number for; write that, or leave it out')
+        return self
+
+    @model_validator(mode="after")
+    def _modes_of_parts(self) -> "CuttableBody":
+        if self.modes_per_frame is not None and self.frames == 1:
+            raise ValueError(
+                "`modes_per_frame` reduces the parts of a body with several `frames`; write these too (frames = [] is one part on a "
+                "chord), or reduce the whole body by [basis] in the file that its model is built from"
+            )
         return self
 
     @model_validator(mode="after")

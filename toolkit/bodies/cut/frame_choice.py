@@ -12,4 +12,7 @@ class FrameChoice(NamedTuple):
     error: float  # what the last of these runs leaves, estimated
     numbers: tuple[int, ...]  # of frames, one run after the other
     analysis: str
+    gradients: tuple[
+        tuple[int, float], ...
+    ] = ()  # further numbers of frames, and by how much these gradients may be off, in parts of them
     kept_run: str = ""  # file of the run that the scene starts in, whose number was taken without any run

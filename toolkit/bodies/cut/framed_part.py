@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
+from functools import lru_cache
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,12 +11,17 @@ import numpy as np
 from toolkit.bodies.body import CENTRE, Placed
 from toolkit.bodies.model_body import ModelBody
 from toolkit.foundation.errors import InputError
-from toolkit.reduced_model.cut.chain import Place, node_labels, place_at, place_of
+from toolkit.foundation.itself import Itself
+from toolkit.reduced_model.cut.chain import Place, node_labels, nodes_of_part, place_at, place_of
+from toolkit.reduced_model.cut.craig_bampton import PartShapes, part_shapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.part_model import part_model
 from toolkit.reduced_model.design_point import DesignPoint
 from toolkit.reduced_model.elements import Elements
+from toolkit.reduced_model.model import ReducedModel
 
+MANY = 1000
+"""Parts whose shapes are remembered: every complex step asks for them again."""
 NODE = "(node {})"
 """In place of an interface point: a node of the reduced model by its number there."""
 
@@ -35,35 +41,56 @@ class FramedPart(ModelBody):
     whole: str
     first: int
     last: int
+    gripped: tuple[int, ...] = ()
+    """Nodes of the whole whose coordinates are kept if others are not."""
+    modes_per_frame: int | None = None
 
     @staticmethod
-    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray) -> Part:
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
         """The part of elements at one design, with the element of every stress point."""
         raise NotImplementedError
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
-        """Names of its elastic coordinates, with the numbers of its nodes for people."""
+        """Names of its elastic coordinates, where nothing is reduced, with the numbers of its nodes for people."""
         raise NotImplementedError
 
     def stiffening(self, scene: Placed) -> np.ndarray | None:
         """None: a cut body stiffens at its cuts."""
         return None
 
+    @property
+    def own(self) -> tuple[Any, ...]:
+        """What tells it from all other parts of the same model."""
+        return self.first, self.last, self.gripped, self.modes_per_frame
+
     def part(self, scene: Placed) -> Part:
         """The part at the scene's parameter values."""
         design = whole_design(scene, self.whole)
-        key = (type(self), self.first, self.last)
+        key = (Part, *self.own)
         if key not in design.kept:
             stress = design.model.stress
             owners = np.zeros(0, int) if stress is None else stress.element.astype(int)
-            design.kept[key] = self.assembled(elements_at(design), self.first, self.last, owners)
+            shapes = self.shapes(design.model)
+            design.kept[key] = self.assembled(elements_at(design), self.first, self.last, owners, shapes)
         found: Part = design.kept[key]
         return found
+
+    def shapes(self, model: ReducedModel) -> PartShapes | None:
+        """What it is reduced to, by the nominal design of the model of the whole; None if it keeps all coordinates."""
+        if self.modes_per_frame is None:
+            return None
+        assert model.elements is not None
+        return _shapes(Itself(model.elements), type(self).assembled, *self.own)
+
+    def size(self, model: ReducedModel) -> int:
+        """How many coordinates it has."""
+        shapes = self.shapes(model)
+        return self.frame_coordinates + (self.per_node * (self.last - self.first) if shapes is None else shapes.count)
 
     def design_point(self, scene: Placed, *parts: str) -> DesignPoint:
         """The part as a reduced model of its own, which holds at this design alone."""
         design = whole_design(scene, self.whole)
-        key = (DesignPoint, self.first, self.last)
+        key = (DesignPoint, *self.own)
         if key not in design.kept:
             design.kept[key] = DesignPoint(part_model(self.part(scene), design.model))
         found: DesignPoint = design.kept[key]
@@ -86,16 +113,19 @@ class FramedPart(ModelBody):
         """The frame, and the nodal coordinates in the order of the chain."""
         frame = super().coordinate_names(scene)[: self.frame_coordinates]  # type: ignore[safe-super]
         labels = node_labels(connectivity_of(scene, self.whole))
-        return [*frame, *self.elastic_names([labels[int(node)] for node in self.node_numbers(scene)])]
+        nodal = [*self.elastic_names([labels[int(node)] for node in self.node_numbers(scene)])]
+        shapes = self.shapes(whole_design(scene, self.whole).model)
+        if shapes is None:
+            return [*frame, *nodal]
+        return [*frame, *(nodal[k] for k in shapes.kept), *shapes.names]
 
     def node_numbers(self, scene: Placed) -> np.ndarray:
         """Its nodes among those of the whole, (n_nodes,)."""
-        connectivity = connectivity_of(scene, self.whole)
-        return np.append(connectivity[self.first : self.last, 0], connectivity[self.last - 1, 1])
+        return nodes_of_part(connectivity_of(scene, self.whole), self.first, self.last)
 
     def start_shapes(self, scene: Placed) -> tuple[np.ndarray, np.ndarray]:
         """Undeformed, and not deforming."""
-        count = self.per_node * (self.last - self.first)
+        count = self.part(scene).n_f
         return np.zeros(count), np.zeros(count)
 
     def point(self, scene: Placed, point: str, name: str) -> tuple[np.ndarray, np.ndarray]:
@@ -113,6 +143,18 @@ class FramedPart(ModelBody):
         number = int(np.flatnonzero(self.node_numbers(scene) == node)[0])
         last = self.last - self.first
         return Place(self.first + number, 0.0) if number < last else Place(self.last - 1, 1.0)
+
+
+@lru_cache(maxsize=MANY)
+def _shapes(
+    nominal: Itself[Any], assembled: Callable[..., Part], first: int, last: int, gripped: Sequence[int], count: int
+) -> PartShapes:
+    """What a part is reduced to, by the elements of the whole at the nominal design; `first` to `count` as `FramedPart.own`."""
+    whole = assembled(nominal.item, first, last, np.zeros(0, int))
+    inv, nodes = whole.invariants, nodes_of_part(nominal.item.connectivity, first, last)
+    kept = whole.kept(len(nodes), [k for k, node in enumerate(nodes) if node in gripped and 0 < k < len(nodes) - 1])
+    inertia, weights = inv.inertia_about_origin[1:, 1:] / inv.mass, inv.first_moment[:, 1:].T @ whole.axes()
+    return part_shapes(inv.stiffness, inertia, weights, kept, count)
 
 
 def whole_design(scene: Placed, whole: str) -> DesignPoint:

@@ -39,12 +39,13 @@ def certify(
     if output is not None:
         refuse_no_picture(output)
     from toolkit.sensitivity.certificate.certificate import certify as compare
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+    from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
     from toolkit.sensitivity.preparation import frozen
 
     kind: Kind = "static" if static else "transient"
-    described = with_chosen_frames(read(scene, changes, quiet), kind)
-    names = design_of(described, variables)
+    written = read(scene, changes, quiet)
+    names = design_of(written, variables)
+    described = with_frames_for_gradients(written, kind, names)
     with at_work("comparing", described, kind, names, quiet, "adjoint") as progress:
         found = compare(described, names, kind, progress)
     afresh = built_afresh(frozen(described, found.exact.solution), names, kind, quiet) if fresh else None

@@ -26,8 +26,12 @@ def report(
     file: SceneOrResults,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the report.")] = Path("report"),
     judges: Annotated[
-        bool, typer.Option(help="Compute the gradients by differences and complex step too; seconds per variable.")
-    ] = True,
+        bool | None,
+        typer.Option(
+            "--judges/--no-judges",
+            help="Compute the gradients by differences and complex step too; by default where it takes seconds.",
+        ),
+    ] = None,
     changes: Changes = None,
     models: Models = None,
     as_json: AsJson = False,
@@ -45,10 +49,10 @@ def report(
     material = _from_results(file, models) if is_results(file) else _from_scene(file, changes, quiet)
     folder = prepare_folder(output)
     with bar("report", quiet) as progress:
-        if judges and not is_results(file):
+        if judges is not False and not is_results(file):
             from toolkit.report.material import judge
 
-            material = judge(material, _part(progress))
+            material = judge(material, _part(progress), everything=bool(judges))
         path = write_report(material, folder, title_of(file), _part(progress))
     verdict = material.results.verdict
     if as_json:
@@ -87,14 +91,15 @@ def _from_scene(file: Path, changes: list[str] | None, quiet: bool) -> Material:
     from toolkit.report.material import Material
     from toolkit.results.collect import collect
     from toolkit.sensitivity.clock import repeated
-    from toolkit.sensitivity.direct import direct
-    from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+    from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
+    from toolkit.sensitivity.methods import gradients_by
 
     scene, text = read(file, changes, quiet), text_of(file)
     _refuse_undrawn(scene)
     names = list(scene.design)
     with at_work("time steps", scene, "transient", names, quiet) as progress:
-        found = direct(with_chosen_frames(scene, "transient"), names, "transient", progress, repeated)
+        framed = with_frames_for_gradients(scene, "transient", names)
+        found = gradients_by("direct", framed, names, "transient", progress, clock=repeated)
     return Material(found.solution, collect(found, text, dict(split(change) for change in changes or [])))
 
 

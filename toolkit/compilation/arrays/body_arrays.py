@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from toolkit.bodies.body import ConstantNumbers
 from toolkit.bodies.kernels.constant_kernel import Changes, Constant
 from toolkit.bodies.kernels.planar.floating_kernel import Floating
 from toolkit.compilation.conversions import ints, starts
@@ -24,52 +26,53 @@ def constant_part(
     pattern: Pattern,
     dtype: type,
     weights: np.ndarray,
+    kept: Constant | None = None,
 ) -> Constant:
     """Mass, damping, stiffness and weight that never change; `rows` are the entries' global rows and columns, body by body.
 
-    `weights` (n,) make coordinates comparable, see `numbering.weights`.
+    `weights` (n,) make coordinates comparable, see `numbering.weights`; `kept` is what it is at other numbers.
     """
+    parts = list(values.constant.values())
 
     def joined(name: str) -> np.ndarray:
-        return np.concatenate([np.asarray(getattr(part, name)) for part in values.constant.values()])
+        return np.concatenate([np.asarray(getattr(part, name)) for part in parts]).astype(dtype)
 
-    row = np.concatenate([r for r, _ in rows]).astype(np.int64)
-    column = np.concatenate([c for _, c in rows]).astype(np.int64)
-    counts = [len(r) for r, _ in rows]
-    first_entry = starts(counts)
+    counts = [len(part.row) for part in parts]
+    places = _places(parts, rows, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
+    row, column, first_entry = places["row"], places["column"], places["segment_start"]
+    stiffness = joined("stiffness")
+    change = partial(_changes_of, derivatives, first_entry, row, column)
     force_row, force_variable, design_force = _changes_of_forces(numbering, derivatives)
-    stiffness: np.ndarray = joined("stiffness").astype(dtype)
-    soft, stiff_row, stiff_start, stiff_column, stiff_high, stiff_low = stiff_entries(row, column, stiffness, weights, counts)
-    sizes = [square_size(part.row, part.column) for part in values.constant.values()]
-    damped = [np.any(np.asarray(part.mass) != 0) or np.any(np.asarray(part.damping) != 0) for part in values.constant.values()]
     return Constant(
-        segment_start=first_entry,
-        segment_size=ints([sizes]),
-        segment_damped=ints([damped]),
-        row=row,
-        column=column,
-        position=pattern.find(row, column),
-        mass=joined("mass").astype(dtype),
-        damping=joined("damping").astype(dtype),
+        **places,
+        segment_damped=ints([[bool(np.any(part.mass) or np.any(part.damping)) for part in parts]]),
+        mass=joined("mass"),
+        damping=joined("damping"),
         stiffness=stiffness,
-        soft=soft,
-        stiff_row=stiff_row,
-        stiff_start=stiff_start,
-        stiff_column=stiff_column,
-        stiff_high=stiff_high,
-        stiff_low=stiff_low,
-        force=np.ascontiguousarray(joined("force"), dtype),
-        design_mass=_changes_of("mass", derivatives, first_entry, row, column),
-        design_damping=_changes_of("damping", derivatives, first_entry, row, column),
-        design_stiffness=_changes_of("stiffness", derivatives, first_entry, row, column),
+        **stiff_entries(row, column, stiffness, weights, counts)._asdict(),
+        force=joined("force"),
+        design_mass=change("mass"),
+        design_damping=change("damping"),
+        design_stiffness=change("stiffness"),
         force_row=force_row,
         force_variable=force_variable,
         design_force=design_force,
     )
 
 
+PLACES = ("segment_start", "segment_size", "row", "column", "position")
+"""What no number changes."""
+
+
+def _places(parts: list[ConstantNumbers], rows: list, pattern: Pattern) -> dict[str, np.ndarray]:
+    row, column = (np.concatenate(each).astype(np.int64) for each in zip(*rows, strict=True))
+    sizes = [square_size(part.row, part.column) for part in parts]
+    found = starts([len(part.row) for part in parts]), ints([sizes]), row, column, pattern.find(row, column)
+    return dict(zip(PLACES, found, strict=True))
+
+
 def _changes_of(
-    name: str, derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray
+    derivatives: list[Quantities], first_entry: np.ndarray, row: np.ndarray, column: np.ndarray, name: str
 ) -> Changes:
     """What is not zero in the derivatives of one matrix, whose entries are body by body and row by row."""
     parts = [(x, b, getattr(part, name)) for x, derivative in enumerate(derivatives) for b, part in derivative.constant.items()]

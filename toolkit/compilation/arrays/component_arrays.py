@@ -73,32 +73,44 @@ def load_arrays(
     columns: list[np.ndarray],
     pattern: Pattern,
     dtype: type,
+    kept: Loads | None = None,
 ) -> Loads:
-    """Loads of the scene, with the places of their local entries in the pattern."""
-    loads = list(named_loads(scene).values())
-    known = families(loads)
-    changes = parameter_changes([d.loads for d in derivatives], len(loads))
+    """Loads of the scene, with the places of their local entries in the pattern; `kept` is what they are at other numbers."""
+    changes = parameter_changes([d.loads for d in derivatives], len(values.loads))
+    places = _places(scene, numbering, columns, pattern) if kept is None else {name: getattr(kept, name) for name in PLACES}
     flat = [change for pairs in changes for change in pairs]
-    both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in named_loads(scene).items()]
-    states = [numbering.first.get(f"loads.{name}", -1) for name in named_loads(scene)]
-    locals_of = [local if state < 0 else np.append(local, state) for (local, _), state in zip(both, states, strict=True)]
-    positions = [pattern.find(*block(local, local)) for local in locals_of]
-    before = sum(joint.time_curve is not None for joint in scene.joints.values())
     return Loads(
-        family=ints([[known.index(load.law()) for load in loads]]),
-        marker=np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
+        **places,
         parameter=np.array(list(values.loads.values()), dtype).reshape(-1, scene.space.load_parameters),
-        curve=curve_numbers(loads, before),
-        scaled=ints([[int(not load.leads) for load in loads]]),
-        state=ints([states]),
-        designed=designed([pair for _, pair in both], derivatives, changes, curve_numbers(loads, before)),
+        designed=designed(places["marker"].tolist(), derivatives, changes, places["curve"]),
         design_start=starts([len(pairs) for pairs in changes]),
         design_variable=ints([[x for x, _, _ in flat]]),
         design_parameter=ints([[p for _, p, _ in flat]]),
         design_value=np.array([value for _, _, value in flat], float),
-        position_start=starts([len(places) for places in positions])[:-1],
-        position=ints(positions),
     )
+
+
+PLACES = ("family", "marker", "curve", "scaled", "state", "position_start", "position")
+"""What no number changes."""
+
+
+def _places(scene: Scene, numbering: Numbering, columns: list[np.ndarray], pattern: Pattern) -> dict[str, np.ndarray]:
+    loads = named_loads(scene)
+    known = families(list(loads.values()))
+    both = [gripped(numbering, columns, f"loads.{name}", load) for name, load in loads.items()]
+    states = [numbering.first.get(f"loads.{name}", -1) for name in loads]
+    locals_of = [local if state < 0 else np.append(local, state) for (local, _), state in zip(both, states, strict=True)]
+    positions = [pattern.find(*block(local, local)) for local in locals_of]
+    before = sum(joint.time_curve is not None for joint in scene.joints.values())
+    return {
+        "family": ints([[known.index(load.law()) for load in loads.values()]]),
+        "marker": np.array([pair for _, pair in both], np.int64).reshape(-1, 2),
+        "curve": curve_numbers(list(loads.values()), before),
+        "scaled": ints([[int(not load.leads) for load in loads.values()]]),
+        "state": ints([states]),
+        "position_start": starts([len(places) for places in positions])[:-1],
+        "position": ints(positions),
+    }
 
 
 def designed(markers: list, derivatives: list[Quantities], changes: list, curves: np.ndarray) -> np.ndarray:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any
 
@@ -14,17 +13,12 @@ from toolkit.compilation.quantities import Quantities
 GROUPS = tuple(field.name for field in fields(Quantities) if field.name != "gravity")
 
 
-NOTHING: Mapping[str, set[int]] = {}
-
-
 class NewEntryError(Exception):
     """Something is not zero any more where the pattern has no entry."""
 
 
-def renew(
-    old: Quantities, new: Quantities, entries: Quantities, still: Mapping[str, set[int]] = NOTHING
-) -> tuple[Quantities, set[str]]:
-    """The old numbers with the new ones in their places, and the groups that differ.
+def renew(old: Quantities, new: Quantities, entries: Quantities, changed: set[str]) -> Quantities:
+    """The old numbers with the new ones in their places.
 
     Parameters
     ----------
@@ -34,8 +28,8 @@ def renew(
         Some of them, of the same scene at other numbers.
     entries
         Numbers on the entries that are there: the values of the old scene.
-    still
-        Items of each group whose new derivatives are zero, for which `new` has nothing.
+    changed
+        Groups that differ; those found here are added.
 
     Raises
     ------
@@ -43,17 +37,15 @@ def renew(
         There is no place for one of the new numbers.
     """
     parts: dict[str, Any] = {}
-    changed = set() if np.array_equal(old.gravity, new.gravity) else {"gravity"}
+    if not np.array_equal(old.gravity, new.gravity):
+        changed.add("gravity")
     for group in GROUPS:
-        before, after = getattr(old, group), getattr(new, group)
-        if gone := before.keys() & still.get(group, ()):
-            before = {owner: part for owner, part in before.items() if owner not in gone}
+        before, known = getattr(old, group), getattr(entries, group)
+        found = {owner: _on(part, known[owner]) for owner, part in getattr(new, group).items()}
+        parts[group] = {**before, **found}
+        if group not in changed and not all(_equal(before[owner], part) for owner, part in found.items()):
             changed.add(group)
-        found = {owner: _on(part, getattr(entries, group)[owner]) for owner, part in after.items()}
-        parts[group] = dict(sorted({**before, **found}.items())) if found.keys() - before.keys() else {**before, **found}
-        if group not in changed and any(owner not in before or not _equal(before[owner], part) for owner, part in found.items()):
-            changed.add(group)
-    return Quantities(**parts, gravity=new.gravity), changed
+    return Quantities(**parts, gravity=new.gravity)
 
 
 def _on(part: Any, known: Any) -> Any:

@@ -21,7 +21,15 @@ def call(function: Callable, *arguments: Any) -> Any:
     if not isinstance(function, CPUDispatcher):
         return function(*arguments)
     given = [in_memory(each) for each in arguments]
-    return compiled_for(function, given).entry_point(*given)
+    return entry_point(function, *given)(*given)
+
+
+def entry_point(function: Callable, *arguments: Any) -> Callable[..., Any]:
+    """What `call` calls for arguments of these types, which are `in_memory`: for whoever does so again and again."""
+    if not isinstance(function, CPUDispatcher):
+        return function
+    found: Callable[..., Any] = compiled_for(function, list(arguments)).entry_point
+    return found
 
 
 def formula_for(function: CPUDispatcher, *arguments: Any) -> Any:

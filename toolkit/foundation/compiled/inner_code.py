@@ -10,7 +10,8 @@ from typing import Any
 
 from llvmlite.binding import parse_bitcode
 from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
+
+from toolkit.foundation.compiled.formula_compiler import FormulaCompiler
 
 
 class InnerCode(JITCodeLibrary):
@@ -51,8 +52,8 @@ class InnerCode(JITCodeLibrary):
         return self.name, self._get_module_for_linking().as_bitcode()
 
 
-class InnerCompiler(Compiler):
-    """numba's compiler, whose result is an `InnerCode`."""
+class InnerCompiler(FormulaCompiler):
+    """A compiler whose result is an `InnerCode`."""
 
     def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
         library = library or InnerCode(target.codegen(), "inner")

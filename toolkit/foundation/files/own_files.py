@@ -1,38 +1,57 @@
-"""What commands have written into a folder: a list beside it, by which they know what they may replace."""
+"""What the program has written into a folder: a list beside it, by which it knows what it may replace, and what to take away.
+
+Whoever writes a set of files into a folder refuses before anything long what is there of these names and not in the list
+(`refuse_foreign`), and lists the names when it begins to write (`list_own`): files of an earlier set that are not written again go.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from fnmatch import fnmatch
+from collections.abc import Collection, Sequence
+from fnmatch import fnmatchcase
 from pathlib import Path
 
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.replaced_file import write_whole
 
 OWN = ".ffrf"
-"""File in a folder that lists, by name or pattern, what commands have written there."""
+"""File in a folder that lists, by name, what the program has written there."""
 
 
 def listed(folder: Path) -> Sequence[str]:
-    """Names and patterns in the list of a folder; none where there is no list."""
+    """Names in the list of a folder; none where there is no list."""
     own = folder / OWN
     return own.read_text(encoding="utf-8", errors="replace").splitlines() if own.is_file() else []
 
 
-def foreign(folder: Path, names: Sequence[str]) -> Path | None:
-    """The first file of these names or patterns that no command has written; None if there is none."""
-    known = listed(folder)
-    found = (file for name in names for file in sorted(folder.glob(name)))
-    return next((file for file in found if not any(fnmatch(file.name, own) for own in known)), None)
+def refuse_foreign(folder: Path, names: Collection[str]) -> None:
+    """Refuse to write into a folder where something is that would be replaced, or be mixed with what is written.
 
-
-def list_own(folder: Path, names: Sequence[str]) -> None:
-    """Add names or patterns to the list.
+    Parameters
+    ----------
+    names : names of what is to be written there, or patterns of them
 
     Raises
     ------
-    OSError
+    InputError
+        A file or folder of these names is not in the list.
+    """
+    known = set(listed(folder))
+    found = (file for name in names for file in sorted(folder.glob(name)))
+    if (there := next((file for file in found if file.name not in known), None)) is not None:
+        raise InputError(f"{str(there)!r} is there, and ffrf has not written it. Give another folder, or move it away.")
+
+
+def list_own(folder: Path, names: Collection[str], instead_of: Collection[str] = ()) -> None:
+    """Add names to the list, and take files away that are in it by one of the patterns `instead_of` but not among these names.
+
+    Raises
+    ------
+    InputError
         The folder cannot be written.
     """
-    known = listed(folder)
-    if not set(names) <= set(known):
-        write_whole(folder / OWN, "\n".join(sorted({*known, *names})).encode())
+    before = set(listed(folder))
+    gone = {name for name in before - {*names} if any(fnmatchcase(name, pattern) for pattern in instead_of)}
+    if gone or not before >= {*names}:
+        write_whole(folder / OWN, "\n".join(sorted({*before, *names} - gone)).encode())
+    for name in gone:
+        (folder / name).unlink(missing_ok=True)

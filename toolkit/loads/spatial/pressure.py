@@ -13,7 +13,7 @@ from toolkit.curves.kinds.constant import Constant
 from toolkit.description.description import Number
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.errors import InputError
-from toolkit.foundation.listed_names import listed
+from toolkit.foundation.listed_names import listed, meant
 from toolkit.loads.spatial.load import AnySpatialLoad
 
 
@@ -59,8 +59,8 @@ class Pressure(AnySpatialLoad):
         known = design.model.surface_loads or {}
         if self.surface not in known:
             raise InputError(
-                f"reduced model {design.model.label} has no surface {self.surface!r} to press on; it has: {listed(known)}. Name it in "
-                "[pressure_surfaces] of the file that the model is built from, and run preprocessing again."
+                f"reduced model {design.model.label} has no surface {self.surface!r} to press on{meant(self.surface, known)}; it has: "
+                f"{listed(known)}. Name it in [pressure_surfaces] of the file that the model is built from, and run preprocessing again."
             )
         force = design.value(f"surface_loads.{self.surface}.force")
         moment = design.value(f"surface_loads.{self.surface}.moment")

@@ -37,6 +37,11 @@ def chain_nodes(connectivity: np.ndarray) -> np.ndarray | None:
     return nodes if follows and len(set(nodes.tolist())) == len(nodes) else None
 
 
+def nodes_of_part(connectivity: np.ndarray, first: int, last: int) -> np.ndarray:
+    """Numbers of the nodes of elements of a chain from one up to, but without, another, (n_nodes,)."""
+    return np.append(connectivity[first:last, 0], connectivity[last - 1, 1])
+
+
 def breaks(connectivity: np.ndarray) -> list[int]:
     """Numbers of elements before which a chain ends: they begin elsewhere, or where others meet them."""
     nodes, count = np.unique(connectivity, return_counts=True)

@@ -6,13 +6,15 @@ the part,
 
     N = (sum N_e) C,   G = C^T (sum G_e) C,   H = C^T (sum H_e) C,   K = C^T (sum K_e) C,   stress operator = B C
 
-and in space Q_ab as G. All axes and the origin are those of the whole undeformed body.
+and in space Q_ab as G. All axes and the origin are those of the whole undeformed body. A reduced part has the columns of C times those of
+its Craig-Bampton shapes in the place of C.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -20,7 +22,8 @@ from scipy.sparse import coo_array, issparse
 
 from toolkit.foundation.errors import InputError
 from toolkit.kinematics.beam_functions import AXIAL, HERMITE, slope
-from toolkit.reduced_model.cut.chain import Place
+from toolkit.reduced_model.cut.chain import Place, nodes_of_part
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.thin_arrays import sparing
 
 SHORT = 1e-3
@@ -42,6 +45,16 @@ class Part(ABC):
 
     per_node: ClassVar[int]
     """Coordinates of a node: displacements, then rotations."""
+    ends: ClassVar[tuple[int, int]]
+    """Elastic coordinates of the first and of the last node, where nothing is reduced."""
+
+    @classmethod
+    def kept(cls, count: int, nodes: Sequence[int]) -> np.ndarray:
+        """Numbers of the elastic coordinates of both ends and of some nodes between, of a part of `count` nodes, in their order."""
+        first, last = cls.ends
+        size = first + cls.per_node * (count - 2) + last
+        inner = first + cls.per_node * (np.array(nodes, int)[:, None] - 1) + np.arange(cls.per_node)
+        return np.unique(np.concatenate([np.arange(first), inner.ravel(), np.arange(size - last, size)]))
 
     @property
     def n_f(self) -> int:
@@ -57,6 +70,10 @@ class Part(ABC):
             return rows[:d], rows[d] if n == d + 1 else rows[d:]
         shape, turn = self.functions(self.nodes[start : start + 2], place.ratio)
         return shape @ local, turn @ local
+
+    @abstractmethod
+    def axes(self) -> np.ndarray:
+        """Unit vectors along and across the chord, (d, d)."""
 
     @staticmethod
     @abstractmethod
@@ -93,6 +110,10 @@ class Sums:
     def whole(self) -> np.ndarray:
         """The same with that of the undeformed shape first."""
         return np.column_stack([np.zeros(len(self.nodes) - 1, int), 1 + self.where])
+
+    def reduced(self, shapes: PartShapes | None, stiffness: np.ndarray) -> Sums:
+        """On fewer coordinates, by the blocks of the stiffness at this design; on the same ones without shapes."""
+        return self if shapes is None else replace(self, psi=self.psi @ shapes.columns(self.square(stiffness)))
 
     def moment(self, blocks: np.ndarray) -> np.ndarray:
         """Of blocks (n_e, 1 + 2 per_node, ..)."""
@@ -164,7 +185,7 @@ def chord_of_part(nodes: np.ndarray, first: int, last: int) -> np.ndarray:
 
 def part_nodes(elements: Any, first: int, last: int) -> np.ndarray:
     """Undeformed places (n, d) of the nodes of a part."""
-    found: np.ndarray = elements.nodes[np.append(elements.connectivity[first:last, 0], elements.connectivity[last - 1, 1])]
+    found: np.ndarray = elements.nodes[nodes_of_part(elements.connectivity, first, last)]
     return found
 
 

@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import Elements
 from toolkit.reduced_model.model import Invariants, Mesh
@@ -19,6 +20,12 @@ class PlanarPart(Part):
     """Nodes have two displacements and a rotation."""
 
     per_node: ClassVar[int] = 3
+    ends: ClassVar[tuple[int, int]] = (1, 2)
+
+    def axes(self) -> np.ndarray:
+        """Along and across the chord."""
+        x, y = chord_of_part(self.nodes, self.first, self.last)
+        return np.array([[x, -y], [y, x]])
 
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -42,7 +49,9 @@ class PlanarPart(Part):
         return {"mesh": Mesh(np.real(self.nodes), connectivity, np.real(self.recovery), np.real(self.nodes), outline)}
 
 
-def planar_part(elements: Elements, first: int, last: int, stress_elements: np.ndarray) -> PlanarPart:
+def planar_part(
+    elements: Elements, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
+) -> PlanarPart:
     """The part of a chain from one of its elements up to, but without, another.
 
     Parameters
@@ -51,6 +60,8 @@ def planar_part(elements: Elements, first: int, last: int, stress_elements: np.n
         At one design, real or complex.
     stress_elements
         Element of every stress point, (n_stress,).
+    shapes
+        That its elastic coordinates are reduced to.
 
     Raises
     ------
@@ -58,7 +69,8 @@ def planar_part(elements: Elements, first: int, last: int, stress_elements: np.n
         No chord leads from its first node to its last.
     """
     nodes = part_nodes(elements, first, last)
-    sums = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), PlanarPart.per_node)
+    every = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), PlanarPart.per_node)
+    sums = every.reduced(shapes, elements.stiffness)
     gyroscopic = sums.moment(elements.gyroscopic)
     rows = np.flatnonzero((stress_elements >= first) & (stress_elements < last))
     invariants = Invariants(

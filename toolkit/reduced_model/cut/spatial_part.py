@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from toolkit.kinematics.spatial import axes_along, skew
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part, Sums, chord_of_part, curve_at, part_nodes, symmetric
 from toolkit.reduced_model.elements import SpatialElements
 from toolkit.reduced_model.spatial_model import PAIRS, SpatialInvariants, Surface
@@ -21,6 +22,11 @@ class SpatialPart(Part):
     """Nodes have displacements along and rotations about x, y and z."""
 
     per_node: ClassVar[int] = 6
+    ends: ClassVar[tuple[int, int]] = (2, 4)
+
+    def axes(self) -> np.ndarray:
+        """Two across the chord, and along it."""
+        return axes_along(chord_of_part(self.nodes, self.first, self.last))
 
     @staticmethod
     def functions(ends: np.ndarray, ratio: Any) -> tuple[np.ndarray, np.ndarray]:
@@ -51,7 +57,9 @@ class SpatialPart(Part):
         return {"surface": Surface(position, np.zeros((0, 3), int), np.arange(len(position)).reshape(-1, 2))}
 
 
-def spatial_part(elements: SpatialElements, first: int, last: int, stress_elements: np.ndarray) -> SpatialPart:
+def spatial_part(
+    elements: SpatialElements, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None
+) -> SpatialPart:
     """The part of a chain from one of its elements up to, but without, another; as `planar_part`.
 
     Raises
@@ -60,7 +68,8 @@ def spatial_part(elements: SpatialElements, first: int, last: int, stress_elemen
         No chord leads from its first node to its last.
     """
     nodes = part_nodes(elements, first, last)
-    sums = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), SpatialPart.per_node)
+    every = Sums(slice(first, last), nodes, _coordinates(nodes, chord_of_part(nodes, first, last)), SpatialPart.per_node)
+    sums = every.reduced(shapes, elements.stiffness)
     moments = [sums.moment(elements.second_moment[:, k]) for k in range(len(PAIRS))]
     rows = np.flatnonzero((stress_elements >= first) & (stress_elements < last))
     invariants = SpatialInvariants(

@@ -11,6 +11,7 @@ import numpy as np
 import pyvista
 from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
 
+from toolkit.foundation.files.own_files import list_own, refuse_foreign
 from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.foundation.units import unit
 from toolkit.render.paraview.mechanism_lines import lifted, mechanism
@@ -39,11 +40,21 @@ def export_paraview(solution: Solution, directory: str | Path) -> Path:
 
 
 def write_series(solution: Solution, directory: str | Path, meshes_at: Callable[[int], dict[str, Any]]) -> Path:
-    """Write the meshes of every step, name -> mesh or None, and the PVD file that lists them by time; returns its path."""
+    """Write the meshes of every step, name -> mesh or None, and the PVD file that lists them by time; returns its path.
+
+    Raises
+    ------
+    InputError
+        There are files of these names that ffrf has not written.
+    """
     directory = Path(directory)
-    directory.mkdir(parents=True, exist_ok=True)
     entries: list[tuple[float, str, str]] = []
     digits = len(str(solution.steps))
+    parts = [safe_name(name) for name in meshes_at(0)]
+    names = ["results.pvd", *(f"{part}_{step:0{digits}}.vtp" for part in parts for step in range(len(solution.times)))]
+    refuse_foreign(directory, names)
+    directory.mkdir(parents=True, exist_ok=True)
+    list_own(directory, names, instead_of=["*_*.vtp"])
     for step, time in enumerate(solution.times):
         for name, mesh in meshes_at(step).items():
             if mesh is not None:

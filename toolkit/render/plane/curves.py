@@ -10,27 +10,19 @@ from matplotlib.figure import Figure
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
 from toolkit.render.curves import Panels, draw_panels, merged
+from toolkit.render.stress_told import stress_range
 from toolkit.responses.shape_error import gaps
-from toolkit.responses.stress.stress import stress_components
-from toolkit.responses.stress.von_mises import point_stress
-from toolkit.system.flexible_bodies import elastic_coordinates, flexible_body
+from toolkit.system.flexible_bodies import flexible_body
 from toolkit.system.solution import Solution
 
 
-def stress_range(solution: Solution, body: str) -> np.ndarray:
-    """Smallest and largest stress of a flexible body at every time, shape (n_t, 2)."""
-    q = np.real(solution.q[:, elastic_coordinates(solution, body)])
-    stress = point_stress(np.real(stress_components(solution.system.scene, body, q)))
-    return np.column_stack([stress.min(axis=1, initial=0), stress.max(axis=1, initial=0)])
-
-
-def shape_errors(solution: Solution, body: str) -> np.ndarray | None:
+def shape_errors(solution: Solution, body: str, steps: slice = slice(None)) -> np.ndarray | None:
     """Distance of every node to its target at every time, shape (n_t, n_k); None if the body has no target."""
     scene = solution.system.scene
     shape = scene.model(flexible_body(scene, body).model, "shape").shape
     if shape is None:
         return None
-    return np.linalg.norm(np.real(gaps(solution, body, slice(None))[0]), axis=2)
+    return np.linalg.norm(np.real(gaps(solution, body, steps)[0]), axis=2)
 
 
 def curves_figure(solution: Solution) -> Figure:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,7 @@ from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import drawn_model, skin_shape
 from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.round_numbers import round_up
+from toolkit.render.stress_told import round_off, told
 from toolkit.scene.scene import Scene
 from toolkit.system.solution import Solution
 
@@ -60,24 +61,32 @@ class Look:
 
 def choose_look(solution: Solution, steps: Sequence[int]) -> Look:
     """Look of the pictures at the given steps, wide enough for the whole motion."""
-    moments = [Configuration(solution, step) for step in dict.fromkeys([0, *steps])]
-    scene = solution.system.scene
-    skins = [name for name in moments[0].flexible() if skin_shape(moments[0], name)]
-    shapes = {name: [shape for shape in (skin_shape(moment, name) for moment in moments) if shape] for name in skins}
-    whole = [Configuration(solution, step) for step in {*spread(len(solution.times) - 1, MOST_MOMENTS), *steps}]
-    points = np.vstack([drawn_points(moment) for moment in whole])
-    points = points if len(points) else np.zeros((1, 2))
-    solids = [name for name in moments[0].flexible() if solid_shape(moments[0], name)]
-    stresses = [shape.shown for moment in moments for name in solids if (shape := solid_shape(moment, name))]
-    stresses += [shape.stress for each in shapes.values() for shape in each]
-    stress = np.concatenate([np.zeros(1), *map(np.ravel, stresses)])
+    scene, first = solution.system.scene, Configuration(solution, 0)
+    skins = [name for name in first.flexible() if skin_shape(first, name)]
+    solids = [name for name in first.flexible() if solid_shape(first, name)]
+    drawn, points, limit = {0, *steps}, [], 0.0
+    for step in sorted({*spread(solution.steps, MOST_MOMENTS), *drawn}):
+        moment = Configuration(solution, step)
+        points.append(drawn_points(moment))
+        if step in drawn:
+            limit = max(limit, *(told(stress, round_off(scene, name)) for name, stress in shown_stress(moment)), 0.0)
+    every = np.vstack(points)
     return Look(
         {name: _thickness(scene, name) for name in skins},
-        round_up(float(np.abs(stress[np.isfinite(stress)]).max())),
-        points,
-        _detail(moments, skins),
+        round_up(limit),
+        every if len(every) else np.zeros((1, 2)),
+        _detail([Configuration(solution, step) for step in sorted(drawn)], skins),
         tuple(solids),
     )
+
+
+def shown_stress(moment: Configuration) -> Iterator[tuple[str, np.ndarray]]:
+    """Of every flexible body that can be drawn its name and the stress that pictures show of it."""
+    for name in moment.flexible():
+        if (skin := skin_shape(moment, name)) is not None:
+            yield name, skin.stress
+        elif (solid := solid_shape(moment, name)) is not None:
+            yield name, solid.shown
 
 
 def drawn_points(moment: Configuration) -> np.ndarray:

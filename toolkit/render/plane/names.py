@@ -6,41 +6,55 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import TriMesh
+from matplotlib.collections import LineCollection, TriMesh
 
-from toolkit.render.colors import INK
+from toolkit.foundation.near_ties import first_largest
+from toolkit.render.colors import BODY, INK, UNDEFORMED
 from toolkit.render.label_places import Name, beside
 from toolkit.render.moment import names_by_place
 from toolkit.render.plane.configuration import Configuration
+from toolkit.render.plane.skin_shape import skin_shape
+from toolkit.render.plane.solid_shape import solid_shape
 from toolkit.render.plane.symbols import clamps
 from toolkit.render.plane.window import figure_of, shown
 
 _SIZE = 10
 """Of letters, in points."""
+_NAME = 4.0
+"""Above everything else."""
 _CLEAR = {"boxstyle": "square,pad=0.05", "facecolor": "white", "edgecolor": "none", "alpha": 0.7}
 _APART = 3e-3
 """Points nearer to each other share a label, relative to the window."""
 
 
-def write_names(axes: Axes, moment: Configuration) -> None:
-    """Name the points that the axes of a figure that is settled show; a light ground keeps a name readable where no place is free."""
+def write_names(axes: Axes, moment: Configuration, bodies: bool = False) -> None:
+    """Name the points, and on request the bodies, that the axes of a figure that is settled show.
+
+    A light ground keeps a name readable where no place is free; a line leads to one that is not beside its point.
+    """
     dots, tolerance = figure_of(axes).dpi / 72, _APART * float(np.ptp(shown(axes), axis=0).max())
     low, high = axes.bbox.get_points() / dots
-    named = [(text, axes.transData.transform(place) / dots - low) for place, text in _labels(moment, tolerance)]
-    texts: dict[str, Any] = {}
-    for text, _ in named:
-        texts[text] = axes.annotate(
-            text, (0, 0), xycoords="axes points", fontsize=_SIZE, color=INK, ha="center", va="center", parse_math=False, zorder=4,
-            bbox=_CLEAR, in_layout=False,
+    told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance)]
+    told += [(name, place, BODY, "italic") for name, place in _middles(moment)] if bodies else []
+    names, texts = [], []
+    for text, place, color, slant in told:
+        written: Any = axes.annotate(
+            text, (0, 0), xycoords="axes points", fontsize=_SIZE, color=color, fontstyle=slant, ha="center", va="center",
+            parse_math=False, zorder=_NAME, bbox=_CLEAR, in_layout=False,
         )  # fmt: skip
-    names = [Name(text, place, texts[text].get_window_extent().size / dots / 2) for text, place in named]
-    lines = [line / dots - low for line in drawn_lines(axes)]
-    placed = {name.text: place for name, place in beside(names, lines, _SIZE, high - low)}
-    for text, written in texts.items():
-        if text in placed:
-            written.set_position(placed[text])
-        else:
+        names.append(Name(text, axes.transData.transform(place) / dots - low, written.get_window_extent().size / dots / 2))
+        texts.append(written)
+    leads = []
+    for written, placed in zip(
+        texts, beside(names, [line / dots - low for line in drawn_lines(axes)], _SIZE, high - low), strict=True
+    ):
+        if placed is None:
             written.remove()
+            continue
+        written.set_position(placed.place)
+        if placed.led:
+            leads.append(axes.transData.inverted().transform((placed.line + low) * dots))
+    axes.add_collection(LineCollection(leads, colors=UNDEFORMED, linewidths=0.7, zorder=_NAME, gid="leads"), autolim=False)
 
 
 def drawn_lines(axes: Axes) -> list[np.ndarray]:
@@ -61,3 +75,18 @@ def _labels(moment: Configuration, tolerance: float) -> list[tuple[np.ndarray, s
         if not any(np.hypot(*(points[0] - place)) < tolerance for place, _ in named):
             named.append((points[0], f"{body} clamped"))
     return named
+
+
+def _middles(moment: Configuration) -> list[tuple[str, np.ndarray]]:
+    """Names of bodies, each with a place in its middle; what is drawn of them as a point is named by that."""
+    found = []
+    for body in moment.scene.bodies:
+        if (skin := skin_shape(moment, body) if body in moment.flexible() else None) is not None:
+            points = skin.line.reshape(-1, 2)
+            found.append((body, points[len(points) // 2]))
+        elif (solid := solid_shape(moment, body)) is not None:
+            found.append((body, solid.deepest))
+        elif lines := moment.segments(body):
+            longest = lines[first_largest(np.array([np.ptp(line, axis=0).max() for line in lines]))]
+            found.append((body, longest[[0, -1]].mean(axis=0)))
+    return found

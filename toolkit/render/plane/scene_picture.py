@@ -15,8 +15,8 @@ from matplotlib.patches import Rectangle
 from toolkit.foundation.units import unit
 from toolkit.render.colors import FRAME, INK
 from toolkit.render.plane.configuration import Configuration
-from toolkit.render.plane.curves import shape_errors, stress_range
-from toolkit.render.plane.look import Look
+from toolkit.render.plane.curves import shape_errors
+from toolkit.render.plane.look import Look, shown_stress
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import outlines
 from toolkit.render.plane.scene_drawing import draw_scene
@@ -25,6 +25,7 @@ from toolkit.render.plane.window import aspect, drawn_thickness, open_windows, p
 from toolkit.render.readable_units import readable, readable_stress
 from toolkit.render.round_numbers import MINUS, even
 from toolkit.render.sheet import SIGNED, WIDE, sheet
+from toolkit.render.stress_told import round_off, told
 
 COLUMNS, _TALLEST = 2, 5.0
 """Panels beside each other in an overview; height of a panel at most, in inches."""
@@ -117,9 +118,12 @@ def _fill(
     if entries := meanings(corners, look, moments[0]):
         figure.legend(handles=entries, loc="outside lower center", ncols=len(entries) if figure.get_figwidth() > _BROAD else 1)
     open_windows(figure, moments[0], windows, axes.shape[1] if all(each is corners[0] for each in corners) else 0, like)
-    for panel, moment in zip(windows, moments, strict=True):
+    for legend in figure.legends:  # in windows that have grown
+        for word, entry in zip(legend.get_texts(), meanings([shown(panel) for panel in windows], look, moments[0]), strict=True):
+            word.set_text(str(entry.get_label()))
+    for number, (panel, moment) in enumerate(zip(windows, moments, strict=True)):
         draw_scene(panel, moment, look)
-        write_names(panel, moment)
+        write_names(panel, moment, bodies=not number)
 
 
 def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str) -> None:
@@ -134,23 +138,21 @@ def caption(moment: Configuration, look: Look) -> list[str]:
     """Time, range of the stress and, if one body has a target, the distance to it; digits as fine as the scene needs."""
     solution, step, units = moment.solution, moment.step, moment.scene.units
     words = [moment.told]
-    if look.stress_limit:
-        ranges = np.array([*(stress_range(solution, body)[step] for body in look.thickness), *_solid_ranges(moment, look)])
+    stresses = [(name, each) for name, each in shown_stress(moment) if each.size and np.isfinite(each).all()]
+    if any(told(each, round_off(moment.scene, name)) for name, each in stresses):
+        every = np.concatenate([np.zeros(1), *(each.ravel() for _, each in stresses)])
         factor, label = readable_stress(look.stress_limit, units)
-        low, high = (even(factor * value, factor * look.stress_limit / 100) for value in (ranges.min(), ranges.max()))
+        low, high = (even(factor * value, factor * look.stress_limit / 100) for value in (every.min(), every.max()))
         words.append(f"stress {low} to {high} {label}")
-    errors = [each[step] for body in look.thickness if (each := shape_errors(solution, body)) is not None]
+    elif stresses:
+        words.append("no stress")
+    here = slice(step, step + 1)
+    errors = [each[0] for body in look.thickness if (each := shape_errors(solution, body, here)) is not None]
     if len(errors) == 1:
         rms = float(np.sqrt((errors[0] ** 2).mean()))
         factor, label = readable(max(rms, look.extent * 1e-3), unit(units, "length"))
         words.append(f"RMS distance to target {even(factor * rms, factor * look.extent * 1e-5)} {label}")
     return words
-
-
-def _solid_ranges(moment: Configuration, look: Look) -> list[np.ndarray]:
-    """Smallest and largest stress of every meshed body that shows any, (2,)."""
-    shown = [shape.shown for body in look.solids if (shape := solid_shape(moment, body))]
-    return [np.array([each.min(initial=0.0), each.max(initial=0.0)]) for each in shown if np.isfinite(each).all()]
 
 
 def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
@@ -160,15 +162,21 @@ def contour_keys(look: Look, moment: Configuration) -> list[Line2D]:
 
 
 def meanings(windows: Sequence[np.ndarray], look: Look, moment: Configuration) -> list[Line2D]:
-    """What lines and bands are; only what is drawn, and a word where skins are thicker than they are."""
+    """What lines and bands are; only what is drawn, and how many times thicker than they are skins are drawn."""
     solids = _solid_keys(look, moment)
     if not look.thickness:
         return solids
-    words = ["deformed, stress of outer and inner fibre" if look.stress_limit else "deformed"]
-    thick = [any(drawn_thickness(true, corners) > true for true in look.thickness.values()) for corners in windows]
-    if any(thick):
-        words.append("thickness not to scale" if all(thick) else "thickness to scale in the detail only")
+    words = ["deformed, stress of outer and inner fibre" if look.stress_limit else "deformed", *_thicker(windows, look)]
     return [*contour_keys(look, moment), Line2D([], [], color=INK, linewidth=4, alpha=0.3, label="; ".join(words)), *solids]
+
+
+def _thicker(windows: Sequence[np.ndarray], look: Look) -> list[str]:
+    """By which factor windows show skins thicker than they are, in words."""
+    if not all(look.thickness.values()):
+        return ["thickness not to scale"]
+    factors = [max(drawn_thickness(true, corners) / true for true in look.thickness.values()) for corners in windows]
+    main, *others = dict.fromkeys("to scale" if factor == 1 else f"{factor:.2g}-fold" for factor in factors)
+    return [f"thickness {main}{''.join(f', in the detail {other}' for other in others)}"]
 
 
 def _solid_keys(look: Look, moment: Configuration) -> list[Line2D]:

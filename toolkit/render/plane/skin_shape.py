@@ -47,6 +47,10 @@ def skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
     element, as it is in a beam of cubic deflection, so its extremes are those of the stress operator. The outer side lies to the
     right of the direction of travel.
     """
+    return configuration.once(("skin shape", body), lambda: _skin_shape(configuration, body))
+
+
+def _skin_shape(configuration: Configuration, body: str) -> SkinShape | None:
     model = drawn_model(configuration, body)
     if model.mesh is None:
         return None

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.bodies.planar.flexible import Flexible
+from toolkit.foundation.near_ties import first_largest
 from toolkit.render.plane.configuration import Configuration
 from toolkit.responses.stress.stress import stress_components
 from toolkit.responses.stress.von_mises import point_stress
@@ -49,9 +51,22 @@ class SolidShape:
         """The stress that pictures show: inside, or else along the boundary."""
         return self.stress if self.inside is None else self.inside.stress
 
+    @property
+    def deepest(self) -> np.ndarray:
+        """The place that is furthest from the boundary, (2,); without what is inside the middle of the boundary."""
+        border = self.edges.reshape(-1, 2)
+        if self.inside is None:
+            return border.mean(axis=0)
+        depth, _ = cKDTree(border).query(self.inside.points)
+        return self.inside.points[first_largest(depth)]
+
 
 def solid_shape(moment: Configuration, body: str) -> SolidShape | None:
     """Shape of a flexible body at one step; None if its reduced model has no outline."""
+    return moment.once(("solid shape", body), lambda: _solid_shape(moment, body))
+
+
+def _solid_shape(moment: Configuration, body: str) -> SolidShape | None:
     found, scene = moment.scene.body(body), moment.scene
     if not isinstance(found, Flexible) or isinstance(found, CutBody):
         return None

@@ -40,6 +40,10 @@ def has_shape(scene: Scene, body: str) -> bool:
 
 def body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:
     """Shape of a flexible body that has one, at one step."""
+    return moment.once(("body shape", body), lambda: _body_shape(moment, body))
+
+
+def _body_shape(moment: SpatialConfiguration, body: str) -> BodyShape:
     found, scene = moment.scene.body(body), moment.scene
     assert isinstance(found, SpatialFlexible)
     model, elastic = scene.model(found.model, "surface", "stress"), moment.elastic(body)

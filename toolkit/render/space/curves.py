@@ -10,6 +10,7 @@ from toolkit.bodies.cut.cut_body import CutBody
 from toolkit.render.curves import Panels, draw_panels, merged
 from toolkit.render.space.body_shape import body_shape, has_shape
 from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.stress_told import stress_range
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
 
@@ -24,15 +25,15 @@ def stress_extremes(moment: SpatialConfiguration, body: str) -> tuple[float, flo
 def spatial_curves_figure(solution: Solution) -> Figure:
     """The curves, a panel per quantity."""
     moments = [SpatialConfiguration(solution, step) for step in range(len(solution.times))]
-    panels = _stress_panels(solution, moments) + _motion_panels(solution, moments) + _rotation_panels(solution, moments)
+    panels = _stress_panels(solution, moments[0]) + _motion_panels(solution, moments) + _rotation_panels(solution, moments)
     return draw_panels(solution, panels)
 
 
-def _stress_panels(solution: Solution, moments: list[SpatialConfiguration]) -> Panels:
+def _stress_panels(solution: Solution, start: SpatialConfiguration) -> Panels:
     curves: dict[str, np.ndarray] = {}
-    for body in (name for name in moments[0].flexible() if has_shape(solution.system.scene, name)):
-        low, high = np.array([stress_extremes(moment, body) for moment in moments]).T
-        if body_shape(moments[0], body).stress.shape[1] == 1:
+    for body in (name for name in start.flexible() if has_shape(solution.system.scene, name)):
+        low, high = stress_range(solution, body).T
+        if body_shape(start, body).stress.shape[1] == 1:
             curves |= {f"{body}, largest": high, f"{body}, smallest": low}
         else:
             curves[f"{body}, largest von Mises"] = high

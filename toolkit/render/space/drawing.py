@@ -23,11 +23,11 @@ from toolkit.render.space.symbols import spatial_symbols
 
 JOINT, UNTOLD = "#3a3f47", "#c8cdd4"
 LOADS = {"force": "#8e2a9e", "torque": "#d2691e"}
-_SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
+SHINE: dict[str, Any] = {"ambient": 0.6, "diffuse": 0.4, "specular": 0.0}
 """Light that leaves colours readable."""
-_REACHES, _LEAD = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0), 2.5
-"""Gaps between a point and its name, and the distance from which a line leads there, in letters."""
-_SMALLEST = 1e-3
+_REACHES = (0.4, 0.7, 1.1, 1.6, 2.5, 3.5, 5.0)
+"""Gaps between a point and its name, in letters."""
+SMALLEST = 1e-3
 """Of the largest force or torque: a smaller one is not drawn."""
 _MOVED = 0.25
 """Of a tube's radius: a body that has moved less hides its undeformed shape."""
@@ -86,8 +86,8 @@ def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
     )
     for body in look.bodies:
         shape = body_shape(moment, body)
-        style: dict[str, Any] = {**colors, **_SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
-        values = look.colored(shape)
+        style: dict[str, Any] = {**colors, **SHINE, "scalars": parts.STRESS, "nan_color": UNTOLD}
+        values = look.colored(shape) if look.stress_limit else np.full(len(shape.points), np.nan)
         if len(shape.triangles) or shape.sides:
             actor = panel.draw(parts.surface(shape, values), **style)
         if len(shape.triangles):
@@ -96,7 +96,7 @@ def _draw_bodies(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
             least = 0.2 if shape.sides else 0.6
             actor = panel.draw(parts.fibres(shape, values).tube(radius=least * look.radius, n_sides=12), **style)
         if moment.spatial_body(body).frame == "grounded" and (fixed := parts.clamped_faces(shape)).n_cells:
-            panel.draw_nearer(fixed, 0.1 * look.radius, color=SUPPORT, **_SHINE)
+            panel.draw_nearer(fixed, 0.1 * look.radius, color=SUPPORT, **SHINE)
     return actor
 
 
@@ -127,17 +127,17 @@ def _draw_symbols(panel: SpatialPanel, moment: SpatialConfiguration, look: Spati
     for symbol in spatial_symbols(moment):
         color = SUPPORT if symbol.grounded else JOINT
         opacity = 0.5 if symbol.kind == "plane" else 1.0
-        panel.draw_front(symbol.surface(1.3 * look.radius), color=color, opacity=opacity, **_SHINE)
+        panel.draw_front(symbol.surface(1.3 * look.radius), color=color, opacity=opacity, **SHINE)
 
 
 def _draw_arrows(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """Forces and torques, the longer the larger."""
     for kind, point, vector in arrows(moment):
         relative = float(np.linalg.norm(vector)) / (look.largest[kind] or 1.0)
-        if relative >= _SMALLEST:
+        if relative >= SMALLEST:
             whole = vector / look.largest[kind] * ARROW * look.extent
             mesh = parts.arrow(point, whole, look.radius * min(1.0, 0.3 + relative), 2 if kind == "torque" else 1)
-            panel.draw_front(mesh, color=LOADS[kind], **_SHINE)
+            panel.draw_front(mesh, color=LOADS[kind], **SHINE)
 
 
 def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
@@ -145,16 +145,17 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
     for body in moment.scene.pieces():
         origin, axes = moment.frame(body)
         for direction, color in zip(axes.T, AXES.values(), strict=True):
-            panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **_SHINE)
+            panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **SHINE)
 
 
 def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
     """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
     named = names_by_place(moment, look.radius / 2)
     names = [Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in named]
-    for (text, point, _), place in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
-        panel.write(text, place)
-        way = place - point
-        if np.linalg.norm(way) > _LEAD * panel.letter:
+    for each in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
+        if each is None:
+            continue
+        panel.write(each.name.text, each.place)
+        if each.led:
             panel.plotter.subplot(0, panel.number)
-            strokes(panel.plotter, [np.array([point, place - panel.letter * way / np.linalg.norm(way)])], UNDEFORMED, 1.0)
+            strokes(panel.plotter, [each.line], UNDEFORMED, 1.0)

@@ -12,10 +12,11 @@ from toolkit.foundation.spread import spread
 from toolkit.joints.spatial.joint import SpatialJoint
 from toolkit.render.readable_units import Readable, readable_stress
 from toolkit.render.round_numbers import round_up
-from toolkit.render.space.arrows import arrows
+from toolkit.render.space.arrows import Arrow, arrows
 from toolkit.render.space.body_shape import BodyShape, body_shape, has_shape
 from toolkit.render.space.camera import ISOMETRIC
 from toolkit.render.space.configuration import SpatialConfiguration
+from toolkit.render.stress_told import round_off, told
 from toolkit.render.view import View
 from toolkit.responses.stress.von_mises import point_stress
 from toolkit.system.solution import Solution
@@ -86,28 +87,27 @@ class SpatialLook:
 
 def choose_spatial_look(solution: Solution, steps: Sequence[int], view: View) -> SpatialLook:
     """Look of the pictures at the given steps, wide enough for the whole motion."""
-    some = spread(len(solution.times) - 1, MOST_MOMENTS)
-    moments = [SpatialConfiguration(solution, step) for step in sorted({*some, *steps})]
-    scene = solution.system.scene
-    bodies = tuple(name for name in moments[0].flexible() if has_shape(scene, name))
-    points, limits, signed = [np.zeros((0, 3))], [0.0], True
-    for moment in [SpatialConfiguration.undeformed(solution), *moments]:
+    scene, start = solution.system.scene, SpatialConfiguration.undeformed(solution)
+    bodies = tuple(name for name in start.flexible() if has_shape(scene, name))
+    points, limit, loads = [drawn_points(start)], 0.0, list[Arrow]()
+    for step in sorted({*spread(solution.steps, MOST_MOMENTS), *steps}):
+        moment = SpatialConfiguration(solution, step)
         points.append(drawn_points(moment))
+        loads += arrows(moment)
         for body in bodies:
             shape = body_shape(moment, body)
             points.append(outermost(shape.points))
-            signed = signed and shape.stress.shape[1] == 1
-            stress = np.abs(point_stress(shape.stress))
-            limits.append(float(stress[np.isfinite(stress)].max(initial=0)))
+            limit = max(limit, told(point_stress(shape.stress), round_off(scene, body)))
+    points += [outermost(body_shape(start, body).points) for body in bodies]
+    signed = all(body_shape(start, body).stress.shape[1] == 1 for body in bodies)
     every = np.vstack(points)
     every = every if len(every) else np.zeros((1, 3))
-    loads = [arrow for moment in moments for arrow in arrows(moment)]
     largest = {
         kind: max((float(np.linalg.norm(a.vector)) for a in loads if a.kind == kind), default=0.0) for kind in ("force", "torque")
     }
     size = ARROW * float(np.linalg.norm(np.ptp(every, axis=0)))
     tips = [a.point + size * a.vector / largest[a.kind] for a in loads if largest[a.kind]]
-    return SpatialLook(bodies, signed, round_up(max(limits)), np.vstack([every, *tips]), largest, view, scene.units)
+    return SpatialLook(bodies, signed, round_up(limit), np.vstack([every, *tips]), largest, view, scene.units)
 
 
 def outermost(points: np.ndarray) -> np.ndarray:

@@ -10,28 +10,29 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.loads.spatial.gravity import SpatialGravity
-from toolkit.render.colors import INK, UNDEFORMED
-from toolkit.render.readable_units import readable
 from toolkit.render.round_numbers import even
-from toolkit.render.space.arrows import arrows
+from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.camera import Camera
 from toolkit.render.space.configuration import SpatialConfiguration
 from toolkit.render.space.curves import stress_extremes
-from toolkit.render.space.drawing import LOADS, draw_spatial_scene, has_moved
+from toolkit.render.space.drawing import draw_spatial_scene
+from toolkit.render.space.legend import draw_legend
 from toolkit.render.space.look import SpatialLook
 from toolkit.render.space.plotter.canvas import canvas
-from toolkit.render.space.plotter.layout import color_bar, explain, head_line, overview_places
+from toolkit.render.space.plotter.layout import head_line, overview_places
 from toolkit.render.space.plotter.panel import Place, SpatialPanel
+from toolkit.render.stress_told import round_off, told
+from toolkit.responses.stress.von_mises import point_stress
 
 _MARGIN = 0.08
 """Round what is drawn, relative to its extent; symbols stand a little beyond it."""
-_FOOT = 10
+_FOOT = 12
 """Height of the space below the panels, in letters."""
 
 
 def draw_spatial_instant(moment: SpatialConfiguration, look: SpatialLook, path: Path, width: int) -> None:
     """One instant."""
-    letters, height = width // 70, round(0.62 * width)
+    letters, height = width // 70, round(0.65 * width)
     place: Place = (letters, _FOOT * letters, width - 2 * letters, height - (_FOOT + 3) * letters)
     _draw(path, (width, height), [place], [moment], look, letters)
 
@@ -63,7 +64,7 @@ def _draw(
         lowest = [panel for panel in panels if panel.place[1] == places[-1][1]]
         lowest[0].scale_bar(unit(moments[0].scene.units, "length"))
         lowest[-1].compass(_gravity(moments[0]))
-        _legend(plotter, actor, moments, look, letters)
+        draw_legend(plotter, actor, moments, look, places[0][0], letters)
 
 
 def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
@@ -74,25 +75,13 @@ def _gravity(moment: SpatialConfiguration) -> np.ndarray | None:
 def spatial_caption(moment: SpatialConfiguration, look: SpatialLook) -> list[str]:
     """Time and range of the stress; digits as fine as the scene needs."""
     words = [moment.told]
-    if look.stress_limit:
+    every = [(body, point_stress(body_shape(moment, body).stress)) for body in look.bodies]
+    if look.bodies and not any(told(stress, round_off(moment.scene, body)) for body, stress in every):
+        words.append("no stress")
+    elif look.stress_limit:
         ranges = np.array([stress_extremes(moment, body) for body in look.bodies])
         low, high = ranges[:, 0].min(), np.abs(ranges).max() if not look.signed else ranges[:, 1].max()
         factor, label = look.shown_stress
         numbers = [even(factor * value, factor * look.stress_limit / 100) for value in (low, high)]
         words.append(f"{look.stress_name} {f'{numbers[0]} to' if look.signed else 'up to'} {numbers[1]} {label}")
     return words
-
-
-def _legend(plotter: Any, actor: Any, moments: Sequence[SpatialConfiguration], look: SpatialLook, letters: int) -> None:
-    """Colour bar at the lower left, meaning of colours at the lower right."""
-    units = moments[0].scene.units
-    if actor is not None and look.stress_limit:
-        color_bar(plotter, actor, f"{look.stress_name} in {look.shown_stress.label}", letters)
-    found = [("faint: undeformed", UNDEFORMED)] if any(has_moved(moment, look) for moment in moments) else []
-    kinds = {arrow.kind for moment in moments for arrow in arrows(moment)}
-    labels = {"force": ("force", "force"), "torque": ("torque (two heads)", "torque")}
-    for kind in (kind for kind in labels if kind in kinds and look.largest[kind]):
-        words, quantity = labels[kind]
-        factor, label = readable(look.largest[kind], unit(units, quantity))
-        found.append((f"{words}, largest {factor * look.largest[kind]:.4g} {label}", LOADS[kind]))
-    explain(plotter, [*found, ("motion and shape to scale", INK)], letters)

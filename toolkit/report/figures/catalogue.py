@@ -18,9 +18,9 @@ from toolkit.scene.space import PLANE, SPACE, Space
 
 Figure = Callable[[Material], list[Drawing]]
 FIGURES: tuple[Figure, ...] = (
+    stress_motion,
     load_curves,
     mechanism,
-    stress_motion,
     skin_error,
     stress_sensitivity,
     error_sensitivity,

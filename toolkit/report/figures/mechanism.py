@@ -7,7 +7,6 @@ from matplotlib import colormaps
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from toolkit.foundation.spread import spread
 from toolkit.render.plane.names import write_names
 from toolkit.render.plane.parts import draw_line, draw_mechanism, draw_outlines, draw_sections, draw_symbols
 from toolkit.render.plane.scene_picture import contour_keys
@@ -16,12 +15,10 @@ from toolkit.render.sheet import NARROW, sheet
 from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
 
-GHOSTS = 3
-
 
 def mechanism(material: Material) -> list[Drawing]:
     """All bodies in one panel."""
-    *ghosts, last = [material.moment(step) for step in spread(material.solution.steps, GHOSTS + 2)]
+    *ghosts, last = [material.moment(step) for step in material.telling]
     shades = [to_hex(shade) for shade in colormaps["Greys"](np.linspace(0.3, 0.55, max(len(ghosts), 1)))]
     corners = window(material.look.points)
     with sheet(panel_height(corners, NARROW) + 1.0) as (figure, axes):
@@ -42,6 +39,6 @@ def mechanism(material: Material) -> list[Drawing]:
         for body in material.skins:
             draw_line(panel, last, body, color="black", linewidth=3.0)
         draw_symbols(panel, last)
-        write_names(panel, last)
+        write_names(panel, last, bodies=True)
     caption = "The last position in full, earlier ones in grey; circles are joints."
     return [Drawing("mechanism", "Motion of the mechanism", caption, figure)]

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from toolkit.foundation.spread import spread
 from toolkit.foundation.units import unit
 from toolkit.render.plane.scene_picture import overview_figure
 from toolkit.render.sheet import NARROW
 from toolkit.report.drawing import Drawing
 from toolkit.report.material import Material
 
-INSTANTS = 4
-
 
 def stress_motion(material: Material) -> list[Drawing]:
     """Skins at some instants, coloured by the stress of their outer and inner fibre, and meshed bodies by theirs."""
     if not material.look.stress_limit:
         return []
-    moments = [material.moment(step) for step in spread(material.solution.steps, INSTANTS + 1)[-INSTANTS:]]
+    moments = [material.moment(step) for step in material.telling]
     bands = "Outer half of the band: outer fibre; inner half: inner fibre. " if material.skins else ""
     caption = f"{bands}Red is tension, blue compression."
     figure = overview_figure(moments, material.look, NARROW, columns=1)

@@ -11,8 +11,9 @@ from toolkit.render.plane.parts import draw_band
 from toolkit.render.plane.scene_picture import color_bar
 from toolkit.render.plane.skin_shape import drawn_model, fibre_values, skin_shape
 from toolkit.render.plane.window import open_windows, panel_height, window
-from toolkit.render.round_numbers import round_up
+from toolkit.render.round_numbers import MINUS, round_up
 from toolkit.render.sheet import NARROW, SIGNED, sheet
+from toolkit.render.stress_told import round_off, told
 from toolkit.report.drawing import Drawing
 from toolkit.report.figures.stress_motion import stress
 from toolkit.report.material import Material
@@ -29,14 +30,17 @@ def _one(material: Material, body: str, x: int, variable: str) -> Drawing:
     label = per(stress(material), variable_unit(material.scene, path))
     derivative = material.results.bodies[body].dstress[:, :, x]
     fibres = np.array([fibre_values(drawn_model(moment, body), row) for row in derivative])  # (n_t, n_e, POINTS, 2)
-    limit = round_up(float(np.nanmax(np.abs(fibres)))) or 1.0
+    value = abs(material.results.variables[variable]["value"]) or 1.0
+    limit = round_up(told(fibres, round_off(material.scene, body) / value))
+    fibres, limit = (fibres, limit) if limit else (np.zeros_like(fibres), 1.0)
     colors = Normalize(-limit, limit)
     corners = window(material.look.points)
     heights = [panel_height(corners, NARROW), 2.0][: 1 + material.moving]
     with sheet(sum(heights) + 1.6, len(heights), height_ratios=heights) as (figure, axes):
         above = axes[0, 0]
         peak = fibres[-1].ravel()[np.nanargmax(np.abs(fibres[-1]))]
-        above.set_title(f"at the end; largest {peak:.4g} {label}", loc="left")
+        words = f"largest {f'{peak:.4g}'.replace('-', MINUS)} {label}" if peak else "no influence"
+        above.set_title(f"at the end; {words}", loc="left")
         if material.moving:
             _over_time(axes[1, 0], material, body, fibres[..., 0], colors)
         color_bar(figure, list(axes[:, 0]), colors, f"d stress / d {variable} in {label}")

@@ -1,13 +1,13 @@
-"""The pictures of a motion on the page: in the plane a view that the reader can hold, in space pictures and curves; and an animation."""
+"""The motion on the page: in the plane a view that the reader can hold, in space pictures, curves and an animation."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from toolkit.render.pictures import render_solution
+from toolkit.render.readable_units import readable_stress
 from toolkit.report import page
 from toolkit.report.material import Material, Progress
-from toolkit.report.motion.animation import animate
 from toolkit.report.motion.viewer import viewer_data
 from toolkit.report.page import Section
 from toolkit.scene.space import PLANE, SPACE
@@ -15,7 +15,7 @@ from toolkit.scene.space import PLANE, SPACE
 _PIXELS = 1200
 """Width of a picture in space."""
 _CAPTIONS = {
-    "overview": "Instants whose pictures differ; faint: undeformed.",
+    "overview": "Instants at which something happens.",
     "curves": "Curves over time.",
     "animation": "The same as an animation (animation.gif).",
 }
@@ -29,12 +29,20 @@ def motion_sections(material: Material, folder: Path, progress: Progress) -> lis
 def _in_the_plane(material: Material, folder: Path, progress: Progress) -> list[Section]:
     if not material.moving:
         return []
-    gif = animate(material, folder / "animation.gif", lambda done, total: progress("animation", done, total))
-    data, stress = viewer_data(material), material.results.unit("stress")
-    colors = f"from {-data['limit']:.3g} to {data['limit']:.3g} {stress}"
-    hint = f"From blue to red: stress of the outer fibre {colors}. Grey: undeformed; dashes: target." if material.skins else ""
-    shown = f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>"
-    return [Section("motion", "Motion", page.pictures([shown, page.picture(gif, _CAPTIONS["animation"])]))]
+    data = viewer_data(material)
+    hint = page.typeset(" ".join(_hints(material, data["limit"], bool(data["targets"]))))
+    progress("animation", 1, 1)
+    return [Section("motion", "Motion", f"<figure>{page.viewer(data)}<figcaption>{hint}</figcaption></figure>", full=False)]
+
+
+def _hints(material: Material, limit: float, target: bool) -> list[str]:
+    """What colours and lines of the view mean."""
+    if not material.skins:
+        return []
+    factor, label = readable_stress(limit, material.scene.units)
+    ends = f"{-factor * limit:.3g} to {factor * limit:.3g} {label}"
+    colors = f"From blue to red: stress of the outer fibre, {ends}." if material.look.stress_limit else "There is no stress."
+    return [colors, "Grey: at the start.", *["Dashes: target."] * target]
 
 
 def _in_space(material: Material, folder: Path, progress: Progress) -> list[Section]:
@@ -42,7 +50,9 @@ def _in_space(material: Material, folder: Path, progress: Progress) -> list[Sect
     progress("animation", 1, 1)
     shown = [page.picture(files[name], caption) for name, caption in _CAPTIONS.items() if name in files]
     alone = [page.picture(file, "The scene.") for name, file in files.items() if name.startswith("step-") and len(files) == 1]
-    return [Section("motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone))]
+    return [
+        Section("motion", "Motion" if material.moving else "Equilibrium", page.pictures(shown or alone), full=False, long=True)
+    ]
 
 
 _SECTIONS = {PLANE: _in_the_plane, SPACE: _in_space}

@@ -28,7 +28,7 @@ def viewer_data(material: Material) -> dict[str, Any]:
     """
     moments = [material.moment(step) for step in material.shown]
     corners = window(material.look.points)
-    limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax
+    limit = symmetric([body.stress for body in material.results.bodies.values()]).vmax if material.look.stress_limit else 1.0
     digits = max(0, 4 - int(np.floor(np.log10(material.scene.size))))
     palette = (255 * colormaps[SIGNED](np.linspace(0, 1, 33))[:, :3]).round().astype(int)
     contours = [(label, line) for body in material.skins for label, line, *_ in outlines(moments[-1], body)]

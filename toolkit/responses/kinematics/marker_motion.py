@@ -17,9 +17,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from toolkit.equations.equations import Work, allocate_work
-from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.responses.response import Partials
+from toolkit.system.marker_states import MarkerStates
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -41,21 +40,16 @@ class MarkerMotion:
 
     system: System
     markers: tuple[int, ...]
-    work: Work
+    states: MarkerStates
 
     @classmethod
     def of(cls, system: System, grips: Sequence[tuple[str, ...]]) -> MarkerMotion:
         """Of the markers of bodies at points."""
-        return cls(system, tuple(map(system.numbering.marker, grips)), allocate_work(system.plan, system.dtype))
+        return cls(system, tuple(map(system.numbering.marker, grips)), MarkerStates(system))
 
     def at(self, solution: Solution, step: int) -> list[Motion]:
         """The motion of each marker at one step; `partials` then belongs to that step."""
-        system, markers, work = self.system, self.system.plan.markers, self.work
-        state: np.ndarray = np.zeros((3, system.n), system.dtype)
-        state[:, : system.n_q] = solution.q[step], solution.v[step], solution.a[step]
-        for function in (update_poses, update_pose_designs):
-            system.run(function, markers.plane, markers.frames, markers, work.markers, *state, work.scratch)
-        found = work.markers
+        found = self.states.at(solution.q[step], solution.v[step], solution.a[step])
         return [
             Motion(found.y[m].copy(), found.rate[m].copy(), found.acceleration[m] + found.centripetal[m]) for m in self.markers
         ]
@@ -65,7 +59,7 @@ class MarkerMotion:
 
         `design` (k, n_x) is what the values depend on it besides.
         """
-        system, markers, state = self.system, self.system.plan.markers, self.work.markers
+        system, markers, state = self.system, self.system.plan.markers, self.states.found
         by: np.ndarray = np.zeros((3, len(values), system.n_q), system.dtype)
         by_x = np.zeros((len(values), system.n_x)) + design
         for m, slope in zip(self.markers, slopes, strict=True):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -104,8 +105,7 @@ class RelativeAngle(Instant):
 
     def _cosine_and_sine(self, a: Motion, b: Motion) -> tuple[np.ndarray, Sequence[Motion]]:
         """u_1 . w_1 + u_2 . w_2 and u_2 . w_1 - u_1 . w_2."""
-        axes = axes_along(self.axis)
-        n_1, n_2 = (np.kron(np.append(0, axes[:, k]), np.eye(3)) for k in range(2))  # on a pose: A n
+        n_1, n_2 = _normals(self.axis)
         w_1, w_2, u_1, u_2 = n_1 @ a.y, n_2 @ a.y, n_1 @ b.y, n_2 @ b.y
         by_a = np.array([u_1 @ n_1 + u_2 @ n_2, u_2 @ n_1 - u_1 @ n_2])
         by_b = np.array([w_1 @ n_1 + w_2 @ n_2, w_1 @ n_2 - w_2 @ n_1])
@@ -127,3 +127,10 @@ class RelativeAngle(Instant):
         jumps = np.round((expected - np.diff(angles)) / (2 * np.pi))
         found: np.ndarray = 2 * np.pi * np.append(0, np.cumsum(jumps))
         return found
+
+
+@lru_cache
+def _normals(axis: Triple | None) -> tuple[np.ndarray, ...]:
+    """What makes A n_1 and A n_2 of a pose, (3, 12) each."""
+    axes = axes_along(axis)
+    return tuple(np.kron(np.append(0, axes[:, k]), np.eye(3)) for k in range(2))

@@ -18,7 +18,7 @@ from toolkit.reduced_model.dependence import Derivatives
 from toolkit.reduced_model.design_point import NONE
 from toolkit.reduced_model.model import place_parameter
 from toolkit.reduced_model.thin_arrays import LARGE
-from toolkit.responses.response import Partials, Response
+from toolkit.responses.response import Partials, Response, felt_steps
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.von_mises import point_slope, point_stress
 from toolkit.scene.scene import Scene
@@ -176,12 +176,13 @@ class StressResponse(Response):
         by_component = (weights[..., None] * np.real(point_slope(components))).reshape(len(components), -1)
         if self.when == "end":
             by_component = np.vstack([np.zeros((len(solution.times) - 1, by_component.shape[1])), by_component])
-        where = elastic_coordinates(solution, self.body)
-        operator = stress_rows(solution.system.placed, self.body)
-        value_q = np.zeros(solution.q.shape)
-        value_q[:, where] = by_instant(by_component, operator.real)
+        felt, where = felt_steps(by_component), elastic_coordinates(solution, self.body)
+        by_component, q = by_component[felt], solution.q[:, where]
+        by_q, value_q = np.zeros(q.shape), np.zeros(solution.q.shape)
+        by_q[felt] = by_instant(by_component, stress_rows(solution.system.placed, self.body).real)
+        value_q[:, where] = by_q
         rates = design_rates(solution, self.body, "stress_operator")
-        by_operator = np.real(products(by_component, solution.q[:, where], rates.entry))
+        by_operator = np.real(products(by_component, q[felt], rates.entry))
         design = np.bincount(rates.parameter, by_operator * rates.value, solution.system.n_x)
         return Partials(value, q=value_q, design=design)
 

@@ -110,7 +110,7 @@ def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Calla
             found.left_out[variable.name] = reason
         elif each.parts:
             wanted.append(each)
-            if any(_model(scene, body).basis.startswith("frozen") for body in each.bodies):
+            if any(_is_frozen(scene, body) for body in each.bodies):
                 found.frozen[variable.name] = FROZEN
     with tempfile.TemporaryDirectory() as folder:
         _build(scene, wanted, Path(folder))
@@ -119,6 +119,12 @@ def fresh_gradients(scene: Scene, design: list[str], kind: Kind, progress: Calla
                 found.slopes.setdefault(response, {})[each.variable.name] = fresh
             progress(k + 1, len(wanted))
     return found
+
+
+def _is_frozen(scene: Scene, name: str) -> bool:
+    """Whether a body has shapes that stay what they are when the design changes: those of its model, or those of its reduced parts."""
+    body: Any = scene.bodies[name]
+    return _model(scene, name).basis.startswith("frozen") or getattr(body, "modes_per_frame", None) is not None
 
 
 def _wanted(scene: Scene, variable: DesignVariable) -> Wanted:

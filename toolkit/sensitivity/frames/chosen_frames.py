@@ -7,6 +7,9 @@ of a moving body when both shapes are put together best: where it is depends on 
 
 of its largest displacement u with n_2 frames, and as much more with n_1 as the square of their ratio. The first run has one frame, and
 the meter of large deformation predicts the second number from it; each run predicts the next one until its own error is small enough.
+Where few frames are too few for the square, and tension that stiffens the body needs many, runs can lie close together and be far off:
+so the last number is believed where the meter, which is too large rather than too small, finds no more either, or after a run with twice
+as many.
 """
 
 from __future__ import annotations
@@ -33,8 +36,8 @@ WANTED = 1e-2
 """Geometric error by default."""
 FIRST = 4
 """The second run has at most so many times the frames of the first: what that tells of large rotations is too pessimistic."""
-FAR = 0.2
-"""Distance to the run before, in parts of the displacement, from which that run tells nothing of the order by which the error falls."""
+TWICE = 2
+"""A run with so many times the frames tells what those of the run before leave."""
 
 
 @dataclass(frozen=True)
@@ -45,8 +48,8 @@ class _Run:
     places: np.ndarray
     displacement: float
     moving: bool
+    metered: float  # what the meter finds
     error: float = np.inf
-    sure: bool = True  # whether the run before was near enough to tell the order
 
 
 @dataclass(frozen=True)
@@ -106,7 +109,7 @@ def chosen_frames(scene: Scene, kind: Kind) -> Choices:
         following = {name: _next(name, runs[name], ranges[name], wanted[name]) for name in names}
     for name in names:
         if len(runs[name]) == 1:  # one frame to every element already: nothing finer to compare with
-            runs[name][0] = replace(runs[name][0], error=_metered(solution, name))
+            runs[name][0] = replace(runs[name][0], error=_metered(solution, name, unknown=0.0))
             _refuse_too_coarse(name, runs[name][0], ranges[name].most, wanted[name])
     return {**kept, **{name: _choice(runs[name], wanted[name], kind) for name in names}}
 
@@ -118,7 +121,7 @@ def _of_kept_run(scene: Scene, kind: Kind) -> Choices:
     end = end_state(scene.start_file)
     found = {name: end.bodies.get(name, {}).get("frames", 1) for name in automatic(scene)}
     return {
-        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, end.path.name))
+        name: (number, FrameChoice(_wanted(scene, name), np.nan, (), kind, kept_run=end.path.name))
         for name, number in found.items()
         if isinstance(number, int)
     }
@@ -150,40 +153,53 @@ def _first_run(scene: Scene, kind: Kind, ranges: dict[str, _Range]) -> tuple[dic
 
 def _second(solution: Solution, name: str, number: int, can_be: _Range, wanted: float) -> int:
     """By what the meter says of the first run; twice as many at least, so that the runs can be compared."""
-    predicted = int(np.ceil(number * np.sqrt(_metered(solution, name) / wanted)))
-    return can_be.near(max(2 * number, min(predicted, FIRST * number)))
+    predicted = int(np.ceil(number * np.sqrt(_metered(solution, name, unknown=0.0) / wanted)))
+    return can_be.near(max(TWICE * number, min(predicted, FIRST * number)))
 
 
-def _metered(solution: Solution, name: str) -> float:
+def _metered(solution: Solution, name: str, unknown: float) -> float:
     """The error that the meter estimates, in parts of the displacement."""
     found = geometric_errors(solution).get(name)
-    return 0.0 if found is None else found.relative
+    return unknown if found is None else found.relative
 
 
 def _run_of(solution: Solution, name: str, number: int) -> _Run:
     places, displacement = node_places(solution, name), largest_displacement(solution, name)
-    return _Run(number, places, displacement, is_moving(solution.system.scene, name))
+    return _Run(number, places, displacement, is_moving(solution.system.scene, name), _metered(solution, name, unknown=np.inf))
 
 
 def _judged(run: _Run, before: _Run) -> _Run:
     """The run with the error that it leaves, by how far it is from the one before."""
     apart = relative_distance(run.places, before.places, run.displacement, run.moving)
-    return replace(run, error=apart / ((run.number / before.number) ** 2 - 1), sure=apart <= FAR)
+    return replace(run, error=apart / ((run.number / before.number) ** 2 - 1))
 
 
 def _next(name: str, runs: list[_Run], can_be: _Range, wanted: float) -> int:
-    """The number to go on with; the last one again if that is good enough.
+    """The number to go on with; the last one again if it, or the one before, is good enough.
 
     Of a body that branches every member needs more, so that the number is twice as large at least.
     """
     last = runs[-1]
-    if len(runs) < 2 or (last.error <= wanted and (last.sure or last.number == can_be.most)):
+    if len(runs) < 2 or _suffices(runs, wanted):
         return last.number
     if last.error <= wanted:
-        return can_be.near(2 * last.number)
+        believed = last.metered <= wanted or last.number == can_be.most
+        return last.number if believed else can_be.near(TWICE * last.number + 1)
     _refuse_too_coarse(name, last, can_be.most, wanted)
     predicted = int(np.ceil(last.number * np.sqrt(last.error / wanted)))
-    return can_be.near(max(predicted, 2 * last.number if can_be.branches else last.number + 1))
+    return can_be.near(max(predicted, TWICE * last.number if can_be.branches else last.number + 1))
+
+
+def _suffices(runs: list[_Run], wanted: float) -> bool:
+    """Whether the last run says that the number of the one before is good enough."""
+    before, last = runs[-2:]
+    apart = before.number == 1 or last.number % before.number > 0  # else, by symmetry, both can be off alike
+    return last.number >= TWICE * before.number and apart and _of_before(before, last) <= wanted
+
+
+def _of_before(before: _Run, last: _Run) -> float:
+    """Error of a run, by the next one."""
+    return last.error * (last.number / before.number) ** 2
 
 
 def _refuse_too_coarse(name: str, last: _Run, most: int, wanted: float) -> None:
@@ -198,14 +214,11 @@ def _refuse_too_coarse(name: str, last: _Run, most: int, wanted: float) -> None:
 
 
 def _choice(runs: list[_Run], wanted: float, kind: Kind) -> tuple[int, FrameChoice]:
-    """The first number that is good enough: that of the first run, if the second one says so."""
+    """The last number, or the one before where that is good enough."""
     numbers = tuple(run.number for run in runs)
-    last, error = runs[-1], runs[-1].error
-    if len(runs) == 2 and (first := runs[0]).number < last.number:
-        of_first = error * (last.number / first.number) ** 2
-        if of_first <= wanted:
-            return first.number, FrameChoice(wanted, of_first, numbers, kind)
-    return last.number, FrameChoice(wanted, error, numbers, kind)
+    if len(runs) > 1 and _suffices(runs, wanted):
+        return runs[-2].number, FrameChoice(wanted, _of_before(*runs[-2:]), numbers, kind)
+    return runs[-1].number, FrameChoice(wanted, runs[-1].error, numbers, kind)
 
 
 def with_choices(scene: Scene, choices: Choices) -> Scene:

@@ -9,7 +9,7 @@ With every part cut in half, the error is a quarter of what it was. So of number
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -47,6 +47,16 @@ class FrameErrors:
     values: Mapping[str, float]
     gradients: Slopes
     failure: str = ""
+    most: Mapping[str, int] = field(default_factory=dict)  # body -> elements, of which each can have a frame
+
+    def largest(self, gradients: Slopes, sizes: Mapping[str, float]) -> float:
+        """The largest error in parts of its gradient, among the gradients of the run that count."""
+        return max(_parts(self, gradients, sizes).values(), default=0.0)
+
+    def advised(self, worst: float) -> dict[str, int]:
+        """Numbers that would bring an error below the limit; of signs that are in doubt twice the number, to look again."""
+        factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
+        return {body: min(int(np.ceil(now * factor)), self.most[body]) for body, (now, _) in self.frames.items()}
 
     def record(self, gradients: Slopes, sizes: Mapping[str, float]) -> dict[str, object]:
         """Part of a JSON object, which says of the gradients of the run whose signs are in doubt."""
@@ -70,16 +80,18 @@ def frame_errors(solution: Solution, values: Mapping[str, float], gradients: Slo
     if not more:
         return None
     counts = {body: (_count(solution, body), each if isinstance(each, int) else len(each) + 1) for body, each in more.items()}
+    most = {body: _elements(solution, body) for body in more}
     try:
         other_values, other_slopes = reframed(more)
     except ToolkitError as error:
-        return FrameErrors(counts, {}, {}, str(error))
+        return FrameErrors(counts, {}, {}, str(error), most)
     square = min(now / before for before, now in counts.values()) ** 2
     factor = square / (square - 1)
     return FrameErrors(
         counts,
         {f: float(factor * (other_values[f] - value)) for f, value in values.items()},
         {f: {x: float(factor * (other_slopes[f][x] - slope)) for x, slope in row.items()} for f, row in gradients.items()},
+        most=most,
     )
 
 
@@ -106,7 +118,7 @@ def doubtful_gradients(found: FrameErrors | None, gradients: Slopes, sizes: Mapp
     yield Caution(
         "geometric-gradients",
         f"{'; '.join(said)}: so says the same run with {_others(found.frames)}, the price of this check. Gradients of bodies that "
-        f"deform far need more frames than their values: write {_advice(found, max(parts.values()))} in the scene.",
+        f"deform far need more frames than their values: write {_written(found.advised(max(parts.values())))} in the scene.",
     )
 
 
@@ -130,10 +142,8 @@ def _signs(found: FrameErrors, gradients: Slopes, sizes: Mapping[str, float]) ->
     ]
 
 
-def _advice(found: FrameErrors, worst: float) -> str:
-    """Numbers that would bring the errors below the limit; of signs that are in doubt twice the number, to look again."""
-    factor = np.sqrt(worst / LIMIT) if worst < 1 else 4.0
-    return ", ".join(f"bodies.{body}.frames = {int(np.ceil(now * factor))}" for body, (now, _) in found.frames.items())
+def _written(frames: Mapping[str, int]) -> str:
+    return ", ".join(f"bodies.{body}.frames = {number}" for body, number in frames.items())
 
 
 def _others(frames: Mapping[str, tuple[int, int]]) -> str:

@@ -161,7 +161,7 @@ def check_positions(system: System, q: np.ndarray, dq: np.ndarray, time: float) 
         )
     change = terms.A_x[n_q:]
     if np.any(dq):
-        change = change + (system.matrix(terms.A_q)[n_q:] @ dq)
+        change = change + (system.matrix(terms.A_q) @ dq)[n_q:]
     violating = np.argwhere(np.abs(change) > POSITION_TOLERANCE * (1 + np.abs(dq).max(initial=0)))
     for i, x in violating:
         raise NoDerivativeError(

@@ -12,7 +12,7 @@ from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene.names import check_names
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.reader import read_scene
-from toolkit.sensitivity.frames.chosen_frames import with_chosen_frames
+from toolkit.sensitivity.frames_for_gradients import with_frames_for_gradients
 from toolkit.sensitivity.preparation import responses_of
 from toolkit.studies.distributions.uncertain_numbers import Uncertain
 from toolkit.studies.study.problem import Problem
@@ -88,7 +88,6 @@ def checked(study: Study, scene: Scene | None = None, table: str = "variables") 
     if not study.variables:
         raise InputError("variables is empty: write [variables] with numbers of the scene, and between which bounds they may be.")
     scene = read_scene(study.directory / study.scene) if scene is None else scene
-    scene = with_chosen_frames(scene, kind_of(study))
     _refuse_known("responses", study.responses, scene.responses, "a response of that name stands in the scene already.")
     if LOAD_MARGIN in study.responses:
         raise InputError(f"responses.{LOAD_MARGIN} is built in. Leave it out.")
@@ -96,6 +95,8 @@ def checked(study: Study, scene: Scene | None = None, table: str = "variables") 
     scene = _with_several(scene, study.variables, table)
     check_names(scene.points, scene.bodies, scene.joints, scene.loads, scene.responses)
     _refuse_variables(study.variables, scene, table)
+    differentiated = study.variables if table == "variables" and study.analysis != "modes" else ()
+    scene = with_frames_for_gradients(scene, kind_of(study), differentiated)
     points = None
     if table == "variables" and wants_points(study):
         refuse_robust_margin(study)

@@ -11,6 +11,7 @@ from pydantic import ValidationError
 from toolkit.description.validation_messages import messages
 from toolkit.foundation.errors import InputError
 from toolkit.foundation.files.toml_file import read_toml
+from toolkit.foundation.files.toml_kinds import refuse_other
 from toolkit.foundation.files.toml_lines import naming_lines
 from toolkit.scene_file.reader import responses_from_table
 from toolkit.studies.study.study_file import Study
@@ -44,6 +45,7 @@ def read_study(path: str | Path) -> Study:
     """
     path = Path(path)
     table = read_toml(path, "a study in TOML")
+    refuse_other(table, path, "study")
     with naming_lines(path):
         return _study(table, path)
 

@@ -79,9 +79,17 @@ def _buckling(found: Compression, solution: Solution) -> str:
         what = f"lateral deflections are up to {found.missed:.0%} larger than these equations say, and frequencies lower"
     return (
         f"{found.body} is {how}{when} with {found.load:.2g} times the critical load: {what}. Linear FFRF has no geometric stiffness "
-        "of a body in its frame. Load it less, stiffen it, or make several bodies in a row of it, which buckle as they should. "
+        f"of a body in its frame. Load it less, stiffen it, or {_more_parts(scene, found.body)}, which buckle as they should. "
         "ffrf check-deformation solves it with elements that turn."
     )
+
+
+def _more_parts(scene: Scene, body: str) -> str:
+    """What has more frames than the body, or than the one that it is a part of."""
+    found = scene.body(body)
+    if not isinstance(found, FramedPart):
+        return "make several bodies in a row of it"
+    return f"cut {found.whole} into more frames, of a model with more elements where each has one"
 
 
 def _feigned(found: Compression) -> str:

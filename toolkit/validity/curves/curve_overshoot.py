@@ -15,9 +15,12 @@ from toolkit.system.solution import Solution
 BEYOND = 0.1
 """Part of the range of a table's values by which its cubic may leave it: a sine by eight rows in a period leaves it by 4 %."""
 
+DOUBTFUL = 0.5
+"""The same that nobody means: a pulse of a few close rows in a long table may swing to a hundred thousand times its height before it."""
+
 
 def overshooting_tables(solution: Solution) -> Iterator[Caution]:
-    """Remarks on cubic tables that leave the range of their values within a motion."""
+    """Cubic tables that leave the range of their values within a motion: a remark, or a doubt where they do by far."""
     times = solution.whole_run
     for (group, name), curve in curves_of(solution.system.scene):
         for path, table, start, end in _cubics(f"{group}.{name}.curve", curve, float(times[0]), float(times[-1])):
@@ -30,7 +33,7 @@ def overshooting_tables(solution: Solution) -> Iterator[Caution]:
                     f"{path} swings beyond its values, which are from {low:g} to {high:g}: it reaches {value:.4g} at t = {time:.4g}, "
                     f"{beyond / (high - low):.3g} times their range outside, because it is a cubic through all of them. "
                     f'{path}.interpolation = "monotone" does not, and neither do "linear", more rows where it is steep, or smooth steps.',
-                    doubt=False,
+                    doubt=bool(beyond > DOUBTFUL * (high - low)),
                 )
 
 

@@ -26,6 +26,7 @@ def frames_chosen(scene: Scene) -> dict[str, Any]:
             "relative_to": "the largest displacement of the body",
             "tried": list(choice.numbers),
             "analysis": ANALYSES[choice.analysis],
+            **({"for_gradients": [{"frames": n, "estimated_error": e} for n, e in choice.gradients]} if choice.gradients else {}),
         }
         for name, (number, choice) in _choices(scene).items()
     }
@@ -47,9 +48,19 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
             "frames",
             f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": the {ANALYSES[choice.analysis]} of '
             f"the scene as it is written, with {runs} frames, leaves about {choice.error:.1%} of its largest displacement "
-            f"({choice.wanted:.3g} is wanted; the error falls with the square of the number). frames = {number} spares these runs.",
+            f"({choice.wanted:.3g} is wanted; the error falls with the square of the number).{_of_gradients(number, choice)} "
+            f"frames = {number} spares these runs.",
             doubt=False,
         )
+
+
+def _of_gradients(number: int, choice: FrameChoice) -> str:
+    """What the gradients needed."""
+    if not choice.gradients:
+        return ""
+    tried = [f"{frames} would leave {error:.1%}" for frames, error in choice.gradients if frames != number]
+    reached = [f"{number} leaves {error:.1%}" for frames, error in choice.gradients if frames == number]
+    return f" Of the worst of the gradients {', '.join([*tried, *reached])}, by comparison with twice as many."
 
 
 def _choices(scene: Scene) -> dict[str, tuple[int, FrameChoice]]:

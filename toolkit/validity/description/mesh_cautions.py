@@ -15,11 +15,16 @@ from toolkit.scene.scene import Scene
 
 def cautions_of_meshes(scene: Scene) -> Iterator[Caution]:
     """A doubt for every body with a mesh that is too coarse for its stress, if that is asked for, or for its deflections."""
-    asked = {each.body for each in map(_looked_at, scene.responses.values()) if isinstance(each, StressResponse | LocalStress)}
+    asked = bodies_of_stress(scene)
     for name, body in scene.bodies.items():
         if isinstance(body, ModelBody):
             limit = COARSE if name in asked else TOO_STIFF
             yield from mesh_questions(scene.model(body.model), f"body {name!r}", doubt=True, limit=limit)
+
+
+def bodies_of_stress(scene: Scene) -> set[str]:
+    """Bodies whose stress a response asks for."""
+    return {each.body for each in map(_looked_at, scene.responses.values()) if isinstance(each, StressResponse | LocalStress)}
 
 
 def _looked_at(response: object) -> object:

@@ -9,7 +9,7 @@ import numpy as np
 from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.spatial.bushing import SpatialBushing
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 
 SMALL = np.radians(30)
@@ -26,7 +26,7 @@ def bushings_turned_far(solution: Solution) -> Iterator[Caution]:
     if not bushings:
         return
     states = np.atleast_2d(np.real(solution.q))
-    poses = np.real([marker_states(system, states[step]).y for step in spread(len(states) - 1, LOOKED_AT)])
+    poses = poses_at(system, states[spread(len(states) - 1, LOOKED_AT)])
     for name, load in bushings.items():
         first, second = (system.numbering.marker(grip) for grip in load.grips)
         cosine = (np.einsum("tk,tk->t", poses[:, first, 3:], poses[:, second, 3:]) - 1) / 2

@@ -13,7 +13,7 @@ from toolkit.joints.kernels.profile import SEAM
 from toolkit.joints.profile import CLOSE, TURN
 from toolkit.joints.rows import Form
 from toolkit.scene.scene import Scene
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 
 STEP = 1e-30
@@ -57,7 +57,7 @@ def _passes(solution: Solution, name: str) -> bool:
     sine, cosine = joint.constraint(system.scene)[0].forms[-2], joint.constraint(system.scene)[0].forms[-3]
     markers = [system.numbering.marker(grip if joint.axes is None else (*grip, f"joints.{name}")) for grip in joint.grips]
     states = np.atleast_2d(np.real(solution.q))
-    poses = [_vectors(np.real(marker_states(system, states[step]).y[markers])) for step in spread(len(states) - 1, LOOKED_AT)]
+    poses = [_vectors(pose) for pose in poses_at(system, states[spread(len(states) - 1, LOOKED_AT)])[:, markers]]
     angles = np.unwrap([np.arctan2(_value(sine, vectors), _value(cosine, vectors)) for vectors in poses])
     return bool(angles.min() < -SEAM or angles.max() >= TURN - SEAM)
 

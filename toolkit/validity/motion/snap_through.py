@@ -12,6 +12,7 @@ from toolkit.solvers.static.stability.critical_state import has_negative_stiffne
 from toolkit.solvers.static.stability.saddle import factorised, free_count
 from toolkit.solvers.static.stability.static_array import StaticArray, largest_entry, scaled_by, static_array
 from toolkit.system.solution import Solution
+from toolkit.validity.motion.dead_inertia import dead_inertia
 
 LOOKED_AT, AMONG = 50, 5000
 """Most states whose stability is looked at, and among how many they are chosen."""
@@ -31,8 +32,8 @@ def snap_through(solution: Solution) -> Caution | None:
     """The remark that a motion snaps through; None if it passes no unstable state, or does not begin near a stable equilibrium.
 
     At some fifty states of the motion, as different from each other as can be, and between those furthest apart of neighbouring ones, the
-    static stiffness against all motions that the joints allow is examined, under the loads of their time and the joint forces that
-    balance them best.
+    static stiffness against all motions that the joints allow is examined, under the loads of their time, the joint forces that
+    balance them best, and forces of inertia that hold what these leave.
     """
     system = solution.system
     if not (system.compiled and solution.steps and free_count(system) and _begins_at_rest(solution)):
@@ -98,7 +99,9 @@ def _static(solution: Solution, place: float, inputs: Inputs | None = None) -> t
     scaled = system.dense(terms.I_acc)[:n_q, n_q:] / system.weights[:n_q, None]
     forces[n_q:] = np.linalg.lstsq(scaled, -(terms.inertial + terms.applied)[:n_q] / system.weights[:n_q])[0]
     terms = system.evaluate(inputs, q, rest, forces)
-    return terms.inertial + terms.applied, static_array(system, terms), forces
+    residual, matrix = terms.inertial + terms.applied, static_array(system, terms)
+    held = dead_inertia(system, q, residual)
+    return residual, matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr()), forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:

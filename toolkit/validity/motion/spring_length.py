@@ -10,7 +10,7 @@ from toolkit.foundation.spread import spread
 from toolkit.foundation.verdict import Caution
 from toolkit.loads.controllers import DistanceControlled
 from toolkit.loads.springs import PointSpring
-from toolkit.system.marker_states import marker_states
+from toolkit.system.marker_states import poses_at
 from toolkit.system.solution import Solution
 
 LOOKED_AT = 500
@@ -49,7 +49,7 @@ def _turns(solution: Solution, springs: list[PointSpring | DistanceControlled], 
     """For each spring the places in `steps` after which the vector from end to end points against what it was before."""
     system = solution.system
     ends = np.array([[system.numbering.marker(grip) for grip in each.grips] for each in springs])
-    poses = np.real([marker_states(system, solution.q[step]).y[:, : system.scene.dimension] for step in steps])
+    poses = poses_at(system, solution.q[steps])[:, :, : system.scene.dimension]
     vectors = poses[:, ends[:, 0]] - poses[:, ends[:, 1]]
     against = np.einsum("tsi,tsi->ts", vectors[:-1], vectors[1:]) < 0
     return [np.flatnonzero(each) for each in against.T]

@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.planar.flexible import Flexible
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.planar_part import planar_part
 
@@ -21,9 +22,9 @@ class PlanarFramedPart(FramedPart, Flexible):
     frame_coordinates: ClassVar[int] = 3
 
     @staticmethod
-    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray) -> Part:
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
         """As `planar_part`."""
-        return planar_part(elements, first, last, stress_elements)
+        return planar_part(elements, first, last, stress_elements, shapes)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The first node turns, and the last moves along the chord."""

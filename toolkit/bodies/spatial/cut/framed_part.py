@@ -9,6 +9,7 @@ import numpy as np
 
 from toolkit.bodies.cut.framed_part import FramedPart
 from toolkit.bodies.spatial.flexible import SpatialFlexible
+from toolkit.reduced_model.cut.craig_bampton import PartShapes
 from toolkit.reduced_model.cut.part import Part
 from toolkit.reduced_model.cut.spatial_part import spatial_part
 
@@ -21,9 +22,9 @@ class SpatialFramedPart(FramedPart, SpatialFlexible):
     frame_coordinates: ClassVar[int] = 7
 
     @staticmethod
-    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray) -> Part:
+    def assembled(elements: Any, first: int, last: int, stress_elements: np.ndarray, shapes: PartShapes | None = None) -> Part:
         """As `spatial_part`."""
-        return spatial_part(elements, first, last, stress_elements)
+        return spatial_part(elements, first, last, stress_elements, shapes)
 
     def elastic_names(self, nodes: list[int]) -> Iterator[str]:
         """The ends turn across the chord and twist against each other, and the last one moves along it."""

@@ -29,15 +29,17 @@ class SpatialPanel:
     letter: int  # size of letters in pixels
     camera: Camera
 
-    def open(self) -> None:
-        """Put the renderer in its place, white and framed, and the camera before the scene."""
+    def open(self, framed: bool = True) -> None:
+        """Put the renderer in its place, white and on request framed, and the camera before the scene."""
         camera, plotter, (left, bottom, wide, high) = self.camera, self.plotter, self.place
         width, height = plotter.window_size
         plotter.subplot(0, self.number)
         renderer = plotter.renderers[self.number]
         renderer.viewport = (left / width, bottom / height, (left + wide) / width, (bottom + high) / height)
+        renderer.DrawOn()
         plotter.set_background("white", all_renderers=False)
-        renderer.add_border(FRAME, 2)
+        if framed:
+            renderer.add_border(FRAME, 2)
         if camera.perspective:
             plotter.disable_parallel_projection()
         else:

@@ -18,7 +18,6 @@ class PathEquations:
     def __init__(self, system: System, options: RunOptions, acting: Acting) -> None:
         self.system, self.options, self.acting = system, options, acting
         self.n, self.n_q = system.n, system.n_q
-        self._of_q = np.arange(system.n) < system.n_q
         self.scale = np.ones(system.n)
 
     def begin(self, z: np.ndarray) -> None:
@@ -37,8 +36,9 @@ class PathEquations:
 
     def padded(self, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """q padded to n, and [0; lam], of the system's type."""
-        dtype = self.system.dtype
-        return np.where(self._of_q, z[: self.n], 0.0).astype(dtype), np.where(self._of_q, 0.0, z[: self.n]).astype(dtype)
+        found: np.ndarray = np.zeros((2, self.n), self.system.dtype)
+        found[0, : self.n_q], found[1, self.n_q :] = z[: self.n_q], z[self.n_q : self.n]
+        return found[0], found[1]
 
     def _terms(self, z: np.ndarray, inputs: Inputs, linearize: bool = True) -> Terms:
         q, acc = self.padded(z)

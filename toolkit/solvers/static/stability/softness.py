@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import lapack
 
 from toolkit.solvers.static.stability.saddle import Saddle
 
@@ -42,7 +43,7 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
     near = None if known is None or len(known.values) != count else known.motions[:n_b] / scale
     block = np.random.default_rng(0).normal(size=(n_b, count)) if near is None else near
     for _ in range(ITERATIONS if near is None else AGAIN):
-        block = np.linalg.qr(block)[0]
+        block = _orthonormal(block)
         solved = saddle.solve(np.vstack([block / scale, forces]))
         flexibility, turn = np.linalg.eigh(block.T @ (solved[:n_b] / scale))
         if not np.all(flexibility):
@@ -50,3 +51,10 @@ def softest(saddle: Saddle, n_free: int, n_b: int, known: Softness | None = None
         solved = solved @ turn / flexibility
         block = solved[:n_b] / scale
     return Softness(1 / flexibility, solved / np.sqrt((block**2).sum(axis=0)))
+
+
+def _orthonormal(block: np.ndarray) -> np.ndarray:
+    """Columns (n, m) as orthonormal ones; by LAPACK itself, because to prepare its call takes longer than these few columns."""
+    factors, scales, _, _ = lapack.dgeqrf(block)
+    found: np.ndarray = lapack.dorgqr(factors, scales)[0]
+    return found

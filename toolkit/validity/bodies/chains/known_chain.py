@@ -57,7 +57,7 @@ def _in_space(scene: Scene, body: str) -> Chain | None:
 def _of_part(scene: Scene, written: FramedPart) -> Chain:
     """Elements of a part of a cut body, numbered from its first node."""
     design, part = whole_design(scene, written.whole), written.part(scene)
-    key = (Chain, written.first, written.last)
+    key = (Chain, *written.own)
     if key not in design.kept:
         design.kept[key] = _chain_of_part(part, np.real(design.value("elements.stiffness")))
     found: Chain = design.kept[key]

@@ -24,6 +24,9 @@ LIMIT = 0.05
 """Part of a deflection that the equations may miss without a word; the same as that of the meter of large deformation."""
 DOUBTFUL = 0.5
 """The same from which it is a doubt: a third of the critical load in a fixed frame. Below, what a run was asked for may not feel it."""
+FELT = 1e-3
+"""Part of its elastic stiffness that a body may lose in its own frame without the whole scene being looked at: a column of several frames
+whose parts lose no more is half as stiff as these equations say within a thousandth of its critical load."""
 AMONG = 5000
 """The meter looks for the largest compression among at most so many states of a run."""
 STATES = 3
@@ -64,7 +67,7 @@ def _softest(solution: Solution, known: dict[str, Stiffening]) -> dict[int, str]
                 places.append((n, body))
                 parts.append(law.softening(sense * elastic[n]))
     found: dict[int, str] = {}
-    while max(parts, default=0.0) > LIMIT and len(found) < STATES:
+    while max(parts, default=0.0) > FELT and len(found) < STATES:
         largest = first_largest(np.array(parts))
         found.setdefault(*places.pop(largest))
         parts.pop(largest)

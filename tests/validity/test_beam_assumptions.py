@@ -1,0 +1,101 @@
+"""What beams leave out is said where it counts: shear, weight between nodes, vibrations of few elements; by a cantilever's closed forms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import toolkit as ffrf
+from preprocessing.basis.basis_choice import BasisChoice
+from preprocessing.elements.section import Section
+from tests.models.beam_models import save_beam
+from toolkit.validity.bodies.beam_assumptions import sheared
+from toolkit.validity.bodies.coarse_vibrations import resolved_frequency
+from toolkit.validity.bodies.deformation import LIMIT
+
+E, RHO, WIDTH, G = 210e9, 7800.0, 0.02, 9.81
+BETA = np.array([1.8751040687, 4.6940911330, 7.8547574382])
+"""Roots of cos cosh = -1 (Blevins, Formulas for Natural Frequency and Mode Shape, 1979)."""
+SCENE = """units = "m-kg-s"
+[points]
+T = { body = "beam", interface = "tip" }
+[bodies.beam]
+type = "flexible"
+model = "beam.h5"
+frame = "grounded"
+frames = FRAMES
+[loads]
+g = { type = "gravity", acceleration = [0.0, -9.81] }
+[responses]
+stress = { type = "max-stress", body = "beam" }
+down = { type = "displacement", body = "beam", point = "T", component = "y" }
+f1 = { type = "frequency", number = 1 }
+f2 = { type = "frequency", number = 2 }
+"""
+
+
+def cantilever(folder, elements, thickness=0.02, frames=1, responses=("stress", "down"), **basis):
+    """A horizontal cantilever of 1 m under its weight, clamped at its start."""
+    section = Section(youngs_modulus=E, density=RHO, thickness=thickness, width=WIDTH)
+    nodes = np.column_stack([np.linspace(0, 1, elements + 1), np.zeros(elements + 1)])
+    save_beam(folder / "beam.h5", nodes, section, {"tip": 1.0}, **basis)
+    kept = [
+        line
+        for line in SCENE.replace("FRAMES", str(frames)).splitlines()
+        if line[:2] not in ("f1", "f2") or line[:2] in responses
+    ]
+    (folder / "scene.toml").write_text("\n".join(kept))
+    return ffrf.read_scene(folder / "scene.toml")
+
+
+def said(run, code):
+    return [each.text for each in run.verdict.warnings if each.code == code]
+
+
+@pytest.mark.parametrize(
+    ("elements", "frames", "basis"),
+    [(1, 1, None), (2, 1, None), (2, 2, None), (8, 1, BasisChoice("craig-bampton", count=0))],
+    ids=["one element", "two", "two with frames", "no modes"],
+)
+def test_stress_that_weight_adds_between_nodes_is_said_as_large_as_it_is(elements, frames, basis, tmp_path):
+    keys = {} if basis is None else {"basis": basis}
+    run = ffrf.compile(cantilever(tmp_path, elements, frames=frames, **keys)).statics()
+    exact = RHO * G / 2 * 0.01 / (0.02**2 / 12)  # p L^2 / 2 (h / 2) / I
+    part = 1 - run.values["stress"] / exact
+    texts = said(run, "weight-between-nodes")
+    assert bool(texts) == (part > LIMIT)
+    assert run.verdict.trusted == (not texts)
+    if texts:
+        assert f"some {part:.0%} of the largest" in texts[0]
+    assert run.values["down"] == pytest.approx(-RHO * G / (8 * E * 0.02**2 / 12), rel=2e-3)  # of the frames' turn; exact with one
+
+
+def test_weight_is_not_said_where_no_stress_is_asked_for(tmp_path):
+    scene = cantilever(tmp_path, 1)
+    without = scene.model_copy(update={"responses": {"down": scene.responses["down"]}})
+    assert ffrf.compile(without).statics().verdict.trusted
+
+
+@pytest.mark.parametrize("thickness", [0.1, 0.4])
+def test_shear_is_said_of_short_beams(thickness, tmp_path):
+    """Timoshenko's cantilever: 3 E I / (kappa G A L^2) with kappa = 5/6 and Poisson's ratio 0.3."""
+    part = 3 * 2.6 / (5 / 6) * thickness**2 / 12
+    texts = [each.text for each in sheared(cantilever(tmp_path, 4, thickness))]
+    assert bool(texts) == (part > LIMIT)
+    assert not texts or f"adds some {part:.0%}" in texts[0]
+
+
+@pytest.mark.parametrize(("elements", "far"), [(1, True), (2, False), (4, False)])
+def test_a_frequency_that_elements_are_too_long_for_is_doubted(elements, far, tmp_path):
+    scene = cantilever(tmp_path, elements, responses=("f1", "f2"))
+    run = ffrf.compile(scene).statics()
+    waves = np.sqrt(E * 0.02**2 / 12 / RHO)
+    exact = BETA[1] ** 2 * waves / (2 * np.pi)
+    off = run.values["f2"] / exact - 1
+    assert bool(said(run, "coarse-vibrations")) == far == (off > LIMIT)
+    # the estimate is of first order in (beta l)^4: twice too large at its limit at most
+    assert resolved_frequency(scene, "beam") == pytest.approx(elements**2 * np.sqrt(1440 * LIMIT) * waves / (2 * np.pi), rel=1e-9)
+    modes = ffrf.compile(scene).modes(count=3)
+    third = modes.frequencies[2] / (BETA[2] ** 2 * waves / (2 * np.pi)) - 1
+    doubts = [each.doubt for each in modes.verdict.warnings if each.code == "coarse-vibrations"]
+    assert doubts == [False] * int(third > LIMIT)  # a note: the slow ones of a table are right

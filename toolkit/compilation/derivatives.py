@@ -1,0 +1,90 @@
+"""Derivatives of a scene's numbers by its design variables: a complex step through the construction formulas that a variable reaches.
+
+That is exact to round-off, and it happens before time starts to run.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from operator import is_
+from typing import Any
+
+import numpy as np
+
+from toolkit.compilation.dependence import Affected
+from toolkit.compilation.numbering import Numbering
+from toolkit.compilation.quantities import OPEN, STEP, Part, Quantities, Seen, made_of, owners_of, parts_of
+from toolkit.compilation.remembered import Remembered
+from toolkit.curves.curve import Curve
+from toolkit.description.design import Design
+from toolkit.scene.scene import Scene
+
+
+def derivatives(scene: Scene, numbering: Numbering, design: Design, seen: Seen) -> list[Quantities]:
+    """Derivative of all numbers by each design variable; curves stay complex, they are differentiated where they are evaluated.
+
+    Only what is written otherwise, or is told something else by the scene, can have a derivative: the other formulas are left out. So are
+    those of bodies and markers that have not met a complex number then, which is so whatever the values of the scene's numbers are.
+    """
+    found = []
+    for variable in design:
+        moved = scene.moved(variable, 1j * STEP)
+        parts = parts_of(moved, numbering, owners_of(moved, numbering, numbering.affected_by(scene, variable.paths)))
+        placed = Remembered(moved, seen.placed)
+        stirred = _stirred(seen, placed)
+        groups = {group: {k: part for k, part in owners.items() if stirred(group, k, part)} for group, owners in parts.items()}
+        found.append(_rates(made_of(groups, placed, moved), _is_reached))
+    return found
+
+
+def renewed_derivatives(
+    scene: Scene, numbering: Numbering, design: Design, placed: Remembered, known: Sequence[Quantities], among: Affected
+) -> list[Quantities]:
+    """Those of the same owners at other numbers of the scene, as far as these affect them; `placed` has answered for its values."""
+    found, affected = [], {group: set(owners) for group, owners in owners_of(scene, numbering, among).items()}
+    for variable, before in zip(design, known, strict=True):
+        moved = scene.moved(variable, 1j * STEP)
+        reached = {group: getattr(before, group).keys() & owners for group, owners in affected.items()}
+        found.append(_rates(made_of(parts_of(moved, numbering, reached), Remembered(moved, placed), moved)))
+    return found
+
+
+def _rates(moved: Quantities, wanted: Callable[[str, Any], bool] = lambda _group, _part: True) -> Quantities:
+    """Derivatives from numbers with a complex step, without those that nobody wants."""
+    found: dict[str, Any] = {"gravity": _imag(moved.gravity)}
+    for group in (f.name for f in fields(Quantities) if f.name != "gravity"):
+        kept = {k: part for k, part in getattr(moved, group).items() if wanted(group, part)}
+        found[group] = kept if group == "curves" else {k: _imag(part) for k, part in kept.items()}
+    return Quantities(**found)
+
+
+def _is_reached(group: str, part: Any) -> bool:
+    """Whether any number is complex, be its imaginary part zero or not, or could be at other numbers of the scene."""
+    if isinstance(part, tuple):
+        return any(_is_reached(group, each) for each in part)
+    return group in OPEN or isinstance(part, Curve) or np.iscomplexobj(part)
+
+
+def _stirred(seen: Seen, moved: Remembered) -> Callable[[str, int, Part], bool]:
+    """Whether the numbers of an item can be others in a scene of which other numbers are `moved`."""
+    same: dict[Any, bool] = {}
+
+    def unchanged(question: Any) -> bool:
+        if question not in same:
+            same[question] = seen.placed.answers_as(moved, question)
+        return same[question]
+
+    def stirred(group: str, owner: int, part: Part) -> bool:
+        before = seen.parts[group][owner].written
+        written = len(before) == len(part.written) and all(map(is_, before, part.written))
+        return not (written and all(map(unchanged, seen.asked[group, owner])))
+
+    return stirred
+
+
+def _imag(value):
+    if isinstance(value, tuple):
+        items = map(_imag, value)
+        return type(value)(*items) if hasattr(value, "_fields") else tuple(items)
+    return value if np.asarray(value).dtype.kind == "i" else np.imag(value) / STEP  # places stay what they are

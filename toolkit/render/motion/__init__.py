@@ -1,0 +1,1 @@
+"""A motion in pictures: which instants are drawn, and moving pictures."""

@@ -1,0 +1,141 @@
+"""What beam elements leave out whatever their motion: shear of short beams, and bending by weight between their nodes.
+
+Shear makes the deflection of a cantilever by a force at its end larger, in parts of that by bending, by
+
+    3 E I / (kappa G A L^2) = SHEAR r^2 / L^2,    r^2 = I / A
+
+Weight p per length bends an element of length l by moments of up to p l^2 / 12 more than its shape functions say; displacements of the
+nodes are those of the exact beam. In parts of the largest strain of a fibre at sqrt(3) r, as of a rectangle,
+
+    (sqrt(3) p l^2 / (12 E A r)) / max (|N| / E A + sqrt(3) |M| / (E A r))
+
+A basis of few shapes lacks besides what weight moves the nodes by and no shape knows. Forces of inertia do the same, which is not said.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from toolkit.bodies.cut.cuttable_body import CuttableBody
+from toolkit.bodies.cut.framed_part import FramedPart
+from toolkit.foundation.verdict import Caution
+from toolkit.scene.scene import Scene
+from toolkit.system.flexible_bodies import deforming, design_point, elastic_coordinates
+from toolkit.system.solution import Solution
+from toolkit.validity.bodies.chains.chain import Chain
+from toolkit.validity.bodies.chains.known_chain import chain
+from toolkit.validity.bodies.chains.planar_chain import PlanarChain
+from toolkit.validity.bodies.deformation import LIMIT, largest_instants, whole_bodies
+from toolkit.validity.bodies.static_deflection import static_deflection
+from toolkit.validity.description.mesh_cautions import bodies_of_stress
+
+SHEAR = 3 * 2.6 / (5 / 6)
+"""Of a rectangle with Poisson's ratio 0.3."""
+FIBRE = np.sqrt(3.0)
+"""Distance of the outer fibre of a rectangle in radii of gyration."""
+
+
+class Beams(NamedTuple):
+    """Elements of a chain: lengths, directions, stretching stiffness E A and squares of the radii of gyration."""
+
+    lengths: np.ndarray  # (n_e,)
+    along: np.ndarray  # (n_e, d)
+    axial: np.ndarray  # (n_e,)
+    gyration: np.ndarray  # (n_e,)
+
+
+def beams_of(behind: Chain) -> Beams:
+    """What the elements are, from how they deform; the radius is that of bending about the stiffer axis."""
+    numbers, law = behind.forms.dofs // behind.per_node, behind.forms.law
+    sides = behind.nodes[numbers[:, -1]] - behind.nodes[numbers[:, 0]]
+    lengths = np.linalg.norm(sides, axis=1)
+    along, turns = sides / lengths[:, None], (law.shape[1] - 1) // 2
+    bending = law[:, 1 : 1 + turns, 1 : 1 + turns] - law[:, 1 : 1 + turns, 1 + turns :]  # 2 E I / L
+    if turns > 1:
+        aside = np.eye(turns) - along[:, :, None] * along[:, None, :]
+        bending = aside @ bending @ aside
+    stiffest = np.linalg.eigvalsh(bending)[:, -1] / 2
+    return Beams(lengths, along, law[:, 0, 0] * lengths, stiffest / law[:, 0, 0])
+
+
+def sheared(scene: Scene) -> Iterator[Caution]:
+    """Bodies so short that shear, which beams leave out, counts."""
+    for body in whole_bodies(scene):
+        behind = chain(scene, body)
+        if behind is None:
+            continue
+        found, size = beams_of(behind), float(np.linalg.norm(np.ptp(behind.nodes, axis=0)))
+        part = SHEAR * float(np.average(found.gyration, weights=found.lengths)) / size**2
+        if part > LIMIT:
+            yield Caution(
+                "shear",
+                f"{body} is short for a beam: shear, which Euler-Bernoulli beams leave out, adds some {part:.0%} to the deflection of a "
+                "cantilever as long as it is by a force at its end, and more between closer supports. Make a body of solid elements of it.",
+            )
+
+
+def bent_between_nodes(solution: Solution) -> Iterator[Caution]:
+    """Bodies of whose stress, where it is asked for, the weight between their nodes is a part that counts."""
+    scene, gravity = solution.system.scene, np.real(solution.system.scene.gravity)
+    for body in whole_bodies(scene) if gravity.any() else ():
+        parts = [name for name, each in deforming(scene).items() if body in (name, getattr(each, "whole", None))]
+        found = [_strains(solution, name, gravity) for name in parts] if body in bodies_of_stress(scene) else []
+        known = [each for each in found if each is not None]
+        lacking, largest = (max((each[k] for each in known), default=0.0) for k in range(2))
+        part = lacking / (largest + lacking) if lacking else 0.0
+        if part > LIMIT:
+            factor = float(np.sqrt(part / LIMIT))
+            yield Caution(
+                "weight-between-nodes",
+                f"the stress of {body} lacks what its weight does between nodes, or what no shape of its basis knows of that: some "
+                f"{part:.0%} of the largest, while interface points are where they should be. Build the model with "
+                f"{factor:.1f} times as many elements, or with more modes.",
+            )
+
+
+def _strains(solution: Solution, name: str, gravity: np.ndarray) -> tuple[float, float] | None:
+    """The largest strain that weight adds between nodes, and the largest that the elements tell; None where these are not known."""
+    scene = solution.system.scene
+    behind, body = chain(scene, name), scene.body(name)
+    if behind is None or not isinstance(body, CuttableBody | FramedPart):
+        return None
+    found, elastic = beams_of(behind), np.real(solution.q[:, elastic_coordinates(solution, name)])
+    instants = largest_instants(elastic)
+    posed: Any = body
+    axes = posed.poses(np.real(solution.q[instants][:, solution.coordinates(name)]))[1]
+    pulled = np.einsum("tij,i->tj", axes, gravity)
+    normal = np.sqrt(np.maximum(np.sum(pulled**2, axis=1)[:, None] - (pulled @ found.along.T) ** 2, 0.0))  # (n_t, n_e)
+    (mass,) = body.some_invariants(scene, "mass")
+    density = float(np.real(mass)) * found.axial / (found.axial @ found.lengths)
+    fibre = FIBRE / (found.axial * np.sqrt(found.gyration))
+    between = normal * density * found.lengths**2 / 12 * fibre
+    told_apart = behind.is_full or behind.per_node > PlanarChain.per_node  # parts in space are looked at by `left_out_shapes`
+    unknown = 0.0 if told_apart else pulled @ _outside_the_basis(scene, name, behind, found, density)
+    told = _fibre_strains(behind, found, behind.displacements(elastic[instants]))
+    return float((between + _fibre_strains(behind, found, unknown + np.zeros((1, behind.forms.count)))).max()), float(told.max())
+
+
+def _fibre_strains(behind: Chain, found: Beams, u: np.ndarray) -> np.ndarray:
+    """Largest strains (n_t, n_e) of nodal displacements (n_t, n)."""
+    forces = behind.forms.forces(u)
+    moments = np.linalg.norm(forces[:, :, 1:].reshape(*forces.shape[:2], 2, -1), axis=3).max(axis=2)
+    strains: np.ndarray = np.abs(forces[:, :, 0]) / found.axial + FIBRE * moments / (found.axial * np.sqrt(found.gyration))
+    return strains
+
+
+def _outside_the_basis(scene: Scene, name: str, behind: Chain, found: Beams, density: np.ndarray) -> np.ndarray:
+    """What of the displacements of the plane's nodes under unit accelerations in x and y no shape of the basis knows, (2, n)."""
+    numbers, weight = behind.forms.dofs // behind.per_node, density * found.lengths
+    across = np.column_stack([-found.along[:, 1], found.along[:, 0]])
+    loads = np.zeros((2, len(behind.nodes), behind.per_node))
+    for node, sign in ((numbers[:, 0], 1), (numbers[:, -1], -1)):
+        for axis in range(2):
+            np.add.at(loads[axis, :, axis], node, weight / 2)
+            np.add.at(loads[axis, :, 2], node, sign * weight * found.lengths / 12 * across[:, axis])
+    flat = loads.reshape(2, -1)
+    stiffness = np.real(design_point(scene, name).value("stiffness"))
+    known: np.ndarray = static_deflection(stiffness, behind.shapes.T @ flat.T).T @ behind.shapes.T
+    return behind.under(flat) - known
