@@ -9,7 +9,7 @@ from toolkit.foundation.files.replaced_file import write_whole
 from toolkit.render.pictures import file_names
 
 PAGE, KEPT = "report.html", "results.h5"
-NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables", "animation.gif")
+NAMES = (PAGE, KEPT, "numbers.json", "figures", "tables")
 """What a report writes there, beside pictures of scenes in space."""
 BEGUN = "<!DOCTYPE html>\n<p>This report was begun and has not been finished.</p>\n"
 
@@ -21,7 +21,7 @@ def refuse_foreign_files(folder: Path, own: Path | None = None) -> None:
     ----------
     own : results file that the report is about, which may lie there
     """
-    refuse_foreign(folder, [*_names(folder, own), *file_names("png", animate=False, film=False)])
+    refuse_foreign(folder, [*_names(folder, own), *file_names("png", animate=True, film=False)])
 
 
 def begin(folder: Path, own: Path | None = None) -> None:
