@@ -12,10 +12,11 @@ from toolkit.responses.energy import KineticEnergy
 from toolkit.responses.instant import magnitude
 from toolkit.responses.motion import Displacement, Rotation
 from toolkit.responses.over_time.extremes import TimeMax
-from toolkit.responses.over_time.means import TimeIntegral, TimeMean
-from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS, shape_error, shape_error_history
+from toolkit.responses.over_time.means import TimeIntegral, TimeMean, TimeMeanSquare
+from toolkit.responses.shape_error import ShapeMax, ShapeMSE, ShapeRMS, gaps, shape_error, shape_error_history
 from toolkit.responses.stress.aggregation import gap_bound, kreisselmeier_steinhauser
 from toolkit.responses.stress.stress import KSStress, MaxStress, stress_field
+from toolkit.scene.changed_numbers import with_numbers
 from toolkit.scene_file.reader import read_scene
 from toolkit.sensitivity.adjoint.adjoint import adjoint
 from toolkit.sensitivity.direct import direct
@@ -89,6 +90,20 @@ def test_rms_and_mse_are_those_of_the_distances_per_node(wing):
     np.testing.assert_allclose(ShapeMSE(body="skin").gradient(wing), mean, rtol=1e-10)  # node by node against squared errors
 
 
+def test_the_curvature_of_the_mean_square_is_that_of_gaps_that_grow_linearly(wing):
+    """v^T H v = 2/n |dgap/dv|^2, by differences of the gaps of designs on both sides, whose error is the square of the step."""
+    curvature = ShapeMSE(body="skin").curvature(wing)
+    scene = wing.system.scene
+    along = np.array([0.01, -0.02, 0.01, 0.05, -0.03]) * [scene.value_of(name) for name in scene.design]
+    sides = [
+        {name: scene.value_of(name) + s * step for name, step in zip(scene.design, along, strict=True)} for s in (1e-3, -1e-3)
+    ]
+    there = [gaps(solve(prepare(with_numbers(scene, each)[0]), "static"), "skin")[0][0] for each in sides]
+    change = (there[0] - there[1]) / 2e-3
+    assert along @ curvature @ along == pytest.approx(2 / len(change) * np.sum(change**2), rel=1e-6)
+    np.testing.assert_allclose(curvature, curvature.T, rtol=1e-12)
+
+
 def test_the_distance_over_time_is_that_of_every_step(wing):
     """And its gradient, through the whole motion, by both exact methods."""
     asked = {
@@ -105,6 +120,10 @@ def test_the_distance_over_time_is_that_of_every_step(wing):
     assert asked["mean"].value(solution) == pytest.approx(np.trapezoid(rms, solution.times) / solution.times[-1], rel=1e-12)
     assert asked["largest"].value(solution) == pytest.approx(error.max(), rel=1e-12)
     assert asked["half"].value(solution) == pytest.approx(rms[np.argmin(np.abs(solution.times - 0.5))], rel=1e-12)
+    slopes = np.array([ShapeRMS(body="skin", time=float(t)).gradient(solution) for t in solution.times])
+    shares = np.trapezoid(np.eye(len(slopes)), solution.times) / solution.times[-1]
+    square = TimeMeanSquare(of=ShapeRMS(body="skin")).curvature(solution)
+    np.testing.assert_allclose(square, 2 * slopes.T @ np.diag(shares) @ slopes, rtol=1e-11, atol=1e-12 * np.abs(square).max())
     backwards, forwards = adjoint(scene, names, "transient").gradients, direct(scene, names, "transient").gradients
     for name, slopes in forwards.items():
         assert backwards[name] == pytest.approx(slopes, rel=1e-8), name  # round-off times the condition of the skin's equations

@@ -73,6 +73,24 @@ def test_the_gradient_of_mean_and_sigma_is_that_of_a_complex_step_through_the_cl
     assert at["rise"][0] == pytest.approx(height(20.0) - HEIGHT, rel=1e-9)
 
 
+def test_curvatures_of_mean_and_sigma_are_differences_of_their_gradients(tmp_path):
+    """Of squares of what grows linearly, whose curvature is told exactly; by central differences, off by the square of the step."""
+    random = np.random.default_rng(4)
+    points = study(tmp_path).points
+    rates, x = random.normal(size=(len(points), 3)), np.array([0.7, -0.4, 1.1])
+
+    def at(x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (rates @ x) ** 2, 2 * (rates @ x)[:, None] * rates
+
+    def slopes(x: np.ndarray) -> np.ndarray:
+        _, by_mean, _, by_sigma = points.statistics(*at(x), 0.0)
+        return np.array([by_mean, by_sigma])
+
+    found = points.curvatures(*at(x), 2 * rates[:, :, None] * rates[:, None, :], 0.0)
+    exact = np.stack([(slopes(x + 1e-4 * way) - slopes(x - 1e-4 * way)) / 2e-4 for way in np.eye(3)], axis=-1)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-7 * np.abs(exact).max())
+
+
 def test_mean_and_sigma_of_the_optimum_are_those_of_random_trusses(tmp_path):
     """10000 of the closed form: their standard errors, and what a polynomial of degree 2 leaves, half a per cent of sigma."""
     found = optimized(study(tmp_path))

@@ -101,6 +101,13 @@ def weighted(look: Callable[[int], Partials], solution: Solution, weights: np.nd
     return Partials(value, **arrays, design=design)
 
 
+def slope_at(found: Partials, solution: Solution, step: int) -> np.ndarray:
+    """Total design derivative (n_x,) of a quantity whose partial derivatives at a step are given."""
+    total = np.zeros(solution.system.n_x) if found.design is None else np.real(found.design).astype(float)
+    pairs = ((getattr(found, state), getattr(solution, f"d{state}")) for state in STATES)
+    return total + sum(np.real(partial) @ derivative[step] for partial, derivative in pairs if partial is not None)
+
+
 def magnitude(vector: np.ndarray, change: Callable[[], np.ndarray]) -> tuple[Any, np.ndarray]:
     """Length of a vector, and the vector's direction; `change` gives the vector's total design derivative, (2, n_x).
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from toolkit.foundation.spread import spread
-from toolkit.responses.instant import Instant
+from toolkit.responses.instant import Instant, slope_at
 from toolkit.responses.over_time.over_time import OverTime
-from toolkit.responses.response import STATES, Partials, Response
+from toolkit.responses.response import Response
 from toolkit.system.solution import Solution
 
 INSTANTS = 40
@@ -48,7 +48,7 @@ def _(response: Instant, solution: Solution, value: Any) -> Largest:
         found = look(step)
         magnitude = max(magnitude, abs(float(np.real(found.value))))
         if len(slopes):
-            slopes = np.maximum(slopes, np.abs(_slope(found, solution, step)))
+            slopes = np.maximum(slopes, np.abs(slope_at(found, solution, step)))
     return Largest(magnitude, np.nan_to_num(slopes))
 
 
@@ -60,10 +60,3 @@ def _(response: OverTime, solution: Solution, value: Any) -> Largest:
 
 def _duration(solution: Solution) -> float:
     return float(solution.whole_run[-1] - solution.whole_run[0])
-
-
-def _slope(found: Partials, solution: Solution, step: int) -> np.ndarray:
-    """Total derivative of the quantity at one step, (n_x,)."""
-    total = np.zeros(solution.system.n_x) if found.design is None else np.real(found.design).astype(float)
-    pairs = ((getattr(found, state), getattr(solution, f"d{state}")) for state in STATES)
-    return total + sum(np.real(partial) @ derivative[step] for partial, derivative in pairs if partial is not None)

@@ -98,6 +98,19 @@ class Response(Registered):
         return partials.value, total
 
 
+class MeanSquare(Response):
+    """Base of weighted sums of squares of other numbers r_k of a solution."""
+
+    @abstractmethod
+    def curvature(self, solution: Solution) -> np.ndarray:
+        """Second derivative by the design as Gauss and Newton have it, (n_x, n_x).
+
+            f = sum of w_k r_k^2,   H = 2 sum of w_k dr_k dr_k^T
+
+        What is left out is the curvature of r_k times r_k: nothing where they are small, or where the design moves them linearly.
+        """
+
+
 def felt_steps(partial: np.ndarray) -> np.ndarray | slice:
     """Steps at which a derivative (n_t, n) is not zero, or all if these are most."""
     felt = np.flatnonzero(partial.any(axis=1))

@@ -14,7 +14,7 @@ from toolkit.reduced_model.dependence import scattered
 from toolkit.reduced_model.model import Shape
 from toolkit.responses.cut_shape import cut_positions, moves_shapes
 from toolkit.responses.instant import Instant
-from toolkit.responses.response import Partials
+from toolkit.responses.response import MeanSquare, Partials
 from toolkit.responses.stress.stress import design_rates
 from toolkit.scene.scene import Scene
 from toolkit.system.flexible_bodies import design_point, elastic_coordinates, flexible_body
@@ -126,15 +126,21 @@ def distances(solution: Solution, body: str, steps: slice) -> tuple[np.ndarray, 
 
     Where the distance is exactly zero the derivative does not exist and is nan.
     """
-    gap, gap_q = gaps(solution, body, steps)
-    where = moving(solution, body)
+    gap = gaps(solution, body, steps)[0]
     error = np.sqrt(np.einsum("tki,tki->tk", gap, gap))
-    axes = "kif" if gap_q.ndim == 3 else "tkif"
-    change = np.einsum(f"tki,{axes},tfx->tkx", gap, gap_q, solution.dq[steps, where], optimize=True)
-    for x, rate in gap_rates(solution, body, solution.q[steps, where]):
-        change[:, :, x] += np.einsum("tki,tki->tk", gap, rate)
+    change = np.einsum("tki,tkix->tkx", gap, gap_changes(solution, body, steps))
     zero = error.real[:, :, None] == 0
     return error, np.where(zero, np.nan, change / np.where(zero, 1, error[:, :, None]))
+
+
+def gap_changes(solution: Solution, body: str, steps: slice) -> np.ndarray:
+    """Design derivatives of the gap vectors at some steps, (n_t, n_k, 2, n_x)."""
+    gap_q, where = gaps(solution, body, steps)[1], moving(solution, body)
+    axes = "kif" if gap_q.ndim == 3 else "tkif"
+    change: np.ndarray = np.einsum(f"{axes},tfx->tkix", gap_q, solution.dq[steps, where], optimize=True)
+    for x, rate in gap_rates(solution, body, solution.q[steps, where]):
+        change[..., x] += rate
+    return change
 
 
 class ShapeResponse(Instant):
@@ -168,7 +174,7 @@ class ShapeResponse(Instant):
         return Partials(value, q=value_q, design=design)
 
 
-class ShapeMSE(ShapeResponse):
+class ShapeMSE(ShapeResponse, MeanSquare):
     """Mean squared distance to the target; smooth also at zero error."""
 
     kind = "shape-mse"
@@ -178,6 +184,13 @@ class ShapeMSE(ShapeResponse):
         """mse = sum_k d_k . d_k / n."""
         gap = self.gap(solution, step)
         return self.chain(solution, step, np.sum(gap * gap) / len(gap), 2 * gap / len(gap))
+
+    def curvature(self, solution: Solution) -> np.ndarray:
+        """2/n times the sum over k of dd_k dd_k^T, one for each component."""
+        step = self.step(solution)
+        change = gap_changes(solution, self.body, slice(step, step + 1))[0]
+        found: np.ndarray = 2 / len(change) * np.einsum("kix,kiy->xy", change, change)
+        return found
 
 
 class ShapeRMS(ShapeResponse):

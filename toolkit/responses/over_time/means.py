@@ -8,9 +8,9 @@ import numpy as np
 
 from toolkit.foundation.dimensions import LABELLED, Dimension
 from toolkit.foundation.units import unit
-from toolkit.responses.instant import weighted
+from toolkit.responses.instant import slope_at, weighted
 from toolkit.responses.over_time.over_time import OfTable, OverTime, time_shares
-from toolkit.responses.response import Partials
+from toolkit.responses.response import MeanSquare, Partials
 from toolkit.system.solution import Solution
 
 
@@ -64,7 +64,7 @@ class TimeMean(OfTable):
         return weighted(self.source.instants(solution), solution, time_shares(solution))
 
 
-class TimeMeanSquare(OfTable):
+class TimeMeanSquare(OfTable, MeanSquare):
     """Mean over time of a quantity's square, by the trapezoidal rule; smooth also where the quantity is zero. `of` is its table."""
 
     kind = "time-mean-square"
@@ -82,6 +82,12 @@ class TimeMeanSquare(OfTable):
     def reduced(self, values: np.ndarray, shares: np.ndarray) -> tuple[Any, np.ndarray]:
         """Weighted sum of squares."""
         return shares @ (values * values), 2 * shares * values
+
+    def curvature(self, solution: Solution) -> np.ndarray:
+        """By the quantity's derivatives at every time; errors as `OverTime.partials`."""
+        look, shares = self.source.instants(solution), time_shares(solution)
+        slopes = np.array([slope_at(look(step), solution, step) for step in range(len(shares))])
+        return 2 * (slopes.T * shares) @ slopes
 
     def of_size(self, size: float, _duration: float) -> float:
         """Its square."""

@@ -20,11 +20,13 @@ from toolkit.system.system import System
 
 
 class Ran(NamedTuple):
-    """What was asked: values (asked,) and gradients (asked, n), nan if these were not wanted; and the solution."""
+    """What was asked: values (asked,) and gradients (asked, n), nan if these were not wanted; the solution; and second derivatives of what
+    the problem calls `squares`, (squares, n, n), none if they were not wanted."""
 
     values: np.ndarray
     gradients: np.ndarray
     solution: Solution
+    curvatures: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -41,12 +43,15 @@ class CaseRun:
         The equilibrium that statics begins in; None begins in the unloaded state.
     gradients
         Whether they are wanted.
+    curvatures
+        Whether second derivatives of mean squares are wanted too.
     """
 
     problem: Problem
     case: str
     start: State | None
     gradients: bool
+    curvatures: bool = False
 
     def at(self, design: np.ndarray, point: int = 0) -> Ran:
         """What the problem asks for, at a design (n,) and a point of the uncertain numbers: the first is that of all means."""
@@ -67,7 +72,8 @@ class CaseRun:
         for name, each in frequencies(problem, self.case, result.solution).items():
             values[name], rows[name] = each.evaluate(result.solution)
         slopes = [rows[name] if self.gradients else none for name in problem.asked]
-        return Ran(np.array([values[name] for name in problem.asked]), np.array(slopes), result.solution)
+        curved = [each.curvature(result.solution) for each in problem.squares.values()] if self.curvatures else []
+        return Ran(np.array([values[name] for name in problem.asked]), np.array(slopes), result.solution, np.array(curved))
 
 
 def frequencies(problem: Problem, case: str, solution: Solution) -> dict[str, Frequency]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +33,8 @@ class Evaluation:
         Of all cases.
     wall
         Time that it took, in s; nothing follows from it.
+    curvatures
+        Second derivatives of what the problem calls `curved`, in all cases, (cases, curved, n, n); empty if nothing is.
     """
 
     lane: int
@@ -42,6 +44,7 @@ class Evaluation:
     gradients: np.ndarray
     states: tuple[State, ...]
     wall: float
+    curvatures: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def failed(self) -> bool:

@@ -27,7 +27,7 @@ class Evaluator:
         if known is not None:
             return known
         start = self._nearest(lane, design) if warm and self.problem.kind == "static" else None
-        found = solved(self.problem, lane, design, start)
+        found = solved(self.problem, lane, design, start, curvatures=True)
         self.store.keep(found)
         return found
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,7 +25,14 @@ NOWHERE = State(np.zeros(0), np.zeros(0))
 
 
 @one_thread()
-def solved(problem: Problem, lane: int, design: np.ndarray, start: Evaluation | None, gradients: bool = True) -> Evaluation:
+def solved(
+    problem: Problem,
+    lane: int,
+    design: np.ndarray,
+    start: Evaluation | None,
+    gradients: bool = True,
+    curvatures: bool = False,
+) -> Evaluation:
     """A design solved in all cases, or why it could not be.
 
     Parameters
@@ -39,12 +47,15 @@ def solved(problem: Problem, lane: int, design: np.ndarray, start: Evaluation | 
         A design whose equilibria statics begins in; None begins in the unloaded state.
     gradients
         Whether they are wanted; without them they are nan.
+    curvatures
+        Whether the second derivatives are wanted that the objective can tell.
     """
-    begun, values, slopes, states = time.perf_counter(), [], [], []
+    begun, values, slopes, states, curved = time.perf_counter(), [], [], [], []
     for place, case in enumerate(problem.cases):
         where = f"{case}: " if case else ""
         try:
-            value, slope, last = _case(CaseRun(problem, case, start.states[place] if start else None, gradients), design)
+            known = start.states[place] if start else None
+            value, slope, bent, last = _case(CaseRun(problem, case, known, gradients, curvatures), design)
         except ToolkitError as error:
             return _failure(lane, design, f"{where}{error}", begun)
         lost = [
@@ -57,26 +68,37 @@ def solved(problem: Problem, lane: int, design: np.ndarray, start: Evaluation | 
         values.append(value)
         slopes.append(slope)
         states.append(State(last.q[-1], last.multipliers[-1]) if problem.kind == "static" else NOWHERE)
-    return Evaluation(lane, design.copy(), "", np.array(values), np.array(slopes), tuple(states), time.perf_counter() - begun)
+        curved.append(bent)
+    rows, wall = (np.array(values), np.array(slopes), tuple(states)), time.perf_counter() - begun
+    return Evaluation(lane, design.copy(), "", *rows, wall, np.array(curved) if curvatures and problem.curved else np.zeros(0))
 
 
 def _failure(lane: int, design: np.ndarray, reason: str, begun: float) -> Evaluation:
     return Evaluation(lane, design.copy(), reason, np.zeros(0), np.zeros(0), (), time.perf_counter() - begun)
 
 
-def _case(run: CaseRun, design: np.ndarray) -> tuple[list[float], list[np.ndarray], Solution]:
-    """Values and gradients of one case, in the order of the problem's responses; and its solution."""
+class _Case(NamedTuple):
+    """Values and gradients of one case, in the order of the problem's responses; curvatures in that of `Problem.curved`; and the run."""
+
+    values: list[float]
+    slopes: list[np.ndarray]
+    curvatures: list[np.ndarray]
+    solution: Solution
+
+
+def _case(run: CaseRun, design: np.ndarray) -> _Case:
     problem, none = run.problem, np.full(len(design), math.nan)
     here = with_gradients(run).at(design)
     value, rows = list(here.values), list(here.gradients)
     for each in norms(with_gradients(run), design, here):
         value, rows = [*value, each.value], [*rows, each.slope]
-    for statistic, slope in statistics(run, design, here):
-        value, rows = [*value, statistic], [*rows, slope]
+    robust = list(statistics(run, design, here))
+    value, rows = [*value, *(each.value for each in robust)], [*rows, *(each.slope for each in robust)]
     if problem.margin_up_to is not None:
         margin, slope = load_margin(here.solution, problem.margin_up_to)
         value, rows = [*value, margin], [*rows, slope]
-    return value, rows if run.gradients else [none] * len(rows), here.solution
+    bent = [each.curvature for each in robust if each.curvature is not None] or list(here.curvatures)
+    return _Case(value, rows if run.gradients else [none] * len(rows), bent, here.solution)
 
 
 def load_margin(solution: Solution, up_to: float) -> tuple[float, np.ndarray]:

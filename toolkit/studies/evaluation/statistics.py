@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,18 +12,33 @@ from toolkit.studies.evaluation.case_run import CaseRun, Ran
 from toolkit.studies.study.problem import Problem
 
 
-def statistics(run: CaseRun, design: np.ndarray, here: Ran) -> Iterator[tuple[float, np.ndarray]]:
-    """What is to be robust, with gradients (n,); `here` is the run at the means."""
+class Robust(NamedTuple):
+    """A statistic with its gradient (n,), and second derivative (n, n), None if it is not told."""
+
+    value: float
+    slope: np.ndarray
+    curvature: np.ndarray | None
+
+
+def statistics(run: CaseRun, design: np.ndarray, here: Ran) -> Iterator[Robust]:
+    """What is to be robust; `here` is the run at the means."""
     problem = run.problem
     if problem.points is None:
         return
     ran = [here, *(_at_point(run, design, point) for point in range(1, len(problem.points)))]
     values, slopes = np.array([each.values for each in ran]), np.array([each.gradients for each in ran])
-    for each in problem.statistics.values():
-        weights = np.array([each.weights.get(name, 0.0) for name in problem.asked])
+    squares, curved = list(problem.squares), np.array([each.curvatures for each in ran])
+    for name, each in problem.statistics.items():
+        weights = np.array([each.weights.get(asked, 0.0) for asked in problem.asked])
         undecided = _undecided(problem, weights, values)
         mean, by_mean, sigma, by_sigma = problem.points.statistics(values @ weights, weights @ slopes, undecided)
-        yield each.mean * mean + each.sigma * sigma, each.mean * by_mean + each.sigma * by_sigma
+        bent = None
+        if run.curvatures and name in problem.curved:
+            shares = np.array([each.weights[square] for square in squares])
+            parts = np.einsum("s,psxy->pxy", shares, curved)
+            both = problem.points.curvatures(values @ weights, weights @ slopes, parts, undecided)
+            bent = each.mean * both[0] + each.sigma * both[1]
+        yield Robust(each.mean * mean + each.sigma * sigma, each.mean * by_mean + each.sigma * by_sigma, bent)
 
 
 def _undecided(problem: Problem, weights: np.ndarray, values: np.ndarray) -> float:

@@ -136,6 +136,7 @@ def _columns(found: list[Evaluation]) -> dict[str, np.ndarray]:
     if good:
         columns["values"] = np.array([each.values for each in good])
         columns["gradients"] = np.array([each.gradients for each in good])
+        columns["curvatures"] = np.array([each.curvatures for each in good])
         for place in range(len(good[0].states)):
             columns[f"q{place}"] = np.array([each.states[place].q for each in good])
             columns[f"multipliers{place}"] = np.array([each.states[place].multipliers for each in good])
@@ -147,6 +148,7 @@ def _evaluations(content: Content) -> Iterator[Evaluation]:
     reason, none = content.array("reason"), np.zeros(0)
     some = not np.all(failed)
     values, gradients = (content.array(name) if some else none for name in ("values", "gradients"))
+    curvatures = content.array("curvatures") if content.has("curvatures") else np.zeros((len(values), 0))
     cases = values.shape[1] if some else 0
     states = [
         tuple(content.array(f"{name}{k}") if content.has(f"{name}{k}") else np.zeros((len(values), 0)) for name in State._fields)
@@ -158,5 +160,5 @@ def _evaluations(content: Content) -> Iterator[Evaluation]:
             yield Evaluation(int(lane[k]), design[k], reason[k].decode(), none, none, (), float(wall[k]))
             continue
         mine = tuple(State(q[row], multipliers[row]) for q, multipliers in states)
-        yield Evaluation(int(lane[k]), design[k], "", values[row], gradients[row], mine, float(wall[k]))
+        yield Evaluation(int(lane[k]), design[k], "", values[row], gradients[row], mine, float(wall[k]), curvatures[row])
         row += 1

@@ -1,10 +1,11 @@
-"""Variables in which what is minimised is about as curved in all directions, by the gradients of all designs that were solved.
+"""Variables in which what is minimised is about as curved in all directions.
 
     z = z_0 + T y,   T = V |W|^(-1/2),   H = V W V^T
 
-with H the second derivative of the Lagrangian at z_0 by the updates of Broyden, Fletcher, Goldfarb and Shanno, damped as Powell has it:
-first with the designs farthest from z_0, last with the nearest. A method that begins with the identity then knows the valley in which it
-stands, and does not have to learn it anew along its own path.
+with H the second derivative of the objective at z_0, where the responses tell it. Else it is that of the Lagrangian by the gradients of all
+designs that were solved, by the updates of Broyden, Fletcher, Goldfarb and Shanno, damped as Powell has it: first with the designs farthest
+from z_0, last with the nearest. A method that begins with the identity then knows the valley in which it stands, and does not have to learn
+it anew along its own path.
 """
 
 from __future__ import annotations
@@ -19,8 +20,9 @@ from toolkit.studies.optimization.program import Values
 
 FLAT = 1e-4
 """Curvature, in parts of the largest, below which no direction is taken to be flatter."""
-LONGEST = 0.2
-"""Longest first step along any direction, in parts of the variables' ranges: where nothing bends, curvature does not say how far to go."""
+LONGEST, NARROWER, WIDER, REACHES = 0.5, 0.5, 2.0, (1e-3, 1.0)
+"""Longest first step along any direction, in parts of the variables' ranges: where nothing bends, curvature does not say how far to go; by
+what it is changed where a step was too long or was not, and between which bounds."""
 LEAST, DAMPED = 1e-6, 0.2
 """First curvature at least; and the part of the known curvature along a step that an update leaves at least (Powell, 1978)."""
 
@@ -61,13 +63,16 @@ class Turned:
             found = functions(z)
             c = np.concatenate([found.c, z, self.top - z])
             dc = np.vstack([found.dc.reshape(-1, len(z)) @ self.axes, self.axes, -self.axes])
-            return Values(found.f, found.df @ self.axes, c, dc)
+            curvature = None if found.curvature is None else self.axes.T @ found.curvature @ self.axes
+            return Values(found.f, found.df @ self.axes, c, dc, curvature)
 
         return of
 
 
-def turned(centre: Known, others: Sequence[Known], multipliers: np.ndarray, top: np.ndarray) -> Turned | None:
-    """Variables by the curvature about a design; None where too few others are known to tell it.
+def turned(
+    centre: Known, others: Sequence[Known], multipliers: np.ndarray, top: np.ndarray, reach: float = LONGEST
+) -> Turned | None:
+    """Variables by the curvature about a design; None where neither its responses nor enough other designs tell it.
 
     Parameters
     ----------
@@ -79,7 +84,21 @@ def turned(centre: Known, others: Sequence[Known], multipliers: np.ndarray, top:
         Of the constraints at the centre, (m,).
     top
         Largest z.
+    reach
+        Longest first step.
     """
+    found = centre.values.curvature
+    if found is None:
+        found = _learned(centre, others, multipliers)
+    if found is None:
+        return None
+    curved, directions = np.linalg.eigh(found)
+    steep = np.abs(_slope(centre.values, multipliers) @ directions)
+    return Turned(centre.z, directions / np.sqrt(np.maximum(curved, np.maximum(FLAT * curved[-1], steep / reach))), top)
+
+
+def _learned(centre: Known, others: Sequence[Known], multipliers: np.ndarray) -> np.ndarray | None:
+    """Second derivative of the Lagrangian at the centre by the gradients of other designs, None where these are too few."""
     n = len(centre.z)
     ways = [(each.z - centre.z, _slope(each.values, multipliers) - _slope(centre.values, multipliers)) for each in others]
     ways = sorted((each for each in ways if each[0] @ each[0] > 0), key=lambda each: -float(each[0] @ each[0]))
@@ -89,9 +108,7 @@ def turned(centre: Known, others: Sequence[Known], multipliers: np.ndarray, top:
     found = np.eye(n) * max(abs(step @ change) / (step @ step), LEAST)
     for step, change in ways:
         found = _updated(found, step, change)
-    curved, directions = np.linalg.eigh(found)
-    steep = np.abs(_slope(centre.values, multipliers) @ directions)
-    return Turned(centre.z, directions / np.sqrt(np.maximum(curved, np.maximum(FLAT * curved[-1], steep / LONGEST))), top)
+    return found
 
 
 def _slope(values: Values, multipliers: np.ndarray) -> np.ndarray:

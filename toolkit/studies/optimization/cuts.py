@@ -44,6 +44,6 @@ class Cuts:
         def within(z: np.ndarray) -> Values:
             found = functions(z)
             slopes = np.vstack([found.dc.reshape(-1, len(z)), -normals])
-            return Values(found.f, found.df, np.concatenate([found.c, limits - normals @ z]), slopes)
+            return found._replace(c=np.concatenate([found.c, limits - normals @ z]), dc=slopes)
 
         return within

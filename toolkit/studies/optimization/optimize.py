@@ -190,6 +190,7 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
     if dependent(found.program, found.best, left):
         yield Caution("prices", "active limits depend on each other: their prices can be shared in other ways too.", doubt=False)
     yield from _other_optima(problem, found, searches)
+    yield from _unfinished(found, searches)
     yield from _flat(problem, found, searches)
     failed, count = sum(each.failed for each in searches), sum(each.evaluations for each in searches)
     if failed:
@@ -238,6 +239,19 @@ def _flat(problem: Problem, found: Found, searches: list[Found]) -> Iterator[Cau
             "flat-optimum",
             f"{len(same)} of {len(searches)} searches ended at the same objective within {100 * SAME:g} %, with {', '.join(wide)}: it "
             "decides nothing between these designs; add what does to the objective, or tighten search.optimality.",
+            doubt=False,
+        )
+
+
+def _unfinished(found: Found, searches: list[Found]) -> Iterator[Caution]:
+    """That other searches have ended before they were anywhere: what was found is the best of fewer than were asked for."""
+    left = [each for each in searches if not each.arrived]
+    if found.arrived and left:
+        why = ", ".join(f"start {each.lane // 2 + 1}: {each.ended}" for each in left[:3]) + (", ..." if len(left) > 3 else "")
+        yield Caution(
+            "unfinished-searches",
+            f"{len(left)} of {len(searches)} searches ended at no optimum ({why}), so that there may be a better one. Give more "
+            "evaluations, or bounds nearer to what can be meant.",
             doubt=False,
         )
 

@@ -35,6 +35,8 @@ class Values(NamedTuple):
     df: np.ndarray
     c: np.ndarray
     dc: np.ndarray
+    curvature: np.ndarray | None = None
+    """Second derivative of the objective, (n, n), as far as the responses tell it; None if none does."""
 
 
 @dataclass(frozen=True)
@@ -99,4 +101,11 @@ class Program:
         rows = self.rows
         c = np.array([r.sign * (found.values[r.case, places[r.response]] - r.limit) / r.size for r in rows])
         dc = [r.sign * found.gradients[r.case, places[r.response]] * scales / r.size for r in rows]
-        return Values(factor * float(value), factor * slope, c, np.array(dc).reshape(len(rows), len(scales)))
+        curved = factor * self._curvature(weights, found) if self.problem.curved else None
+        return Values(factor * float(value), factor * slope, c, np.array(dc).reshape(len(rows), len(scales)), curved)
+
+    def _curvature(self, weights: np.ndarray, found: Evaluation) -> np.ndarray:
+        """Second derivative of the objective by z, for its derivatives by the responses (cases, responses)."""
+        scales, places = self.problem.scales, [self.problem.responses.index(name) for name in self.problem.curved]
+        total: np.ndarray = np.einsum("cr,crxy->xy", weights[:, places], found.curvatures)
+        return total * np.outer(scales, scales)

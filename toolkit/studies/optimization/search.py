@@ -10,9 +10,9 @@ import numpy as np
 from toolkit.studies.distributions.sobol_points import plain
 from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.evaluation.evaluator import Evaluator
-from toolkit.studies.optimization.curvature import Known, Turned, turned
+from toolkit.studies.optimization.curvature import LONGEST, NARROWER, REACHES, WIDER, Known, Turned, turned
 from toolkit.studies.optimization.cuts import Cuts
-from toolkit.studies.optimization.methods.catalogue import METHODS, TURNED
+from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
 from toolkit.studies.optimization.optimality import Optimality, optimality_of
 from toolkit.studies.optimization.program import Program, Values
@@ -29,11 +29,12 @@ LOWER = 1e-9
 """Part of an objective by which another one is lower, and not by round-off."""
 FIRST_SLOPE = 0.2
 """Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
-RENEWED, MANY = 10, 50
-"""Designs after which a method begins anew in variables by the curvature that is known by then; and variables above which it does not,
-since their bounds are constraints like others then."""
+MANY = 50
+"""Variables above which no method begins anew in other ones, in which bounds are constraints like others."""
 FIRST_METHODS = 0.2
 """Part of the designs that each of several methods, but for the last, may solve."""
+LITTLE = 1e-4
+"""Part of an objective by which a lower design that is none is no reason to leave an optimum."""
 TYPICAL = 0.25
 """Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
 Tell = Callable[[Evaluation], None]
@@ -96,8 +97,10 @@ class Search:
         self.done: dict[bytes, Evaluation] = {}
         self.last: np.ndarray | None = None
         self.met = False
+        self.least: float | None = None
         self.passed: set[bytes] = set()
         self.renewal: int | None = None
+        self.reach = LONGEST
 
     @property
     def failed(self) -> int:
@@ -157,7 +160,7 @@ class Search:
                 least, best = values.f, there
         if best is not z:
             self.passed.add(self.program.design(z).tobytes())
-            self.met, self.last = False, best
+            self.met, self.least, self.last = False, None, best
             self._begin_at(self._functions(best))
         return best
 
@@ -179,12 +182,11 @@ class Search:
     def _within_cuts(self, method: str, z: np.ndarray, until: int | None = None) -> str:
         """Run a method until so many designs are solved; what failed is cut off by a plane for the next run of it. Returns why it was
         given up."""
-        turns = method in TURNED
-        cuts, again, curvature = Cuts(), 0, self._turned() if turns else None
+        cuts, again, curvature = Cuts(), 0, self._turned(method)
         while True:
             centre = self.last if self.last is not None else z
             before = len(self.done)
-            self.renewal = until if until is not None else before + RENEWED if turns else None
+            self.renewal = min((each for each in (until, self._renewed(method)) if each is not None), default=None)
             try:
                 self._run(method, cuts.around(self._functions), centre, curvature)
             except DesignFailedError as failure:
@@ -192,24 +194,27 @@ class Search:
                     return "designs all around cannot be solved: it stands at the edge of what can"
                 continue
             except _Renewed:
-                if until is not None:
+                if until is not None and len(self.done) >= until:
                     raise
-                self.last, curvature = self._stand(), self._turned()
+                self._adapt(method, len(self.done) - before)
+                self.last = self._stand()
+                curvature = self._turned(method)
                 continue
             if self.met:
                 raise _Arrived
-            cuts, curvature = Cuts(), self._turned() if turns else None
+            cuts, curvature = Cuts(), self._turned(method)
             again += len(self.done) == before or self.last is None or bool(np.array_equal(self.last, centre))
             if again > AGAIN:
                 return "the method made no progress any more"
 
     def _run(self, method: str, functions: Functions, centre: np.ndarray, curvature: Turned | None) -> None:
         """Run a method from a design, in variables that are turned if the curvature there is known."""
-        run, most, n = METHODS[method], self.options.evaluations, len(centre)
+        run, most, n, top = METHODS[method].run, self.options.evaluations, len(centre), self.program.top
+        centre = np.clip(centre, METHODS[method].inside * top, (1 - METHODS[method].inside) * top)
         if curvature is None:
-            run(functions, centre, np.zeros(n), self.program.top, self._accepted, most)
+            run(functions, centre, np.zeros(n), top, self._accepted, most)
         else:
-            here = Turned(centre, curvature.axes, self.program.top)
+            here = Turned(centre, curvature.axes, top)
             free = np.full(n, np.inf)
             run(here.functions(functions), np.zeros(n), -free, free, lambda y: self._accepted(here.z(y)), most)
 
@@ -224,16 +229,30 @@ class Search:
         assert best is not None
         return self.program.scaled(best.design)
 
-    def _turned(self) -> Turned | None:
+    def _every(self, method: str) -> int | None:
+        """Designs after which a method begins anew in other variables."""
+        return METHODS[method].told if self.program.problem.curved else METHODS[method].learned
+
+    def _renewed(self, method: str) -> int | None:
+        every = self._every(method)
+        return None if every is None or len(self.program.top) > MANY else len(self.done) + every
+
+    def _adapt(self, method: str, used: int) -> None:
+        """Go farther, or less far, along the told curvature next time, by the designs that were solved until one was accepted."""
+        every = self._every(method) or used
+        factor = WIDER if used <= every else NARROWER if used > every + 1 else 1.0
+        self.reach = float(np.clip(self.reach * factor, *REACHES)) if self.program.problem.curved else LONGEST
+
+    def _turned(self, method: str) -> Turned | None:
         """Variables by the curvature where the search stands, None where it is not known."""
-        if self.last is None or len(self.last) > MANY:
+        if self.last is None or self._renewed(method) is None:
             return None
         known = [
             Known(self.program.scaled(each.design), self.program.values(each)) for each in self.done.values() if not each.failed
         ]
         centre = Known(self.last, self._functions(self.last))
         left = optimality_of(self.program, self.last, centre.values, self._typical)
-        return turned(centre, known, left.multipliers, self.program.top)
+        return turned(centre, known, left.multipliers, self.program.top, self.reach)
 
     def _evaluated(self, design: np.ndarray) -> Evaluation:
         key = design.tobytes()
@@ -257,15 +276,22 @@ class Search:
         return self.program.values(found)
 
     def _visited(self, z: np.ndarray) -> None:
-        """A design that the method has accepted: the next run begins at this one, unless it is an optimum, as the one before was: a saddle
-        looks like one too, but the method leaves it."""
+        """A design that the method has accepted: the next run begins at this one, unless it is an optimum, and the method, which leaves a
+        saddle, finds another one next, or nothing that is lower by what counts. Of mean squares that decides alone: a search that is done
+        after a few steps knows only steep slopes, beside which all others look small."""
         values, z = self._functions(z), np.clip(z, 0.0, self.program.top)
-        self.last = z
+        if self.last is not None and np.array_equal(z, self.last):
+            return
         left = optimality_of(self.program, z, values, self._typical)
-        met, before = left.met(self.options.optimality, self.options.feasibility), self.met
-        self.met = met
-        if met and before:
-            raise _Arrived
+        met, least = left.met(self.options.optimality, self.options.feasibility), self.least
+        self.last, self.met = z, met
+        if least is not None and left.violation <= self.options.feasibility:
+            counts = min(self.options.optimality * max(float(np.max(np.abs(values.df))), self._typical), LITTLE * abs(least))
+            if (met and not self.program.problem.curved) or least - values.f <= counts:
+                raise _Arrived
+            self.least = None
+        if met:
+            self.least = values.f
 
     def _best(self) -> tuple[Evaluation | None, Optimality | None]:
         """The feasible design of the least objective, else the least violated one; with what is left of the conditions."""

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from toolkit.responses.response import Response
+from toolkit.responses.response import MeanSquare, Response
 from toolkit.responses.vibrations.vibration import Frequency
 from toolkit.scene.scene import Scene
 from toolkit.scene_file.gradient_units import variable_unit
@@ -101,6 +101,19 @@ class Problem:
     def weights(self) -> Mapping[str, float]:
         """What the objective is the weighted sum of."""
         return weights_of(self.study, self.points is not None)
+
+    @cached_property
+    def squares(self) -> dict[str, MeanSquare]:
+        """Mean squares that are to be small: they tell their curvature, by the derivatives of states that the study's method carries."""
+        objective, carried = self.study.objective, self.kind == "static" or self.study.search.gradients == "direct"
+        wanted = [name for name, weight in objective.weights.items() if carried and objective.sign * weight > 0]
+        known = ((name, self.scene.responses.get(name)) for name in wanted)
+        return {name: each for name, each in known if isinstance(each, MeanSquare)}
+
+    @cached_property
+    def curved(self) -> tuple[str, ...]:
+        """What the objective is the weighted sum of, as far as its curvature is told: mean squares, or what is robust of them."""
+        return tuple(name for name in self.weights if self.squares and (name in self.statistics or name in self.squares))
 
     @cached_property
     def limits(self) -> tuple[Wanted, ...]:

@@ -36,11 +36,13 @@ class Search(Description):
     Attributes
     ----------
     method
-        "slsqp", sequential quadratic programming, the cheapest for some tens of variables; or "trust-constr", an interior-point method with
-        a trust region, which takes more designs and smaller steps. Both are SciPy's. "mma", the method of moving asymptotes, and "ccsa",
-        its sibling with quadratic approximations, are NLopt's (extra `nlopt`): for hundreds of variables, where the others' matrices cost
-        more than designs. Several in a list take turns, ["mma", "slsqp"]: each but the last solves a fifth of the evaluations, and the
-        next one goes on from the best design.
+        "slsqp", sequential quadratic programming, SciPy's, for some tens of variables. "mma", the method of moving asymptotes, and "ccsa",
+        its sibling with quadratic approximations, NLopt's (extra `nlopt`): for hundreds of variables, where the others' matrices cost more
+        than designs. "trust-constr", SciPy's interior-point method with a trust region, which takes smaller steps. Where the objective is a
+        mean of squares (shape-mse, time-mean-square; robust ones too), first derivatives tell its curvature, and up to 50 variables all of
+        them use it: they begin anew in variables in which that is round. Elsewhere SLSQP learns it from the designs that were solved;
+        MMA and CCSA never do, and crawl along narrow valleys. Several in a list take turns, ["mma", "slsqp"]: each but the last solves a
+        fifth of the evaluations, and the next one goes on from the best design.
     starts
         How many searches: the first begins where the scene stands, others at the points of Sobol's sequence within the bounds.
     evaluations

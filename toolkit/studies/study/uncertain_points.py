@@ -68,6 +68,18 @@ class UncertainPoints:
             return float(found[0]), moved[0], 0.0, np.zeros_like(moved[0])
         return float(found[0]), moved[0], sigma, found[1:] @ moved[1:] / sigma
 
+    def curvatures(self, values: np.ndarray, slopes: np.ndarray, curved: np.ndarray, undecided: float) -> np.ndarray:
+        """Second derivatives of mean and standard deviation, (2, n, n), of those at all points (points, n, n), which may leave parts out.
+
+        d2sigma = (sum of dc_j dc_j^T + c_j d2c_j - dsigma dsigma^T) / sigma,  j > 0;  a spread that may be round-off has none.
+        """
+        found, moved, bent = self.fit @ values, self.fit @ slopes, np.tensordot(self.fit, curved, 1)
+        _, _, sigma, by_sigma = self.statistics(values, slopes, undecided)
+        if sigma == 0.0:
+            return np.array([bent[0], np.zeros_like(bent[0])])
+        own = moved[1:].T @ moved[1:] + np.tensordot(found[1:], bent[1:], 1) - np.outer(by_sigma, by_sigma)
+        return np.array([bent[0], own / sigma])
+
 
 def uncertain_points(study: Study, scene: Scene) -> UncertainPoints:
     """Points of the uncertain numbers of a study.

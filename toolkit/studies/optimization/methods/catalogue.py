@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from toolkit.studies.optimization.methods.functions import Method
 from toolkit.studies.optimization.methods.nlopt_methods import ccsa, mma
-from toolkit.studies.optimization.methods.scipy_methods import slsqp, trust_constr
+from toolkit.studies.optimization.methods.scipy_methods import INSIDE, slsqp, trust_constr
 
-METHODS: dict[str, Method] = {"slsqp": slsqp, "trust-constr": trust_constr, "mma": mma, "ccsa": ccsa}
-TURNED = ("slsqp",)
-"""Those that learn the curvature from the identity on, and take bounds as well as constraints: they begin anew in other variables."""
+METHODS = {
+    "slsqp": Method(slsqp, learned=10, told=5),
+    "trust-constr": Method(trust_constr, told=10, inside=INSIDE),
+    "mma": Method(mma, told=1),
+    "ccsa": Method(ccsa, told=1),
+}
+"""SLSQP learns the curvature anew each time. MMA and CCSA never do, and begin anew with every step where it is told; the interior-point
+method takes it as it is told, in variables in which that is round."""

@@ -9,7 +9,10 @@ import numpy as np
 from toolkit.foundation.errors import InputError
 from toolkit.studies.optimization.methods.functions import Functions, Visited
 
-SLACK = 1e-9
+SHARE, NEAR = 0.1, 1e-6
+"""Constraints are told in such units that the curvature of one, with which both methods begin for all functions, takes this part of them
+along the first step, which is as long as the slope; they are at least so far, in parts of their sizes."""
+SLACK = 1e-7
 """By how much a constraint, in parts of its size, may be off at a design that counts as accepted."""
 
 
@@ -45,14 +48,15 @@ def _minimized(
 
     def constraints(result: np.ndarray, z: np.ndarray, gradient: np.ndarray) -> None:
         values = functions(z)
-        result[:] = -values.c
+        result[:] = -sizes * values.c
         if gradient.size:
-            gradient[:] = -values.dc
+            gradient[:] = -sizes[:, None] * values.dc
 
     method.set_min_objective(objective)
-    count = len(functions(z).c)
-    if count:
-        method.add_inequality_mconstraint(constraints, np.zeros(count))
+    first = functions(z)
+    sizes = first.df @ first.df / (2 * SHARE * np.maximum(np.abs(first.c), NEAR))
+    if len(sizes):
+        method.add_inequality_mconstraint(constraints, SLACK * sizes)
     try:
         method.optimize(np.clip(z, low, high))
     except nlopt.RoundoffLimited:

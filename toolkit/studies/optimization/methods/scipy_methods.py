@@ -8,9 +8,10 @@ import numpy as np
 from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
 from toolkit.studies.optimization.methods.functions import Functions, Visited
+from toolkit.studies.optimization.program import Values
 
-INSIDE = 1e-9
-"""How far within its bounds the interior-point method begins."""
+INSIDE, KEPT = 1e-5, 1e-6
+"""How far within its bounds the interior-point method begins, and above which a constraint counts as kept at its first design."""
 FINE = 1e-12
 """Derivatives and changes of variables below which the interior-point method gives up: others decide earlier whether it has arrived."""
 NOTHING = 1e-20
@@ -34,33 +35,57 @@ def slsqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray
 
 
 def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
-    """An interior-point method with a trust region (Byrd, Hribar and Nocedal, 1999); arguments as of `slsqp`."""
-    z = np.clip(z, low + INSIDE * (high - low), high - INSIDE * (high - low))
-    constraint = NonlinearConstraint(lambda z: functions(z).c, 0.0, np.inf, jac=lambda z: functions(z).dc, hess=BFGS())
+    """An interior-point method with a trust region (Byrd, Hribar and Nocedal, 1999), with the curvature of the objective where it is told;
+    arguments as of `slsqp`, but that z lies inside of its bounds."""
+    first, bounded = functions(z), bool(np.all(np.isfinite([low, high])))
+    constraint = NonlinearConstraint(
+        lambda z: functions(z).c,
+        0.0,
+        np.inf,
+        jac=lambda z: functions(z).dc,
+        hess=BFGS(),
+        keep_feasible=first.c > KEPT,
+    )
 
     def callback(z: np.ndarray, _: Any) -> bool:
         visited(np.array(z))
         return False
 
+    barrier = _barrier(first, z, low, high)
     minimize(
         lambda z: functions(z).f,
         z,
         jac=lambda z: functions(z).df,
         method="trust-constr",
-        hess=BFGS(),
-        bounds=Bounds(low, high, keep_feasible=True),
-        constraints=[constraint] if len(functions(z).c) else [],
+        hess=BFGS() if first.curvature is None else lambda z: functions(z).curvature,
+        bounds=Bounds(low, high, keep_feasible=True) if bounded else None,
+        constraints=[constraint] if len(first.c) else [],
         callback=callback,
         options={
             "gtol": FINE,
             "xtol": FINE,
-            "maxiter": most,
-            "initial_tr_radius": FIRST_STEP * np.sqrt(len(z)),
-            "initial_barrier_parameter": BARRIER,
-            "initial_barrier_tolerance": BARRIER,
+            "maxiter": 10 * most,
+            "initial_tr_radius": FIRST_STEP,
+            "initial_barrier_parameter": barrier,
+            "initial_barrier_tolerance": barrier,
+            "initial_constr_penalty": PENALTY,
         },
     )
 
 
-FIRST_STEP, BARRIER = 0.1, 1e-2
-"""Radius of the first step in parts of the variables' ranges, and the first barrier in parts of the first slope of the objective."""
+def _barrier(first: Values, z: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
+    """Less than the barrier mu whose minimum z is nearest to: df = mu sum of dc_i / c_i in the least squares."""
+    n, bounded = len(z), np.isfinite(low)
+    c = np.concatenate([first.c, (z - low)[bounded], (high - z)[bounded]])
+    dc = np.vstack([first.dc.reshape(-1, n), np.eye(n)[bounded], -np.eye(n)[bounded]])
+    kept = c > KEPT
+    push = np.sum(dc[kept] / c[kept, None], axis=0)
+    return float(np.clip(DECAY * (first.df @ push) / max(push @ push, np.finfo(float).tiny), *BARRIERS))
+
+
+FIRST_STEP, PENALTY = 1.0, 1e-4
+"""Radius of the first step, in which a constraint that changes by all of itself counts as one; and what a violation costs at first: at 1,
+SciPy's default, changes of constraints that are not active outweigh those of the objective, and steps become small."""
+DECAY, BARRIERS = 0.2, (1e-7, 1e-3)
+"""Part of the barrier that is left, as of the method's own steps; and the least and the largest to begin with, in units of the
+objective."""
