@@ -26,13 +26,13 @@ from toolkit.studies.evaluation.evaluation import Evaluation, State
 from toolkit.studies.evaluation.evaluator import Evaluator
 from toolkit.studies.evaluation.fingerprint import fingerprint
 from toolkit.studies.evaluation.store import Store, StudyFileError
-from toolkit.studies.optimization.curvature import Known, turned
 from toolkit.studies.optimization.methods.catalogue import METHODS
 from toolkit.studies.optimization.methods.functions import Functions
 from toolkit.studies.optimization.optimality import optimality_of
 from toolkit.studies.optimization.optimize import STORE, _other_optima, _rank, _unfinished, optimized
 from toolkit.studies.optimization.optimum import NoOptimumError, Optimum
 from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.optimization.search.curvature import Known, turned
 from toolkit.studies.optimization.verification import solved_again
 from toolkit.studies.study.checked_problem import problem_of
 from toolkit.studies.study.problem import Problem

@@ -9,7 +9,7 @@ from toolkit.report.drawing import Drawing
 from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.optimum import Optimum
 from toolkit.studies.optimization.prices import objective_of
-from toolkit.studies.optimization.search import Found
+from toolkit.studies.optimization.search.found import Found
 
 WIDE = 30.0
 """Largest objective over the least from where on the axis is logarithmic."""

@@ -12,7 +12,7 @@ from toolkit.sensitivity.preparation import prepare, solve
 from toolkit.studies.evaluation.evaluation import Evaluation
 from toolkit.studies.optimization.prices import Price, objective_of
 from toolkit.studies.optimization.robustness import Compared
-from toolkit.studies.optimization.search import Found
+from toolkit.studies.optimization.search.found import Found
 from toolkit.studies.optimization.verification import Again, scene_at
 from toolkit.studies.study.problem import Problem, by_case
 from toolkit.system.solution import Solution

@@ -20,9 +20,8 @@ from toolkit.studies.optimization.program import Values
 
 FLAT = 1e-4
 """Curvature, in parts of the largest, below which no direction is taken to be flatter."""
-LONGEST, NARROWER, WIDER, REACHES = 0.5, 0.5, 2.0, (1e-3, 1.0)
-"""Longest first step along any direction, in parts of the variables' ranges: where nothing bends, curvature does not say how far to go; by
-what it is changed where a step was too long or was not, and between which bounds."""
+LONGEST = 0.5
+"""Longest first step along any direction, in parts of the variables' ranges: where nothing bends, curvature does not say how far to go."""
 LEAST, DAMPED = 1e-6, 0.2
 """First curvature at least; and the part of the known curvature along a step that an update leaves at least (Powell, 1978)."""
 

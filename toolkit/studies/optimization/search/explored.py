@@ -1,0 +1,112 @@
+"""The designs that one search has solved: each once, as many as the study allows, and the best of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.optimization.methods.functions import DesignFailedError
+from toolkit.studies.optimization.optimality import Optimality, optimality_of
+from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.optimization.search.curvature import Known
+from toolkit.studies.optimization.search.found import Spent
+
+FIRST_SLOPE = 0.2
+"""Largest derivative of the scaled objective at the first design: a method whose first matrix is the identity goes so far at first."""
+TYPICAL = 0.25
+"""Part of the designs whose largest derivative is below what is typical: wild ones from the beginning of a search do not count."""
+Solve = Callable[[np.ndarray], Evaluation]
+"""Solves a design, or takes it from where it is kept."""
+
+
+class Explored:
+    """What one search knows.
+
+    Parameters
+    ----------
+    program
+        The functions; they are measured anew where a method begins.
+    solve
+        Solves a design.
+    """
+
+    def __init__(self, program: Program, solve: Solve) -> None:
+        self.program, self.solve = program, solve
+        self.options = program.problem.study.search
+        self.done: dict[bytes, Evaluation] = {}
+        self.passed: set[bytes] = set()
+        """Designs that meet the conditions of an optimum and are none."""
+
+    @property
+    def failed(self) -> int:
+        """Designs that could not be solved."""
+        return sum(each.failed for each in self.done.values())
+
+    @property
+    def known(self) -> list[Known]:
+        """All others."""
+        solved = (each for each in self.done.values() if not each.failed)
+        return [Known(self.program.scaled(each.design), self.program.values(each)) for each in solved]
+
+    @property
+    def typical(self) -> float:
+        """What a large change of the scaled objective is: as the study says, or as the designs that were solved do."""
+        given = self.program.problem.study.objective.scale
+        if given is not None:
+            return given / self.program.unit
+        slopes = [np.max(np.abs(self.program.values(each).df)) for each in self.done.values() if not each.failed]
+        return float(np.quantile(slopes, TYPICAL))
+
+    def measure_by(self, values: Values) -> None:
+        """Set the unit of the objective by its slopes where a method begins."""
+        size = float(np.max(np.abs(values.df)))
+        self.program = replace(self.program, unit=self.program.unit * (size / FIRST_SLOPE if size > 0 else 1.0))
+
+    def evaluated(self, design: np.ndarray) -> Evaluation:
+        """The design, which counts if it is new."""
+        key = design.tobytes()
+        if key not in self.done:
+            if len(self.done) >= self.options.evaluations:
+                raise Spent(f"{self.options.evaluations} designs were solved, as many as the study allows")
+            found = self.done[key] = self.solve(design)
+            if found.failed and self.failed >= self.options.most_failures:
+                raise Spent(f"{self.failed} designs could not be solved, as many as the study allows")
+        return self.done[key]
+
+    def functions(self, z: np.ndarray) -> Values:
+        """F and c at z; a design that cannot be solved ends the method."""
+        found = self.evaluated(self.program.design(z))
+        if found.failed and self.options.failures == "stop":
+            raise Spent("a design could not be solved, and the study says to stop there")
+        if found.failed:
+            raise DesignFailedError(np.array(z))
+        return self.program.values(found)
+
+    def left(self, z: np.ndarray, values: Values) -> Optimality:
+        """What is left of the conditions of an optimum."""
+        return optimality_of(self.program, z, values, self.typical)
+
+    def best(self) -> tuple[Evaluation | None, Optimality | None]:
+        """The feasible design of the least objective, else the least violated one; with what is left of the conditions."""
+        judged = []
+        for found in self.done.values():
+            if not found.failed:
+                values = self.program.values(found)
+                left = self.left(self.program.scaled(found.design), values)
+                feasible = left.violation <= self.options.feasibility
+                met = left.met(self.options.optimality, self.options.feasibility) and found.design.tobytes() not in self.passed
+                judged.append(((not met, not feasible,
+                                values.f if feasible else left.violation), found, left))  # fmt: skip
+        if not judged:
+            return None, None
+        _, found, left = min(judged, key=lambda each: each[0])
+        return found, left
+
+    def stand(self) -> np.ndarray:
+        """z of the best design so far, from which a method begins anew."""
+        best, _ = self.best()
+        assert best is not None
+        return self.program.scaled(best.design)

@@ -1,0 +1,161 @@
+"""One search: a method of a library within planes that cut off what failed, until the conditions of an optimum are met."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.evaluation.evaluator import Evaluator
+from toolkit.studies.optimization.methods.catalogue import METHODS
+from toolkit.studies.optimization.methods.functions import DesignFailedError, Functions
+from toolkit.studies.optimization.program import Program
+from toolkit.studies.optimization.search.beside import best_beside
+from toolkit.studies.optimization.search.curvature import Known, Turned
+from toolkit.studies.optimization.search.cuts import Cuts
+from toolkit.studies.optimization.search.end_rule import EndRule
+from toolkit.studies.optimization.search.explored import Explored
+from toolkit.studies.optimization.search.found import Arrived, Found, Renewed, Spent
+from toolkit.studies.optimization.search.renewal import Renewal
+
+BACK = 0.5
+"""Part of the way from a start that failed to a known design that the next one has."""
+AGAIN = 3
+"""How often a method that gave up begins anew where it stood, without planes."""
+FIRST_METHODS = 0.2
+"""Part of the designs that each of several methods, but for the last, may solve."""
+Tell = Callable[[Evaluation], None]
+
+
+class Search:
+    """One search."""
+
+    def __init__(self, program: Program, evaluator: Evaluator, lane: int, warm: bool, tell: Tell) -> None:
+        def solve(design: np.ndarray) -> Evaluation:
+            found = evaluator(lane, design, warm)
+            tell(found)
+            return found
+
+        self.explored, self.lane = Explored(program, solve), lane
+        self.options = program.problem.study.search
+        self.rule = EndRule(self.options, bool(program.problem.curved))
+        self.renewal = Renewal(bool(program.problem.curved), program.top)
+        self.last: np.ndarray | None = None
+        self.until: int | None = None
+
+    def run(self, start: np.ndarray, known: np.ndarray | None) -> Found:
+        """Search from a start; where that fails, from designs on the way to a known one."""
+        explored = self.explored
+        try:
+            z = self._first(start, known)
+            if z is not None and self.rule.met:
+                z = self._beside(z)
+            ended = "no design near the start could be solved" if z is None else self._by_methods(z)
+            arrived = False
+        except Arrived:
+            ended, arrived = "the conditions of an optimum are met", True
+        except Spent as why:
+            ended, arrived = str(why), False
+        best, left = explored.best()
+        if best is not None and left is not None and best.design.tobytes() not in explored.passed:
+            arrived = arrived or left.met(self.options.optimality, self.options.feasibility)
+        return Found(self.lane, start, best, left, explored.program, ended, len(explored.done), explored.failed, arrived)
+
+    def _first(self, start: np.ndarray, known: np.ndarray | None) -> np.ndarray | None:
+        """The first design that can be solved, on the way from the start to the known one; it sets the unit of the objective."""
+        program = self.explored.program
+        z, back = program.scaled(start), None if known is None else program.scaled(known)
+        for _ in range(1 if back is None else 4):
+            found = self.explored.evaluated(program.design(z))
+            if not found.failed:
+                self.explored.measure_by(program.values(found))
+                self._visited(z)
+                return z
+            if back is not None:
+                z = back + BACK * (z - back)
+        return None
+
+    def _beside(self, z: np.ndarray) -> np.ndarray:
+        """A better design around a stationary start, which is no optimum then."""
+        best = best_beside(self.explored, z)
+        if best is not z:
+            self.explored.passed.add(self.explored.program.design(z).tobytes())
+            self.rule.forget()
+            self.last = best
+            self.explored.measure_by(self.explored.functions(best))
+        return best
+
+    def _by_methods(self, z: np.ndarray) -> str:
+        """Run all methods, one after the other. Returns why the last was given up."""
+        *first, last = self.options.method
+        for method in first:
+            most = max(1, int(FIRST_METHODS * self.options.evaluations))
+            try:
+                self._within_cuts(method, z, len(self.explored.done) + most)
+            except Renewed:
+                self.last = self.explored.stand()
+        return self._within_cuts(last, z)
+
+    def _within_cuts(self, method: str, z: np.ndarray, until: int | None = None) -> str:
+        """Run a method until so many designs are solved; what failed is cut off by a plane for the next run of it. Returns why it was
+        given up."""
+        done, cuts, again, curvature = self.explored.done, Cuts(), 0, self._turned(method)
+        every = self.renewal.every(METHODS[method])
+        while True:
+            centre = self.last if self.last is not None else z
+            before = len(done)
+            self.until = min((each for each in (until, every and before + every) if each is not None), default=None)
+            try:
+                self._run(method, cuts.around(self.explored.functions), centre, curvature)
+            except DesignFailedError as failure:
+                if not cuts.add(self.last if self.last is not None else z, failure.z):
+                    return "designs all around cannot be solved: it stands at the edge of what can"
+                continue
+            except Renewed:
+                if until is not None and len(done) >= until:
+                    raise
+                self.renewal.adapt(METHODS[method], len(done) - before)
+                self.last = self.explored.stand()
+                curvature = self._turned(method)
+                continue
+            if self.rule.met:
+                raise Arrived
+            cuts, curvature = Cuts(), self._turned(method)
+            again += len(done) == before or self.last is None or bool(np.array_equal(self.last, centre))
+            if again > AGAIN:
+                return "the method made no progress any more"
+
+    def _run(self, method: str, functions: Functions, centre: np.ndarray, curvature: Turned | None) -> None:
+        """Run a method from a design, in variables that are turned if the curvature there is known."""
+        run, most, n, top = METHODS[method].run, self.options.evaluations, len(centre), self.explored.program.top
+        centre = np.clip(centre, METHODS[method].inside * top, (1 - METHODS[method].inside) * top)
+        if curvature is None:
+            run(functions, centre, np.zeros(n), top, self._accepted, most)
+        else:
+            here = Turned(centre, curvature.axes, top)
+            free = np.full(n, np.inf)
+            run(here.functions(functions), np.zeros(n), -free, free, lambda y: self._accepted(here.z(y)), most)
+
+    def _accepted(self, z: np.ndarray) -> None:
+        self._visited(z)
+        if self.until is not None and len(self.explored.done) >= self.until:
+            raise Renewed
+
+    def _turned(self, method: str) -> Turned | None:
+        """Variables by the curvature where the search stands, None where it is not known."""
+        if self.last is None or self.renewal.every(METHODS[method]) is None:
+            return None
+        centre = Known(self.last, self.explored.functions(self.last))
+        multipliers = self.explored.left(*centre).multipliers
+        return self.renewal.variables(METHODS[method], centre, self.explored.known, multipliers)
+
+    def _visited(self, z: np.ndarray) -> None:
+        """A design that the method has accepted: the next run begins at this one, unless the search ends there."""
+        values, z = self.explored.functions(z), np.clip(z, 0.0, self.explored.program.top)
+        if self.last is not None and np.array_equal(z, self.last):
+            return
+        self.last = z
+        large = max(float(np.max(np.abs(values.df))), self.explored.typical)
+        if self.rule.ends(values.f, self.explored.left(z, values), large):
+            raise Arrived
