@@ -38,12 +38,13 @@ def print_optimum(found: Optimum) -> None:
 
 
 def _print_searches(console: Console, found: Optimum) -> None:
-    searches = table("search", "objective", "KKT residual", "violation", "designs", "failed", "why")
+    searches = table("search", "objective", "KKT residual", "to gain", "violation", "designs", "failed", "why")
     for each in found.searches:
         if each.best is None or each.optimality is None:
-            numbers = ("", "", "")
+            numbers = ("", "", "", "")
         else:
             value = float(each.program.objective(each.best.values)[0])
-            numbers = (f"{value:.6g}", f"{each.optimality.residual:.1e}", f"{each.optimality.violation:.1e}")
+            left, gain = each.optimality, f"{each.optimality.gain:.1e}" if found.problem.curved else ""
+            numbers = (f"{value:.6g}", f"{left.residual:.1e}", gain, f"{left.violation:.1e}")
         searches.add_row(f"start {each.lane // 2 + 1}", *numbers, str(each.evaluations), str(each.failed), each.ended)
     console.print(searches)

@@ -14,9 +14,12 @@ import numpy as np
 from scipy.optimize import nnls
 
 from toolkit.studies.optimization.program import Program, Values
+from toolkit.studies.optimization.promise import promised
 
 ROUND_OFF = 1e-12
 """Part of the objective that no derivative decides."""
+NOTHING = 1e-4
+"""Objective, in parts of its scale, beside which smaller ones are none: a mean of squares may end at zero."""
 
 
 class Optimality(NamedTuple):
@@ -34,16 +37,20 @@ class Optimality(NamedTuple):
         Of all constraints, (m,).
     at_bounds
         Multipliers of the least and the largest values of the variables, (2, n).
+    gain
+        What is to be gained at most by the curvature that the objective tells, and by the slopes of the constraints, in parts of the
+        objective; zero where it tells none. A search of few designs has seen steep slopes only, beside which a residual looks small.
     """
 
     residual: float
     violation: float
     multipliers: np.ndarray
     at_bounds: np.ndarray
+    gain: float = 0.0
 
     def met(self, optimality: float, feasibility: float) -> bool:
         """Whether nothing of size is left."""
-        return self.residual <= optimality and self.violation <= feasibility
+        return self.residual <= optimality and self.gain <= optimality and self.violation <= feasibility
 
 
 def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float) -> Optimality:
@@ -58,4 +65,5 @@ def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float
     scale = max(float(np.max(np.abs(found.df))), typical, ROUND_OFF * abs(found.f), np.finfo(float).tiny)
     violation = max(0.0, float(np.max(-constraints)))
     m = len(found.c)
-    return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n))
+    gain = promised(z, program.top, found) / max(abs(found.f), NOTHING * scale)
+    return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n), gain)

@@ -182,10 +182,11 @@ def _cautions(problem: Problem, found: Found, again: Again, searches: list[Found
             f"{problem.unit_of(row.response)}; {found.ended}. Widen bounds or limits, or give more starts.".replace("  ", " "),
         )
     if not left.met(options.optimality, options.feasibility):
+        more = f", the curvature promises {left.gain:.1e} of the objective more" if left.gain > options.optimality else ""
         yield Caution(
             "not-optimal",
-            f"the KKT residual is {left.residual:.1e} of the objective's scale, and {options.optimality:.1e} is wanted: {found.ended}. "
-            "Give more evaluations, more starts, or another method.",
+            f"the KKT residual is {left.residual:.1e} of the objective's scale{more}, and {options.optimality:.1e} is wanted: "
+            f"{found.ended}. Give more evaluations, more starts, or another method.",
         )
     yield from _margins(problem, found.best)
     if dependent(found.program, found.best, left):

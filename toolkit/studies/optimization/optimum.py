@@ -89,6 +89,11 @@ class Optimum:
         return self.search.optimality.residual
 
     @property
+    def gain(self) -> float | None:
+        """What is left to gain by curvature and slopes, in parts of the objective; None where the objective tells no curvature."""
+        return _gain(self.problem, self.search)
+
+    @property
     def values(self) -> dict[str, float]:
         """Response, with its case before it where cases have names -> value of the run with finer steps, or of the search without one."""
         found = {
@@ -196,6 +201,7 @@ class Optimum:
                 "robust": {each.name: each.record() for each in self.robust} or None,
             },
             "optimality": self.optimality,
+            "gain": self.gain,
             "violation": self.search.optimality.violation if self.search.optimality else None,
             "evaluations": self.evaluations,
             "failed": self.failed,
@@ -212,9 +218,14 @@ def _search_record(problem: Problem, found: Found) -> dict[str, Any]:
         "variables": None if best is None else dict(zip(problem.variables, map(float, best.design), strict=True)),
         "objective": None if best is None else float(found.program.objective(best.values)[0]),
         "optimality": None if left is None else left.residual,
+        "gain": _gain(problem, found),
         "violation": None if left is None else left.violation,
         "evaluations": found.evaluations,
         "failed": found.failed,
         "arrived": found.arrived,
         "ended": found.ended,
     }
+
+
+def _gain(problem: Problem, found: Found) -> float | None:
+    return found.optimality.gain if problem.curved and found.optimality else None

@@ -49,7 +49,8 @@ class Search(Description):
         Most designs that one search may solve.
     optimality
         The search ends where the KKT residual is below this part of the objective's scale, or of its largest derivative there: so much
-        would be gained, at most, over the whole range of a variable.
+        would be gained, at most, over the whole range of a variable. Where the objective tells its curvature, this promises less than the
+        same part of the objective too.
     feasibility
         By how much of its scale a constraint may be violated.
     warm_starts

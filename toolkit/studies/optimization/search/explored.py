@@ -92,16 +92,17 @@ class Explored:
     def best(self) -> tuple[Evaluation | None, Optimality | None]:
         """The feasible design of the least objective, else the least violated one; with what is left of the conditions."""
         judged = []
-        for found in self.done.values():
-            if not found.failed:
-                values = self.program.values(found)
-                left = self.left(self.program.scaled(found.design), values)
-                feasible = left.violation <= self.options.feasibility
-                met = left.met(self.options.optimality, self.options.feasibility) and found.design.tobytes() not in self.passed
-                judged.append(((not met, not feasible,
-                                values.f if feasible else left.violation), found, left))  # fmt: skip
-        if not judged:
+        solved = [each for each in self.done.values() if not each.failed]
+        if not solved:
             return None, None
+        typical = self.typical
+        for found in solved:
+            values = self.program.values(found)
+            left = optimality_of(self.program, self.program.scaled(found.design), values, typical)
+            feasible = left.violation <= self.options.feasibility
+            met = left.met(self.options.optimality, self.options.feasibility) and found.design.tobytes() not in self.passed
+            judged.append(((not met, not feasible,
+                            values.f if feasible else left.violation), found, left))  # fmt: skip
         _, found, left = min(judged, key=lambda each: each[0])
         return found, left
 

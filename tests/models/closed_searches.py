@@ -1,0 +1,56 @@
+"""Searches on mean squares in closed form, which cost no design of a scene."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from toolkit.studies.evaluation.evaluation import Evaluation
+from toolkit.studies.optimization.program import Values
+from toolkit.studies.optimization.search.found import Found
+from toolkit.studies.optimization.search.search import Search
+from toolkit.studies.study.search_options import Search as SearchOptions
+
+Residuals = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""r of a z, and its derivatives (r, z)."""
+
+
+@dataclass(frozen=True)
+class Squares:
+    """The program of the least r . r of variables between 0 and `top`."""
+
+    top: np.ndarray
+    options: SearchOptions
+    unit: float = 1.0
+
+    @property
+    def problem(self) -> Any:
+        study = SimpleNamespace(search=self.options, objective=SimpleNamespace(scale=None))
+        return SimpleNamespace(study=study, curved=("squares",))
+
+    def scaled(self, design: np.ndarray) -> np.ndarray:
+        return design
+
+    def design(self, z: np.ndarray) -> np.ndarray:
+        return np.clip(z, 0.0, self.top)
+
+    def values(self, found: Evaluation) -> Values:
+        r, r_z = found.values[0], found.gradients[0]
+        f, df, curvature = r @ r / self.unit, 2 * r @ r_z / self.unit, 2 * r_z.T @ r_z / self.unit
+        return Values(f, df, np.empty(0), np.empty((0, len(self.top))), curvature)
+
+
+def searched(residuals: Residuals, start: np.ndarray, **options: Any) -> Found:
+    """A search from a start, of variables between 0 and 1."""
+
+    def solve(lane: int, design: np.ndarray, _: bool) -> Evaluation:
+        r, r_z = residuals(design)
+        return Evaluation(lane, design, "", r[None], r_z[None], (), 0.0)
+
+    program: Any = Squares(np.ones(len(start)), SearchOptions(**options))
+    evaluator: Any = solve
+    return Search(program, evaluator, 0, False, lambda _: None).run(start, None)
