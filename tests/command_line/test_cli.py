@@ -191,7 +191,7 @@ def test_an_error_is_a_json_object_too_where_json_is_asked_for():
     ("program", "arguments", "message"),
     [
         (app, ["statics", SCENE, "--nope"], "No such option: --nope"),
-        (app, ["sensitivity", SCENE, "--method", "foo"], "'foo' is not one of"),
+        (app, ["sensitivity", SCENE, "--method", "foo"], "Invalid value for '--method': 'foo' is not one of"),
         (app, ["statics", SCENE, "--set", "nothing"], "is not of the form path=value"),
         (app, ["nosuch"], "No such command 'nosuch'"),
         (app, ["new", "solid"], "Missing argument"),

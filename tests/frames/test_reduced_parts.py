@@ -14,9 +14,11 @@ from tests.models.beam_models import save_beam
 from tests.models.spatial_chains import chain_scene, save_chain
 from toolkit.foundation.errors import InputError
 from toolkit.responses.stress.stress import stress_field
+from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
 from toolkit.scene.scene import Scene
 from toolkit.system.system import compile_scene
 from toolkit.validity.bodies.cut.places import largest_displacement, node_places
+from toolkit.validity.bodies.reduced.changed_vibrations import changed_vibrations
 from toolkit.validity.bodies.reduced.left_out_shapes import left_out_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import raised_frequencies
 
@@ -164,6 +166,44 @@ def test_how_much_too_high_frequencies_are_is_told(hanging, modes, count):
         assert "so that frequencies are too high, or missing: number 4 by about 2" in said
 
 
+@pytest.mark.parametrize(("modes", "codes"), [(4, []), (1, ["f4", "z4"]), (0, ["f4", "z4", "f5", "z5"])])
+def test_responses_of_vibrations_are_told_what_is_left_out_too(hanging, modes, codes):
+    """The parts by which they are off, as those of all modes: to first order, 15 % of what is below 4 %; errors of 5 % are a doubt."""
+    asked = {
+        f"{kind.kind[0].replace('d', 'z')}{number}": kind(number=number)
+        for number in ((4, 5) if modes == 0 else (4,))
+        for kind in (Frequency, DampingRatio)
+    }
+    scene = hanging.model_copy(update={"responses": asked})
+    full, few = (ffrf.compile(reduced(scene, each)).statics() for each in (None, modes))
+    told = changed_vibrations(few.solution)
+    assert changed_vibrations(full.solution) == {}
+    for name in ("f4", "z4"):
+        assert told[name] == pytest.approx(few.values[name] / full.values[name] - 1, rel=0.15, abs=1e-6)
+    said = [each for each in few.verdict.warnings if each.code == "left-out-shapes" and "which changes" in each.text]
+    assert [each.doubt for each in said] == [modes == 0] * bool(codes)
+    assert all(f"{name} by about {told[name]:+.1%}" in said[0].text for name in codes)
+
+
+def test_vibrations_with_twins_are_told_too_and_those_without_damping_have_no_part(tmp_path):
+    """A square beam bends in two planes alike."""
+    save_chain(
+        tmp_path, np.column_stack([np.linspace(0, 1, 9), np.zeros((9, 2))]), 'kind = "rectangle", thickness = 0.01, width = 0.01'
+    )
+    asked = '[responses]\nf5 = { type = "frequency", number = 5 }\nf6 = { type = "frequency", number = 6 }\n'
+    words = 'frame = "grounded", frames = 2'
+    scenes = [
+        chain_scene(tmp_path, words + more, asked + 'z5 = { type = "damping-ratio", number = 5 }\n')
+        for more in ("", ", modes_per_frame = 0")
+    ]
+    full, few = (ffrf.compile(scene).statics() for scene in scenes)
+    told = changed_vibrations(few.solution)
+    assert set(told) == {"f5", "f6"}
+    for name, part in told.items():
+        # to first order
+        assert 1e-3 < part == pytest.approx(few.values[name] / full.values[name] - 1, rel=0.15)
+
+
 def test_what_a_spin_leaves_out_is_told(tmp_path):
     """Stretch and lag of a beam that spins: stress as the meter says, and gone with the shapes of weight, which the spin of a short part is
     nearly."""
@@ -210,6 +250,18 @@ def test_a_point_that_comes_to_lie_at_a_node_is_held_there(tmp_path):
         model.statics()
         found.append(model.statics({"points.middle.arc_length": 11 / 24}))
     same(found[0].values, found[1].values, 1e-9)  # statics end at 1e-10 of the size
+
+
+@pytest.mark.parametrize(("force", "one"), [(1e-3, True), (1.5, False)])
+def test_one_frame_that_was_chosen_says_that_it_reduces_nothing(tmp_path, force, one):
+    scene = cantilever(tmp_path, FINE, 2, in_space((0.0, force * EI)))
+    body = scene.bodies["beam"].model_copy(update={"frames": "auto", "modes_per_frame": 2, "geometric_error": 0.05})
+    run = ffrf.compile(scene.model_copy(update={"bodies": {"beam": body}})).statics()
+    assert (run.verdict.measures["frames"]["beam"]["frames"] == 1) == one
+    (said,) = [each.text for each in run.verdict.warnings if each.code == "frames"]
+    assert ("modes_per_frame reduces nothing: leave it out, or write frames = []" in said) == one
+    kept = ffrf.load(run.save(tmp_path / "run.h5"), models=tmp_path)
+    same(kept.values, run.values, 1e-12)  # of the same states
 
 
 @pytest.mark.parametrize(

@@ -204,6 +204,6 @@ def test_gradients_of_a_motion_by_all_numbers_of_a_bushing_are_those_of_the_comp
 @pytest.mark.parametrize("kind", [plane.Bushing, space.Bushing])
 def test_what_no_bushing_can_be_is_refused(kind):
     with pytest.raises(ValueError, match="a bushing acts between two different bodies, not on 'one' alone"):
-        kind(bodies=("one", "one"), point="B")
+        kind(bodies=("one", "one"), point="B", stiffness=(1.0, 0.0, 0.0)[: kind.dimension])
     with pytest.raises(ValueError, match="greater than or equal to 0"):
         kind(bodies=("one", "two"), point="B", stiffness=(-1.0, 0.0, 0.0)[: kind.dimension])

@@ -27,6 +27,7 @@ from toolkit.joints.both.distance import Distance
 from toolkit.joints.both.driver import AngleDriver, PositionDriver
 from toolkit.joints.both.rigid_joint import RigidJoint
 from toolkit.joints.planar.revolute import Revolute
+from toolkit.loads.planar.bushing import Bushing
 from toolkit.loads.planar.gravity import Gravity
 from toolkit.loads.planar.point_force import PointForce
 from toolkit.loads.planar.spring_damper import RotationalSpringDamper, SpringDamper
@@ -558,6 +559,12 @@ def test_loads_without_effect_are_refused():
         SpringDamper(bodies=("ground", "ground"), points=("A", "O"), stiffness=1.0)
     with pytest.raises(ValidationError, match="acts between two different bodies"):
         RotationalSpringDamper(bodies=("rod", "rod"), point="A", stiffness=1.0)
+    with pytest.raises(ValidationError, match="a spring-damper has no effect without stiffness or damping; give one of them"):
+        SpringDamper(bodies=("rod", "ground"), points=("A", "O"), length=2.0)
+    with pytest.raises(ValidationError, match="a rotational-spring-damper has no effect without stiffness or damping"):
+        RotationalSpringDamper(bodies=("rod", "ground"), point="A", rest_angle=0.1)
+    with pytest.raises(ValidationError, match="a bushing has no effect without stiffness, damping, rotational_stiffness or rot"):
+        Bushing(bodies=("rod", "ground"), point="A")
 
 
 @pytest.mark.parametrize(

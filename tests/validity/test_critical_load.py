@@ -142,7 +142,7 @@ def test_a_hinged_bar_whose_frame_is_tied_to_one_end_is_too_soft_under_tension(t
     assert found.feigned == pytest.approx(own / (1 - own), rel=shortened(part * COLUMN) / (1 - own))
     true = MOMENT / (part * COLUMN) * (k / np.tanh(k) - 1)  # rotation of the end that the moment acts on
     assert float(solution.q[0, 2]) / true > 1 + found.feigned  # the body is stiffer, besides
-    assert [(each.doubt, "under its tension" in each.text) for each in solution.warnings] == [(found.feigned > 0.5, True)]
+    assert [(each.doubt, "under its tension" in each.text) for each in solution.warnings] == [(True, True)]
 
 
 def test_bending_alone_is_never_critical(tmp_path):
@@ -217,24 +217,25 @@ def test_a_motion_knows_the_load_of_its_largest_compression(tmp_path, held):
 # what is said
 
 
-@pytest.mark.parametrize(
-    ("part", "said", "trusted"), [(0.02, False, True), (0.2, True, True), (0.6, True, False), (5.8, True, False)]
-)
-def test_verdict_and_json_say_it(tmp_path, part, said, trusted):
+@pytest.mark.parametrize(("part", "said"), [(0.02, False), (0.2, True), (0.6, True), (5.8, True)])
+def test_verdict_and_json_say_it(tmp_path, part, said):
+    """At 0.2 of it the first frequency is 1 / sqrt(0.8) = 1.12 of the true one."""
     path = beams(tmp_path, "", -part * CANTILEVER * AXIS, "grounded")
     for command in (["statics"], ["modes"]):
         run = CliRunner().invoke(app, [command[0], str(path), *command[1:], "--json"])
         record = json.loads(run.stdout)
         texts = [each["text"] for each in record["warnings"] if each["code"] == "critical-load"]
         assert len(texts) == said, command
-        assert record["verdict"]["trusted"] == trusted, command
+        assert record["verdict"]["trusted"] == (not said), command
         assert all(f"beam1 is compressed with {part:.2g} times the critical load" in text for text in texts)
 
 
 @pytest.mark.parametrize(("model", "said"), [("morphing_wing", False), ("rotating_beam", False), ("snap_through", True)])
 def test_of_the_models_only_the_arch_that_snaps_is_near(model, said):
     warnings = simulate(compile_scene(read_scene(MODELS / model / "scene.toml"))).warnings
-    assert [each.doubt for each in warnings if each.code == "critical-load"] == [False] * said
+    assert [each.doubt for each in warnings if each.code == "critical-load"] == [
+        True
+    ] * said  # which large deformation makes a doubt, too
 
 
 @pytest.mark.parametrize(("frames", "part", "said"), [(2, 0.9, True), (4, 0.9, True), (4, 0.99, True), (16, 0.9, False)])
@@ -250,6 +251,6 @@ def test_a_column_of_several_frames_near_its_critical_load_says_by_how_much_it_i
     assert bool(found) == said == (lacks > critical_load.LIMIT)
     if said:
         missed = compression(solution).missed
-        assert lacks < missed < 1.6 * lacks  # the largest over all lateral loads, of which one at the end is none of the worst
-        assert found[0].doubt == (missed > critical_load.DOUBTFUL)
+        assert lacks < missed < 1.05 * lacks  # the largest over all lateral loads, of which one at the end is nearly the worst
+        assert not solution.verdict.trusted
         assert "cut beam into more frames" in found[0].text

@@ -44,6 +44,7 @@ def usage_in_json(as_json: bool) -> Iterator[None]:
     try:
         yield
     except UsageError as error:
+        error.message = error.message.removeprefix("Value error, ")  # of choices, where typer lets pydantic check them
         if as_json:
             print_json({"error": error.format_message()})
         raise

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, Self
-
-from pydantic import model_validator
+from typing import Annotated, Any, ClassVar
 
 from toolkit.curves.curve import Curve
-from toolkit.description.description import Description, NotNegative, Positive
+from toolkit.description.description import NotNegative, Positive
 from toolkit.description.quantity import Quantity
 from toolkit.joints.rows import RowQuantity
+from toolkit.loads.acting import Acting
 from toolkit.loads.places import BetweenBodies, BetweenPoints
 from toolkit.markers.component import Skeleton
 
 
-class Controlled(Description):
+class Controlled(Acting):
     """Base of loads u = k_p (s - g) + k_i x - k_d g' along what they measure, g, which is to follow the curve s(t); x' = s - g, x(0) = 0.
 
     The derivative action is that on the measured value, so that a set value that jumps gives no impulse; without an integral action what
@@ -23,6 +22,7 @@ class Controlled(Description):
     """
 
     leads: ClassVar[bool] = True
+    acts_by: ClassVar[tuple[str, ...]] = ("proportional_gain", "derivative_gain", "integral_gain")
     measured: ClassVar[RowQuantity] = "length"
     """Quantity of g."""
 
@@ -30,14 +30,6 @@ class Controlled(Description):
     derivative_gain: Annotated[NotNegative, Quantity("force time/length")] = 0.0
     integral_gain: Annotated[Positive | None, Quantity("force/length time")] = None
     curve: Annotated[Curve, Quantity("length")]
-
-    @model_validator(mode="after")
-    def _acts(self) -> Self:
-        if not self.model_fields_set & {"proportional_gain", "derivative_gain", "integral_gain"}:
-            raise ValueError(
-                "a controller without a gain has no effect; give proportional_gain, derivative_gain or integral_gain"
-            )
-        return self
 
     @property
     def time_curve(self) -> Curve:

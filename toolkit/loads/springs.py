@@ -8,11 +8,12 @@ import numpy as np
 
 from toolkit.description.description import NotNegative, Number
 from toolkit.description.quantity import Quantity
+from toolkit.loads.acting import Acting
 from toolkit.loads.places import BetweenBodies, BetweenPoints
 from toolkit.markers.component import Skeleton
 
 
-class PointSpring(BetweenPoints):
+class PointSpring(BetweenPoints, Acting):
     """Base of springs along the line between two points; without `length` the spring is relaxed at the start.
 
     Attributes
@@ -35,7 +36,7 @@ class PointSpring(BetweenPoints):
         return [self.stiffness, self.damping, np.sqrt(d @ d) if self.length is None else self.length]
 
 
-class TurnSpring(BetweenBodies):
+class TurnSpring(BetweenBodies, Acting):
     """Base of springs between the rotations of two bodies.
 
     Attributes

@@ -22,6 +22,7 @@ from toolkit.sensitivity.preparation import moving, responses_of
 from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -121,7 +122,9 @@ class Result:
         """The same without what frames do to gradients."""
         if self.repeat is None or not moving(self.solution) or not self.values:
             found = self.solution.verdict
-            return Verdict.of([*found.warnings, *self._undefined(), *self._coarse()], found.measures)
+            return Verdict.of(
+                [*found.warnings, *self._undefined(), *self._coarse(), *cautions_of_changed(self.solution)], found.measures
+            )
         measured, options = dict(self.measures), self.solution.options or self.solution.system.scene.solver
         about_steps = step_cautions(self.step_error, self.values, self.gradients, options)
         if self.step_error is not None:

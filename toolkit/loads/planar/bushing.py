@@ -9,6 +9,7 @@ import numpy as np
 from toolkit.description.description import NotNegative
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import kernel
+from toolkit.loads.acting import Acting
 from toolkit.loads.kernels.measured_spring import add_measured_spring
 from toolkit.loads.places import BetweenBodies
 from toolkit.loads.planar.load import PlanarLoad
@@ -41,7 +42,7 @@ def bushing(z, w, force, force_z, force_w):
     add_measured_spring(z, w, z[2] - z[5], z[8], 8, 11, force, force_z, force_w)
 
 
-class Bushing(BetweenBodies, PlanarLoad):
+class Bushing(BetweenBodies, Acting, PlanarLoad):
     """Springs and dampers in both directions and between the rotations of two bodies.
 
     It is relaxed where the points coincide and nothing is turned. Forces -k_i u_i - c_i u_i', with the offsets u_1, u_2 of the point of
@@ -61,6 +62,7 @@ class Bushing(BetweenBodies, PlanarLoad):
     """
 
     kind = "bushing"
+    acts_by = ("stiffness", "damping", "rotational_stiffness", "rotational_damping")
     formula = bushing
 
     stiffness: Annotated[tuple[NotNegative, NotNegative], Quantity("force/length")] = (0.0, 0.0)

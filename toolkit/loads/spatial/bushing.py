@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from toolkit.description.description import NotNegative
 from toolkit.description.quantity import Quantity
 from toolkit.foundation.kernel import inner, kernel
+from toolkit.loads.acting import Acting
 from toolkit.loads.kernels.measured_spring import add_measured_spring
 from toolkit.loads.places import BetweenBodies
 from toolkit.loads.spatial.load import SpatialLoad
@@ -70,7 +71,7 @@ def add_alignment(z, i, force, force_z):
             force_z[b, 27 + n] += share * z[a]
 
 
-class SpatialBushing(BetweenBodies, SpatialLoad):
+class SpatialBushing(BetweenBodies, Acting, SpatialLoad):
     """Springs and dampers in three directions and three small rotations.
 
     It is relaxed where the points coincide and nothing is turned. Forces are -k_i u_i - c_i u_i', with the offsets u_i = e_ia . (r_a - r_b)
@@ -96,6 +97,7 @@ class SpatialBushing(BetweenBodies, SpatialLoad):
     """
 
     kind = "bushing"
+    acts_by = ("stiffness", "damping", "rotational_stiffness", "rotational_damping")
     formula = spatial_bushing
 
     stiffness: Annotated[Three, Quantity("force/length")] = (0.0, 0.0, 0.0)

@@ -18,7 +18,8 @@ SAME = 1e-6
 
 
 class Vibration(NamedTuple):
-    """s, its right and left vectors u and w (n,), and w^T (2 s M + C) u; if another has the same s it is not `alone`, and s is all."""
+    """s, its right and left vectors u and w (n,), and w^T (2 s M + C) u; if another has the same s it is not `alone`, and
+    u and w (n_q,) are some of its vectors."""
 
     s: complex
     right: np.ndarray
@@ -51,7 +52,7 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     k = order[number - 1]
     others = [abs(values[other] - values[k]) for other in order if other != k]
     if values[k] == 0 or min(others, default=np.inf) <= SAME * abs(values[k]):
-        return Vibration(values[k], right[:, k], left[:, k], 0.0, alone=False)
+        return Vibration(values[k], Z @ right[:, k], Z @ left[:, k], 0.0, alone=False)
     s, u, w = refined(*reduced, values[k], right[:, k], left[:, k])
     u, w = Z @ u, Z @ w
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness

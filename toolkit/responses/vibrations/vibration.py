@@ -19,7 +19,7 @@ from pydantic import Field
 from toolkit.foundation.errors import InputError
 from toolkit.responses.response import Partials, Response
 from toolkit.responses.vibrations.pencil import Pencil, pencil_change, pencil_of
-from toolkit.responses.vibrations.roots import SAME, find_vibration
+from toolkit.responses.vibrations.roots import SAME, Vibration, find_vibration
 from toolkit.responses.vibrations.spinning import spinning_change, spinning_pencil
 from toolkit.responses.vibrations.steadiness import refuse_unsteady
 from toolkit.system.solution import Solution
@@ -81,8 +81,7 @@ class OfVibration(Response):
                 "the response damping-ratio instead, or leave the integral out."
             )
         pencil = pencil_of(solution)
-        real = Pencil(*(np.real(each) for each in pencil))
-        found = find_vibration(system, real._replace(damping=self.counted(real.damping)), self.number, self.slowness)
+        found = self.about_rest(solution, pencil)
         s, u, w = found.s, found.right, found.left
         if not found.alone:
             return self._one_of_two(solution, s)
@@ -93,6 +92,11 @@ class OfVibration(Response):
         by_z, design = (self.slope(s, -each / found.scale) for each in changes)
         n_q = system.n_q
         return Partials(value.real if system.compiled else value, q=by_z[None, :n_q], multipliers=by_z[None, n_q:], design=design)
+
+    def about_rest(self, solution: Solution, pencil: Pencil) -> Vibration:
+        """The vibration of that number, of a state at rest with this pencil."""
+        real = Pencil(*(np.real(each) for each in pencil))
+        return find_vibration(solution.system, real._replace(damping=self.counted(real.damping)), self.number, self.slowness)
 
     def _of_a_state_that_moves(self, solution: Solution) -> Partials:
         """Of a steady spin, or of the end of a motion: with dampers, and in the frame that spins."""

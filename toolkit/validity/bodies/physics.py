@@ -45,9 +45,9 @@ def _cause(found: Deformation) -> str:
 
 def critical_loads(solution: Solution) -> Iterator[Caution]:
     """Flexible bodies whose compression is near or beyond the critical load, which linear FFRF does not know in a body's frame."""
-    for found, doubt in critical_compressions(solution):
+    for found in critical_compressions(solution):
         text = _feigned(found) if found.feigned > found.missed else _buckling(found, solution)
-        yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body), doubt)
+        yield Caution("critical-load", text + advice_of_frame(solution.system.scene, found.body))
 
 
 def turning(solution: Solution) -> Iterator[Caution]:

@@ -39,7 +39,7 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
             yield Caution(
                 "frames",
                 f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": those of the run that '
-                f"{choice.kept_run} keeps, which the scene starts in. How far they suffice was told there.",
+                f"{choice.kept_run} keeps, which the scene starts in. How far they suffice was told there.{_unreduced(scene, name)}",
                 doubt=False,
             )
             continue
@@ -49,9 +49,20 @@ def choices_of_frames(scene: Scene) -> Iterator[Caution]:
             f'{name} has {number} floating {"frame" if number == 1 else "frames"}, by frames = "auto": the {ANALYSES[choice.analysis]} of '
             f"the scene as it is written, with {runs} frames, leaves about {choice.error:.1%} of its largest displacement "
             f"({choice.wanted:.3g} is wanted; the error falls with the square of the number).{_of_gradients(number, choice)} "
-            f"frames = {number} spares these runs.",
+            f"frames = {number} spares these runs.{_unreduced(scene, name)}",
             doubt=False,
         )
+
+
+def _unreduced(scene: Scene, name: str) -> str:
+    """That one frame leaves `modes_per_frame` no parts to reduce."""
+    body = scene.bodies[name]
+    if not isinstance(body, ChosenFrames) or body.frames != 1 or body.modes_per_frame is None:
+        return ""
+    return (
+        " With one frame the body keeps all coordinates, and modes_per_frame reduces nothing: leave it out, or write frames = [], which "
+        "is one part on a chord, reduced."
+    )
 
 
 def _of_gradients(number: int, choice: FrameChoice) -> str:

@@ -21,9 +21,8 @@ from toolkit.validity.bodies.compressed.missed_deflections import missed
 from toolkit.validity.bodies.deformation import flexible_bodies
 
 LIMIT = 0.05
-"""Part of a deflection that the equations may miss without a word; the same as that of the meter of large deformation."""
-DOUBTFUL = 0.5
-"""The same from which it is a doubt: a third of the critical load in a fixed frame. Below, what a run was asked for may not feel it."""
+"""Part of a deflection that the equations may miss; the same as that of the meter of large deformation, which does not know by how much a
+whole near its critical load makes what its parts miss larger."""
 FELT = 1e-3
 """Part of its elastic stiffness that a body may lose in its own frame without the whole scene being looked at: a column of several frames
 whose parts lose no more is half as stiff as these equations say within a thousandth of its critical load."""
@@ -85,8 +84,8 @@ def most_compressed(law: Stiffening, elastic: np.ndarray) -> list[int]:
     return sorted({stride * first_largest(measure) for measure in measures if measure.max() > 0})
 
 
-def critical_compressions(solution: Solution) -> Iterator[tuple[Compression, bool]]:
-    """The state nearest to a critical load, if deflections there are off by more than `LIMIT`, and whether to doubt."""
+def critical_compressions(solution: Solution) -> Iterator[Compression]:
+    """The state nearest to a critical load, if deflections there are off by more than `LIMIT`."""
     found = compression(solution)
-    if found is not None and (worst := max(found.missed, found.feigned)) > LIMIT:
-        yield found, not worst <= DOUBTFUL
+    if found is not None and max(found.missed, found.feigned) > LIMIT:
+        yield found

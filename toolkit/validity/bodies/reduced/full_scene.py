@@ -38,9 +38,9 @@ class ReducedPart:
         """All elastic coordinates per reduced one."""
         return self.shapes.columns(self.part.invariants.stiffness)
 
-    def moved(self, forces: np.ndarray) -> np.ndarray:
-        """-delta (n_t, n_f) under forces r (n_t, n_f)."""
-        stiffness = self.part.invariants.stiffness
+    def moved(self, forces: np.ndarray, stiffness: np.ndarray | None = None) -> np.ndarray:
+        """-delta (n_t, n_f) under forces r (n_t, n_f), by a stiffness of its own (n_f, n_f) or another one; all real, or all complex."""
+        stiffness = self.part.invariants.stiffness if stiffness is None else stiffness
         inner = np.delete(np.arange(len(stiffness)), self.shapes.kept)
         own, phi, found = stiffness[np.ix_(inner, inner)], self.shapes.modes, np.zeros_like(forces)
         if inner.size:
@@ -58,10 +58,15 @@ class FullScene:
     expanded: csr_array  # its coordinates per coordinate of the reduced scene, (n_q, n_q)
 
 
+def reduced_bodies(scene: Scene) -> dict[str, CutBody]:
+    """Cut bodies whose parts do not keep all coordinates."""
+    cut = {name: body for name, body in scene.bodies.items() if isinstance(body, CutBody)}
+    return {name: body for name, body in cut.items() if body.modes_per_frame is not None}  # type: ignore[attr-defined]
+
+
 def full_scene(scene: Scene) -> FullScene | None:
     """None of a scene in which nothing is reduced."""
-    cut = {name: body for name, body in scene.bodies.items() if isinstance(body, CutBody)}
-    bodies = {name: body for name, body in cut.items() if body.modes_per_frame is not None}  # type: ignore[attr-defined]
+    bodies = reduced_bodies(scene)
     if not bodies:
         return None
     plain = written(scene)
