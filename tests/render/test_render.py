@@ -30,7 +30,7 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
 from toolkit.render.curves import merged
-from toolkit.render.label_places import Name, label_places
+from toolkit.render.label_places import Name, Panel, placed, sides
 from toolkit.render.moment import names_by_place
 from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import RenderError
@@ -550,7 +550,8 @@ def test_labels_keep_clear_of_lines_and_of_each_other():
     wall = np.column_stack([np.full(200, 100.0), np.linspace(0, 200, 200)])
     half = np.array([10.0, 5.0])
     names = [Name("one", np.array([100.0, 100.0]), half), Name("two", np.array([100.0, 110.0]), half)]
-    places = np.array(label_places(names, wall, 10.0, np.array([200.0, 200.0])))
+    panel = Panel(names, wall, np.array([200.0, 200.0]))
+    places = np.array([each.place for each in placed(panel, sides([panel], 10.0))])
     assert np.all(np.abs(places[:, 0] - 100) > half[0])
     assert np.any(np.abs(places[0] - places[1]) > 2 * half)
 
