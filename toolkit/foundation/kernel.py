@@ -69,6 +69,7 @@ def _refuse(dispatcher: CPUDispatcher, *_arguments: Any, **_named: Any) -> None:
 
 
 def _compiled(function: Callable, compiler: type = FormulaCompiler, **options: bool) -> CPUDispatcher:
+    options = {"forceinline": False} | options  # otherwise it is that of the formula whose call compiles this one first
     dispatcher: Any = numba.njit(function, error_model="numpy", _nrt=False, pipeline_class=compiler, **options)  # type: ignore[call-overload]
     if isinstance(dispatcher, CPUDispatcher):  # not where numba is switched off
         dispatcher._cache = CompiledCode(dispatcher)  # type: ignore[attr-defined]

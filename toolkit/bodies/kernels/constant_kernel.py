@@ -126,7 +126,7 @@ def constant_jacobian(part, I_acc, A_q, A_v):
             A_v[at] += part.damping[e]
 
 
-@inner
+@inlined
 def add_square_product(values, first, n, at, x, target):
     """target += a square matrix, whose rows begin at `first`, times x, both from entry `at` on; four rows at a time."""
     source, i = x[at : at + n], 0
@@ -149,7 +149,7 @@ def add_square_product(values, first, n, at, x, target):
         i += 1
 
 
-@inner
+@inlined
 def add_square(values, first, n, position, target):
     """A square matrix into the pattern, whose rows have its columns next to each other."""
     for i in range(n):

@@ -154,7 +154,7 @@ def load_jacobian(loads, k, markers, state, work, A_q, A_v):
         state_jacobian(loads, k, markers, state, n_a, n, position, work, A_q, A_v)
 
 
-@inner
+@inlined
 def find_changes(count, work):
     """Which entries of f depend on the poses; whether any does. Those of a constant force do not, nor does what acts on no axis."""
     found = False
@@ -166,7 +166,7 @@ def find_changes(count, work):
     return found
 
 
-@inner
+@inlined
 def force_columns(loads, k, markers, state, side, first, work):
     """Derivatives of f by the coordinates of one marker, f_z B + f_w B_v, and by their rates, f_w B, from number `first` on."""
     m, size = loads.marker[k, side], len(markers.pose)

@@ -84,7 +84,7 @@ def shape_sum(markers, first, last, vector, out):
             out[i] += markers.shape[k, i] * w
 
 
-@inner
+@inlined
 def update_markers(markers, state, q, v, acc, scratch):
     """Evaluate all markers, without their design derivatives. `scratch` is (3, 3)."""
     for m in range(len(markers.frame)):

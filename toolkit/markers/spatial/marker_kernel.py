@@ -87,7 +87,7 @@ class SpatialMarkerState(NamedTuple):
     frames: FrameState
 
 
-@inner
+@inlined
 def second_index(i, j):
     """Place of the pair (i, j) in the order 11, 22, 33, 23, 13, 12."""
     return i if i == j else 6 - i - j
@@ -117,7 +117,7 @@ def shape_sums(markers, m, q, v, acc, sums):
             sums[2, i] += entry * acc[at]
 
 
-@inner
+@inlined
 def update_local(markers, state, m):
     """X_m and its derivatives in the body's frame."""
     sums, motion = state.sums, state.motion
@@ -147,7 +147,7 @@ def update_local(markers, state, m):
                     state.bend[m, second_index(i, j), k] = turned.by_by[i, j, c]
 
 
-@inner
+@inlined
 def update_spatial_markers(markers, state, q, v, acc):
     """Evaluate all markers, without their design derivatives; their frames are up to date."""
     for m in range(len(markers.frame)):
@@ -200,7 +200,7 @@ def update_frame_columns(markers, state, m):
         apply(size, frames.A_k[f, k], motion[2], state.b_q[first + k], 1.0)
 
 
-@inner
+@inlined
 def combine(rows, weights, target):
     """target = sum_i rows_i weights_i for the axes of a pose, zero for its position."""
     for k in range(3):

@@ -1,6 +1,6 @@
 """Prediction of a step, the same for states and their sensitivities."""
 
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined
 
 SAME = 1e-9
 """Relative difference of two step lengths that is round-off."""
@@ -8,7 +8,7 @@ STEEP = 4.0
 """Growth of a step beyond which w says nothing about the new one: what it has of round-off and of the joints would grow with it."""
 
 
-@inner
+@inlined
 def predict(scheme, q, v, acc, aux, count, q_new, v_new):
     """Coordinates and velocities at n + 1 for a_+ = 0; also of their sensitivities, flattened."""
     h = scheme.h
@@ -18,14 +18,14 @@ def predict(scheme, q, v, acc, aux, count, q_new, v_new):
         v_new[i] = scheme.keep * v[i] + h * (scheme.gamma_old * aux[i] + scheme.gamma * w_new)
 
 
-@inner
+@inlined
 def advance_auxiliary(scheme, acc, acc_new, count, aux):
     """w_+ in place of w_n; also of its sensitivities, flattened."""
     for i in range(count):
         aux[i] = scheme.new * acc_new[i] + scheme.old * acc[i] - scheme.carry * aux[i]
 
 
-@inner
+@inlined
 def step_ratio(h, before):
     """Ratio of a step length to the one before, which is 0 at the start; 1 if they differ by round-off, 0 beyond STEEP."""
     ratio = h / before if before > 0 else 1.0
@@ -34,7 +34,7 @@ def step_ratio(h, before):
     return ratio if abs(ratio - 1) > SAME else 1.0
 
 
-@inner
+@inlined
 def rescale_auxiliary(ratio, acc, count, aux):
     """w for another step length, a_n + ratio (w_n - a_n); also of its sensitivities, flattened.
 

@@ -17,11 +17,11 @@ from toolkit.bodies.kernels.spatial.small_matrices import (
     transposed_product,
 )
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_jacobian
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined
 from toolkit.kinematics.spatial import second_products
 
 
-@inner
+@inlined
 def add_moving_rows(part, frames, b, work, border, I_acc, I_q, A_q, A_v):
     """Entries of the rows r by r, beta and c, and of the mass matrix below."""
     n_b, n, (n0, n1, n2) = part.turns[b], part.n_f[b], work.first
@@ -54,7 +54,7 @@ def add_moving_rows(part, frames, b, work, border, I_acc, I_q, A_q, A_v):
                 I_acc[border[3 + n_b + j] + i] += line[j]
 
 
-@inner
+@inlined
 def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
     """Entries beta by beta; by column l with the products A_l S^T, X_l S^T, V_l S^T and W_l S^T.
 
@@ -87,7 +87,7 @@ def add_turning_block(part, frames, state, b, acc, gravity, scale, work, border,
             A_v[place] += product(A_k, by_rate)
 
 
-@inner
+@inlined
 def fill_pairs(state, b, k, pairs):
     """Products of the frame's matrices that the entries between beta_k and c are made of; in brackets the place of each.
 
@@ -114,7 +114,7 @@ def fill_pairs(state, b, k, pairs):
     add_matrix(pairs[11], pairs[8])
 
 
-@inner
+@inlined
 def add_bent_rows(part, state, b, acc, gravity, scale, work, border, I_acc, I_q, A_q, A_v):
     """Entries beta by c and c by beta."""
     n_r, n, start, pairs = part.moves[b], part.n_f[b], part.moment_start[b] + 1, work.pairs
@@ -152,7 +152,7 @@ def add_bent_rows(part, state, b, acc, gravity, scale, work, border, I_acc, I_q,
             A_v[place] += by_v[j]
 
 
-@inner
+@inlined
 def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
     """Entries c by c from a list of entries."""
     for e in range(part.entry_start[b], part.entry_start[b + 1]):
@@ -164,7 +164,7 @@ def add_bent_entries(part, b, work, I_acc, I_q, A_q, A_v):
             A_v[place] += 2 * flat_product(work.rate, nine)
 
 
-@inner
+@inlined
 def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
     """The same from whole matrices, three of the nine at a time."""
     n, size = 1 + part.n_f[b], part.moves[b] + part.turns[b]
@@ -187,7 +187,7 @@ def add_bent_matrices(part, b, work, border, I_acc, I_q, A_q, A_v):
             at += 3 * n
 
 
-@inner
+@inlined
 def spatial_linearized(part, frames, state, q, v, acc, scale, work, inertial, applied, I_acc, I_q, A_q, A_v):
     """Residual of all bodies whose frame turns, and its derivatives by q, v and a."""
     for b in range(len(part.frame)):

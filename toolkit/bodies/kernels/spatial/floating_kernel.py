@@ -21,7 +21,7 @@ import numpy as np
 from toolkit.bodies.kernels.spatial.products import multiply_spatial_block
 from toolkit.bodies.kernels.spatial.small_matrices import add_nine_rows, add_three_rows, along, product, turned_dot
 from toolkit.bodies.kernels.spatial.stiffening import add_stiffened_residual
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined, inner
 
 
 class SpatialFloating(NamedTuple):
@@ -92,7 +92,7 @@ class SpatialFloatingWork(NamedTuple):
     stiff_v: np.ndarray  # with z'
 
 
-@inner
+@inlined
 def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, applied):
     """The residual's terms of one block, for a body or for a design derivative of its invariants."""
     b = part.block_body[block]
@@ -119,7 +119,7 @@ def add_spatial_block(part, frames, block, acc, gravity, scale, work, inertial, 
             add_stiffened_residual(frames, b, work, applied[first : first + n])
 
 
-@inner
+@inlined
 def add_bent_residual(part, frames, block, b, acc, gravity, scale, work, inertial, applied):
     """Terms of the rows c."""
     A, start = frames.A[b], part.moment_start[block] + 1
@@ -135,7 +135,7 @@ def add_bent_residual(part, frames, block, b, acc, gravity, scale, work, inertia
         add_three_rows(along(A, 0, pull), along(A, 1, pull), along(A, 2, pull), part.moment, start, inertial)
 
 
-@inner
+@inlined
 def spatial_residual(part, frames, q, v, acc, scale, work, inertial, applied):
     """Residual of all bodies whose frame turns."""
     for b in range(len(part.frame)):

@@ -6,10 +6,10 @@ time, which is seven times faster than a list of entries. Those of bodies with m
 
 from toolkit.bodies.kernels.spatial.small_matrices import by_transpose, transposed_product
 from toolkit.bodies.kernels.spatial.stiffening import multiply_stiffened
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined
 
 
-@inner
+@inlined
 def multiply_spatial_block(part, frames, block, q, v, acc, work):
     """All products of one block's invariants with z^, z' and a^."""
     body = part.block_body[block]
@@ -47,7 +47,7 @@ def multiply_spatial_block(part, frames, block, q, v, acc, work):
         transposed_product(frames.A[body], frames.W[body], work.bent)
 
 
-@inner
+@inlined
 def first_moments(part, block, n, work):
     """N z^, N z' and N a^."""
     start = part.moment_start[block]
@@ -60,7 +60,7 @@ def first_moments(part, block, n, work):
         work.first[0, k], work.first[1, k], work.first[2, k] = total, rate, growth
 
 
-@inner
+@inlined
 def multiply_matrices(matrix, first, n, work):
     """Q[a, b] z^ and so on from whole matrices, four of their rows at a time: column i of Q[b, a] is row i of Q[a, b]."""
     for k in range(9):
@@ -89,7 +89,7 @@ def multiply_matrices(matrix, first, n, work):
             i += 1
 
 
-@inner
+@inlined
 def multiply_entries(part, block, work):
     """The same from a list of entries, which is ordered by rows."""
     e, last, sums = part.entry_start[block], part.entry_start[block + 1], work.sums

@@ -1,9 +1,9 @@
 """Sums of products with matrices of three by three, and with nine rows of numbers, for bodies in space."""
 
-from toolkit.foundation.kernel import inner
+from toolkit.foundation.kernel import inlined
 
 
-@inner
+@inlined
 def transposed_product(a, b, out):
     """out = a^T b for matrices of three by three."""
     for i in range(3):
@@ -11,7 +11,7 @@ def transposed_product(a, b, out):
             out[i, j] = a[0, i] * b[0, j] + a[1, i] * b[1, j] + a[2, i] * b[2, j]
 
 
-@inner
+@inlined
 def by_transpose(a, s, factor, out):
     """out += factor a s^T for matrices of three by three."""
     for i in range(3):
@@ -19,7 +19,7 @@ def by_transpose(a, s, factor, out):
             out[i, j] += factor * (a[i, 0] * s[j, 0] + a[i, 1] * s[j, 1] + a[i, 2] * s[j, 2])
 
 
-@inner
+@inlined
 def add_matrix(a, out):
     """out += a for matrices of three by three."""
     for i in range(3):
@@ -27,7 +27,7 @@ def add_matrix(a, out):
             out[i, j] += a[i, j]
 
 
-@inner
+@inlined
 def product(a, b):
     """<a, b>, the sum of products of all nine entries."""
     total = 0 * a[0, 0]
@@ -37,7 +37,7 @@ def product(a, b):
     return total
 
 
-@inner
+@inlined
 def flat_product(matrix, nine):
     """The same, the second matrix as nine numbers in a row."""
     total = 0 * nine[0]
@@ -47,7 +47,7 @@ def flat_product(matrix, nine):
     return total
 
 
-@inner
+@inlined
 def turned_dot(matrix, vector, other):
     """other . (matrix vector)."""
     total = 0 * vector[0]
@@ -56,7 +56,7 @@ def turned_dot(matrix, vector, other):
     return total
 
 
-@inner
+@inlined
 def add_nine_rows(matrix, factor, rows, first, target):
     """target_j += factor <matrix, rows[:, first + j]>, the nine rows in the order of the matrix's entries."""
     m = matrix
@@ -72,7 +72,7 @@ def add_nine_rows(matrix, factor, rows, first, target):
         target[j] += upper + (middle + (g * row_g[j] + h * row_h[j] + i * row_i[j]))
 
 
-@inner
+@inlined
 def add_three_rows(x, y, z, rows, first, target):
     """target_j += x rows[0, first + j] + y rows[1, first + j] + z rows[2, first + j]."""
     row_x, row_y, row_z = rows[0, first:], rows[1, first:], rows[2, first:]
@@ -80,7 +80,7 @@ def add_three_rows(x, y, z, rows, first, target):
         target[j] += x * row_x[j] + y * row_y[j] + z * row_z[j]
 
 
-@inner
+@inlined
 def along(matrix, column, vector):
     """Entry of matrix^T vector with the number of a column."""
     return matrix[0, column] * vector[0] + matrix[1, column] * vector[1] + matrix[2, column] * vector[2]
