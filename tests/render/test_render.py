@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from io import BytesIO
 from itertools import combinations, pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -32,6 +33,7 @@ from toolkit.render.colors import ROD, TARGET, UNDEFORMED
 from toolkit.render.curves import merged
 from toolkit.render.label_places import Name, Panel, placed, sides
 from toolkit.render.moment import names_by_place
+from toolkit.render.motion.animation import gif
 from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import RenderError
 from toolkit.render.pictures import chosen_steps, render_solution
@@ -473,6 +475,16 @@ def test_a_film_has_the_frames_and_the_width_that_were_asked_for(tmp_path, monke
     monkeypatch.setattr("toolkit.render.packages.find_spec", lambda name: None if name == "imageio_ffmpeg" else name)
     with pytest.raises(RenderError, match=r"ffrf-toolkit\[film\]"):
         render_solution(pendulum(3), tmp_path, film=True)
+
+
+def test_a_moving_picture_has_colours_that_its_last_frame_lacks():
+    paper = Image.new("RGB", (40, 30), "white")
+    painted = paper.copy()
+    painted.paste((210, 105, 30), (10, 10, 30, 20))
+    with Image.open(BytesIO(gif([paper, painted, paper]))) as moving:
+        moving.seek(1)
+        shown = np.array([moving.convert("RGB").getpixel(place) for place in ((0, 0), (20, 15))])
+    np.testing.assert_allclose(shown, [[255, 255, 255], [210, 105, 30]], atol=2)  # 255 colours of an octree
 
 
 def test_the_symbol_of_a_slider_follows_its_point_and_shows_whether_it_turns(wing):

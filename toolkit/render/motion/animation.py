@@ -17,7 +17,7 @@ from toolkit.render.packages import RenderError
 MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
 """Frames at most; ms that a motion takes, and that its last frame stands still."""
 LOOKED_AT = 9
-"""Frames that are looked at before names get their places."""
+"""Frames that are looked at before names get their places and pictures their colours."""
 
 
 def mp4(frames: Sequence[Any]) -> bytes:
@@ -62,11 +62,15 @@ def mp4(frames: Sequence[Any]) -> bytes:
 
 
 def gif(frames: Sequence[Any]) -> bytes:
-    """A file of frames (images of Pillow) with the colours of the last one; it is looped by whatever shows it."""
+    """A file of frames (images of Pillow) with the colours of some of them; it is looped by whatever shows it."""
     from PIL import Image
 
     pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
-    palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
+    few, (width, height) = spread(len(frames) - 1, LOOKED_AT), frames[0].size
+    together = Image.new("RGB", (width, height * len(few)))
+    for row, k in enumerate(few):
+        together.paste(frames[k], (0, height * row))
+    palette = together.quantize(255, method=Image.Quantize.FASTOCTREE)
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     file = BytesIO()
     reduced[0].save(file, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
