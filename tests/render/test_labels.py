@@ -8,8 +8,9 @@ import pytest
 from matplotlib.collections import LineCollection
 
 from tests.models.pictures import rest
-from toolkit.render.label_places import Name, beside
+from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.look import choose_look
 from toolkit.render.plane.scene_picture import instant_figure, overview_figure
@@ -89,9 +90,34 @@ def test_names_in_space_are_nobody_elses_and_cover_no_other(name):
         for place, text in names_by_place(moment, 1e-3)
     ]
     lines = [scale * camera.seen(line) for line in [*moment.rods(), *map(moment.ends, moment.links())]]
-    placed = [each for each in beside(names, lines, LETTER, PANEL) if each is not None]
-    boxes = {each.name.text: np.array([each.place - each.name.half, each.place + each.name.half]) for each in placed}
+    panel = panel_of(names, lines, LETTER, PANEL)
+    found = [each for each in placed(panel, sides([panel], LETTER)) if each is not None]
+    boxes = {each.name.text: np.array([each.place - each.name.half, each.place + each.name.half]) for each in found}
     assert len(boxes) == len(names) > 0
     for one, other in combinations(boxes.values(), 2):
         assert np.any(one[1] <= other[0]) or np.any(other[1] <= one[0])
-    assert mistaken(boxes, {each.text: each.point for each in names}, {each.name.text for each in placed if each.led}) == []
+    assert mistaken(boxes, {each.text: each.point for each in names}, {each.name.text for each in found if each.led}) == []
+
+
+def test_names_of_a_motion_keep_to_their_side_and_two_points_that_meet_keep_their_names():
+    """A point on a circle round another: alone its name goes round with it, in the motion not; what meets at one moment keeps two names."""
+    half = np.array([8.0, 5.0])
+    panels = []
+    for angle in np.linspace(0, 2 * np.pi, 7):
+        end = np.array([100.0, 100.0]) + 60 * np.array([np.cos(angle), np.sin(angle)])
+        names = [Name("O", np.array([100.0, 100.0]), half), Name("P", end, half)]
+        panels.append(panel_of(names, [np.array([[100.0, 100.0], end])], 10.0, np.array([200.0, 200.0])))
+    alone = {tuple(np.round(sides([panel], 10.0)[1].offset, 6)) for panel in panels}
+    motion = NamesOfMotion(panels)
+    for panel in panels:
+        motion.sides(0, panel, lambda some: sides(some, 10.0))
+    together = [motion.sides(0, panel, lambda some: sides(some, 10.0))[1] for panel in panels]
+    assert len(alone) > 1
+    assert len({(*side.offset, side.led) for side in together}) == 1
+
+    solution = rest(SCENES["four_bar_chain"], 1)
+    apart, joined = Configuration(solution, 0), Configuration(solution, 1)
+    every = len(names_by_place(apart, 1e-3))
+    solution.q[1] *= 0  # all bodies at one place
+    assert len(names_by_place(joined, 10.0)) < every
+    assert len(names_by_place(joined, 1e-3, (apart, joined))) == every

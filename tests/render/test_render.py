@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from io import BytesIO
 from itertools import combinations, pairwise
 from pathlib import Path
 from xml.etree import ElementTree
@@ -30,8 +31,9 @@ from toolkit.loads.planar.gravity import Gravity
 from toolkit.reduced_model.file import load, save
 from toolkit.render.colors import ROD, TARGET, UNDEFORMED
 from toolkit.render.curves import merged
-from toolkit.render.label_places import Name, label_places
+from toolkit.render.label_places import Name, Panel, placed, sides
 from toolkit.render.moment import names_by_place
+from toolkit.render.motion.animation import gif
 from toolkit.render.motion.instants import telling_steps
 from toolkit.render.packages import RenderError
 from toolkit.render.pictures import chosen_steps, render_solution
@@ -475,6 +477,16 @@ def test_a_film_has_the_frames_and_the_width_that_were_asked_for(tmp_path, monke
         render_solution(pendulum(3), tmp_path, film=True)
 
 
+def test_a_moving_picture_has_colours_that_its_last_frame_lacks():
+    paper = Image.new("RGB", (40, 30), "white")
+    painted = paper.copy()
+    painted.paste((210, 105, 30), (10, 10, 30, 20))
+    with Image.open(BytesIO(gif([paper, painted, paper]))) as moving:
+        moving.seek(1)
+        shown = np.array([moving.convert("RGB").getpixel(place) for place in ((0, 0), (20, 15))])
+    np.testing.assert_allclose(shown, [[255, 255, 255], [210, 105, 30]], atol=2)  # 255 colours of an octree
+
+
 def test_the_symbol_of_a_slider_follows_its_point_and_shows_whether_it_turns(wing):
     (start,), (end,) = (of_kind(Configuration(wing, step), "grounded slider") for step in (0, 4))
     assert end.point[0] - start.point[0] > 1.0  # mm; G moves along the axis
@@ -550,7 +562,8 @@ def test_labels_keep_clear_of_lines_and_of_each_other():
     wall = np.column_stack([np.full(200, 100.0), np.linspace(0, 200, 200)])
     half = np.array([10.0, 5.0])
     names = [Name("one", np.array([100.0, 100.0]), half), Name("two", np.array([100.0, 110.0]), half)]
-    places = np.array(label_places(names, wall, 10.0, np.array([200.0, 200.0])))
+    panel = Panel(names, wall, np.array([200.0, 200.0]))
+    places = np.array([each.place for each in placed(panel, sides([panel], 10.0))])
     assert np.all(np.abs(places[:, 0] - 100) > half[0])
     assert np.any(np.abs(places[0] - places[1]) > 2 * half)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -47,78 +48,93 @@ class Placed(NamedTuple):
         return np.array([self.name.point, self.place - min(inside, 1.0) * way])
 
 
-def beside(
-    names: list[Name],
-    lines: list[np.ndarray],
-    letter: float,
-    size: np.ndarray,
-    spots: np.ndarray = _NOWHERE,
-    reaches: Reaches = _NEAR,
-) -> list[Placed | None]:
-    """Names in places off polylines (n, 2) and spots (m, 2) inside of a panel of a size; None for a point outside of it.
+class Panel(NamedTuple):
+    """Names of which those outside of it are not shown, and points that should stay visible (m, 2), densely along lines."""
+
+    names: list[Name]
+    obstacles: np.ndarray
+    size: np.ndarray  # (2,)
+
+    def shows(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (..., 2) are inside."""
+        return np.all((points >= 0) & (points <= self.size), axis=-1)
+
+    @property
+    def shown(self) -> np.ndarray:
+        """The points whose names are shown, (n, 2)."""
+        return np.array([name.point for name in self.names if self.shows(name.point)]).reshape(-1, 2)
+
+
+class Side(NamedTuple):
+    """On which side of its point a name stands: the centre of its place counted from there, and whether a line leads there."""
+
+    offset: np.ndarray  # (2,)
+    led: bool
+
+
+def panel_of(names: list[Name], lines: list[np.ndarray], letter: float, size: np.ndarray, spots: np.ndarray = _NOWHERE) -> Panel:
+    """A panel of a size with names off polylines (n, 2) and spots (m, 2).
 
     All lengths are pixels or points of print, counted from the panel's lower left corner.
     """
-
-    def inside(points: np.ndarray) -> np.ndarray:
-        return np.all((points >= 0) & (points <= size), axis=-1)
-
-    shown = [name for name in names if inside(name.point)]
     every = np.vstack([spots, *(_dense(points, _SPACING * letter) for points in [*lines, *(name.point[None] for name in names)])])
-    seen = np.unique(np.round(_FINE * every[inside(every)]), axis=0) / _FINE
-    places, points = (
-        iter(label_places(shown, seen, letter, size, reaches)),
-        np.array([name.point for name in shown]).reshape(-1, 2),
-    )
-    found: list[Placed | None] = []
-    for name in names:
-        if not inside(name.point):
-            found.append(None)
-            continue
-        place = next(places)
-        own, other = (float(each[0]) for each in _distances(place[None], name, points, letter))
-        found.append(Placed(name, place, own > min(_FAR * letter, _CLEARLY * other)))
-    return found
+    empty = Panel(names, _NOWHERE, size)
+    return empty._replace(obstacles=np.unique(np.round(_FINE * every[empty.shows(every)]), axis=0) / _FINE)
 
 
-def label_places(
-    names: list[Name], obstacles: np.ndarray, letter: float, size: np.ndarray, reaches: Reaches = _NEAR
-) -> list[np.ndarray]:
-    """Centres (2,) of labels.
+def placed(panel: Panel, sides: list[Side]) -> list[Placed | None]:
+    """Names on their sides; None for a point outside of the panel."""
+    return [
+        Placed(name, name.point + side.offset, side.led) if panel.shows(name.point) else None
+        for name, side in zip(panel.names, sides, strict=True)
+    ]
+
+
+def sides(panels: Sequence[Panel], letter: float, reaches: Reaches = _NEAR) -> list[Side]:
+    """Where each name stands beside its point, for the same names in several panels the same in all: where they are best on the mean.
 
     Parameters
     ----------
-    obstacles : (m, 2)
-        Points that should stay visible, densely along lines.
     letter : float
         Height of a letter.
-    size : (2,)
-        Of the panel; labels stay inside.
     reaches : tuple of float
         Gaps between a point and its label that are tried, in letters.
     """
-    places: list[np.ndarray] = []
-    points = np.array([name.point for name in names]).reshape(-1, 2)
-    for name in names:
-        candidates = np.concatenate([_around(name, reach * letter) for reach in reaches])
-        clearances = [_clearance(candidates, name.half, obstacles)]
-        placed = list(zip(places, names, strict=False))
-        clearances += [_clearance(candidates, name.half + other.half, at[None]) for at, other in placed]
-        clearances += [_clearance(candidates, name.half, _way(other.point, at)) for at, other in placed]
-        ways = np.array([_way(name.point, candidate) for candidate in candidates]).reshape(-1, 2)
-        for at, other in placed:  # a line that may lead to the name crosses no other
-            clearances.append(_clearance(ways, other.half, at[None]).reshape(len(candidates), -1).min(axis=1))
-        own, others = _distances(candidates, name, points, letter)
-        clear = np.min(clearances, axis=0)
-        free = (
-            np.minimum(clear, _ENOUGH * letter)
-            + _COVERING * np.minimum(clear - _SPACING / 2 * letter, 0)
-            - _MISTAKEN * np.clip(own - _CLEARLY * others, 0, letter)  # further off a line leads there
-            - 100 * _outside(candidates, name.half + _INSET * letter, size)
-            - _NEARNESS * np.hypot(*(candidates - name.point).T)
-        )
-        places.append(candidates[int(np.argmax(np.round(free, _SAME)))])
-    return places
+    found: list[Side] = []
+    for number, name in enumerate(panels[0].names):
+        around = np.concatenate([_around(name.half, reach * letter) for reach in reaches])
+        showing = [panel for panel in panels if panel.shows(panel.names[number].point)]
+        free = [_free(panel, around, found, letter) for panel in showing] or [np.zeros(len(around))]
+        best = around[int(np.argmax(np.round(np.mean(free, axis=0), _SAME)))]
+        led = False
+        for panel in showing:
+            here = panel.names[number]
+            own, other = (float(each[0]) for each in _distances(here.point + best[None], here, panel.shown, letter))
+            led |= own > min(_FAR * letter, _CLEARLY * other)
+        found.append(Side(best, led))
+    return found
+
+
+def _free(panel: Panel, around: np.ndarray, before: list[Side], letter: float) -> np.ndarray:
+    """How good places (m, 2) beside the next point are, after those of the names before, (m,)."""
+    name, candidates = panel.names[len(before)], panel.names[len(before)].point + around
+    clearances = [_clearance(candidates, name.half, panel.obstacles)]
+    others = [each for each in placed(panel._replace(names=panel.names[: len(before)]), before) if each is not None]
+    clearances += [_clearance(candidates, name.half + other.name.half, other.place[None]) for other in others]
+    clearances += [_clearance(candidates, name.half, _way(other.name.point, other.place)) for other in others]
+    ways = np.array([_way(name.point, candidate) for candidate in candidates]).reshape(-1, 2)
+    for other in others:  # a line that may lead to the name crosses no other
+        clearances.append(_clearance(ways, other.name.half, other.place[None]).reshape(len(candidates), -1).min(axis=1))
+    own, apart = _distances(candidates, name, panel.shown, letter)
+    clear = np.min(clearances, axis=0)
+    free: np.ndarray = (
+        np.minimum(clear, _ENOUGH * letter)
+        + _COVERING * np.minimum(clear - _SPACING / 2 * letter, 0)
+        - _MISTAKEN * np.clip(own - _CLEARLY * apart, 0, letter)  # further off a line leads there
+        - 100 * _outside(candidates, name.half + _INSET * letter, panel.size)
+        - _NEARNESS * np.hypot(*around.T)
+    )
+    return free
 
 
 def _distances(centres: np.ndarray, name: Name, points: np.ndarray, letter: float) -> tuple[np.ndarray, np.ndarray]:
@@ -144,9 +160,9 @@ def _way(point: np.ndarray, place: np.ndarray) -> np.ndarray:
     return point + np.linspace(0, 1, _STEPS)[:, None] * (place - point)
 
 
-def _around(name: Name, gap: float) -> np.ndarray:
-    """Centres (m, 2) of a label whose edge is about `gap` from its point, in all directions."""
-    return name.point + (name.half + gap) * np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
+def _around(half: np.ndarray, gap: float) -> np.ndarray:
+    """Centres (m, 2) of a label whose edge is about `gap` from its point, counted from there, in all directions."""
+    return (half + gap) * np.column_stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
 
 
 def _clearance(centres: np.ndarray, half: np.ndarray, obstacles: np.ndarray) -> np.ndarray:

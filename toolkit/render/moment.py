@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Collection, Hashable, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
@@ -102,6 +102,9 @@ class Moment(ABC):
 
     def named_points(self) -> dict[str, np.ndarray]:
         """The points that bodies are built on or gripped at, each where a moving body carries it, else where the ground does."""
+        return self.once("named points", self._named_points)
+
+    def _named_points(self) -> dict[str, np.ndarray]:
         built_on = [(name, point) for name, body in self.scene.bodies.items() for point in body.named_points()]
         moving_first = sorted([*self.grips(), *built_on], key=lambda grip: grip[0] == "ground")
         return {point: self.position(body, point) for body, point in reversed(moving_first)}
@@ -120,13 +123,14 @@ class Moment(ABC):
         return list(dict.fromkeys(grip for each in self.components() for grip in each.grips))
 
 
-def names_by_place(moment: Moment, tolerance: float) -> list[tuple[np.ndarray, str]]:
-    """Positions of the named points; points closer together than the tolerance share one label."""
-    found: list[tuple[np.ndarray, list[str]]] = []
-    for name, here in sorted(moment.named_points().items()):
-        near = [names for place, names in found if np.linalg.norm(place - here) < tolerance]
+def names_by_place(moment: Moment, tolerance: float, motion: Sequence[Moment] = ()) -> list[tuple[np.ndarray, str]]:
+    """Positions of the named points; points closer together than the tolerance, at all moments of a motion, share one label."""
+    every = [each.named_points() for each in motion or (moment,)]
+    found: list[list[str]] = []
+    for name in sorted(moment.named_points()):
+        near = [names for names in found if all(np.linalg.norm(at[names[0]] - at[name]) < tolerance for at in every)]
         if near:
             near[0].append(name)
         else:
-            found.append((here, [name]))
-    return [(place, ", ".join(names)) for place, names in found]
+            found.append([name])
+    return [(moment.named_points()[names[0]], ", ".join(names)) for names in found]

@@ -89,7 +89,7 @@ def render_solution(
         films = [f"animation{ending}" for ending in endings if len(shown) > 1]
         list_own(directory, [*(file.name for file in files), *others, *films], instead_of=names)
         for file, moment in zip(files, moments, strict=True):
-            artist.instant(moment, look, file, width)
+            artist.instant(moment, look, None, file, width)
         if len(moments) > 1:
             few = [moments[k] for k in spread(len(moments) - 1, INSTANTS)]
             files.append(directory / f"overview.{view.format}")

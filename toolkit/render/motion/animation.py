@@ -10,11 +10,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-from toolkit.foundation.files.replaced_file import write_whole
+from toolkit.foundation.spread import spread
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.packages import RenderError
 
 MOST_FRAMES, DURATION, PAUSE = 60, 4000, 1500
 """Frames at most; ms that a motion takes, and that its last frame stands still."""
+LOOKED_AT = 9
+"""Frames that are looked at before names get their places and pictures their colours."""
 
 
 def mp4(frames: Sequence[Any]) -> bytes:
@@ -59,53 +62,35 @@ def mp4(frames: Sequence[Any]) -> bytes:
 
 
 def gif(frames: Sequence[Any]) -> bytes:
-    """A file of frames (images of Pillow) with the colours of the last one; it is looped by whatever shows it."""
+    """A file of frames (images of Pillow) with the colours of some of them; it is looped by whatever shows it."""
     from PIL import Image
 
     pace = [DURATION // len(frames)] * (len(frames) - 1) + [PAUSE]
-    palette = frames[-1].quantize(255, method=Image.Quantize.MAXCOVERAGE)
+    few, (width, height) = spread(len(frames) - 1, LOOKED_AT), frames[0].size
+    together = Image.new("RGB", (width, height * len(few)))
+    for row, k in enumerate(few):
+        together.paste(frames[k], (0, height * row))
+    palette = together.quantize(255, method=Image.Quantize.FASTOCTREE)
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     file = BytesIO()
     reduced[0].save(file, format="GIF", save_all=True, append_images=reduced[1:], duration=pace, loop=0, optimize=False)
     return file.getvalue()
 
 
-def write_animation(
-    moments: Sequence[Any],
-    draw: Callable[..., None],
-    look: Any,
-    path: Path,
-    width: int,
-    progress: Callable[[int, int], None] = lambda *_: None,
-) -> None:
-    """Draw all moments by `draw(moment, look, path, width)` and write them as one moving picture, in one stroke.
-
-    Parameters
-    ----------
-    path : Path
-        Its ending says what is written, ".gif" or ".mp4".
-    """
-    write_whole(path, ENCODED[path.suffix](drawn_frames(moments, draw, look, width, progress)))
-
-
-def drawn_frames(
-    moments: Sequence[Any],
-    draw: Callable[..., None],
-    look: Any,
-    width: int,
-    progress: Callable[[int, int], None] = lambda *_: None,
-) -> list[Any]:
-    """Images of Pillow of all moments."""
+def drawn_frames(moments: Sequence[Any], draw: Callable[..., None], look: Any, width: int) -> list[Any]:
+    """Images of Pillow of all moments, drawn by `draw(moment, look, names, path, width)`; names keep to their sides of their points."""
     from PIL import Image
 
-    frames = []
+    few, frames = [moments[k] for k in spread(len(moments) - 1, LOOKED_AT)], []
+    names = NamesOfMotion(few)
     with TemporaryDirectory() as folder:
-        for number, moment in enumerate(moments):
-            drawn = Path(folder) / "frame.png"
-            draw(moment, look, drawn, width)
+        drawn = Path(folder) / "frame.png"
+        for moment in few:
+            draw(moment, look, names, drawn, width)
+        for moment in moments:
+            draw(moment, look, names, drawn, width)
             with Image.open(drawn) as image:
                 frames.append(image.convert("RGB"))
-            progress(number + 1, len(moments))
     return frames
 
 

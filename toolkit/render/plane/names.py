@@ -10,8 +10,9 @@ from matplotlib.collections import LineCollection, TriMesh
 
 from toolkit.foundation.near_ties import first_largest
 from toolkit.render.colors import BODY, INK, UNDEFORMED
-from toolkit.render.label_places import Name, beside
+from toolkit.render.label_places import Name, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.skin_shape import skin_shape
 from toolkit.render.plane.solid_shape import solid_shape
@@ -27,14 +28,17 @@ _APART = 3e-3
 """Points nearer to each other share a label, relative to the window."""
 
 
-def write_names(axes: Axes, moment: Configuration, bodies: bool = False) -> None:
+def write_names(
+    axes: Axes, moment: Configuration, bodies: bool = False, motion: NamesOfMotion | None = None, number: int = 0
+) -> None:
     """Name the points, and on request the bodies, that the axes of a figure that is settled show.
 
-    A light ground keeps a name readable where no place is free; a line leads to one that is not beside its point.
+    A light ground keeps a name readable where no place is free; a line leads to one that is not beside its point. In all pictures of a
+    motion the axes of the same number have the same names on the same side of their points.
     """
     dots, tolerance = figure_of(axes).dpi / 72, _APART * float(np.ptp(shown(axes), axis=0).max())
     low, high = axes.bbox.get_points() / dots
-    told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance)]
+    told = [(text, place, INK, "normal") for place, text in _labels(moment, tolerance, motion)]
     told += [(name, place, BODY, "italic") for name, place in _middles(moment)] if bodies else []
     names, texts = [], []
     for text, place, color, slant in told:
@@ -44,16 +48,16 @@ def write_names(axes: Axes, moment: Configuration, bodies: bool = False) -> None
         )  # fmt: skip
         names.append(Name(text, axes.transData.transform(place) / dots - low, written.get_window_extent().size / dots / 2))
         texts.append(written)
+    panel = panel_of(names, [line / dots - low for line in drawn_lines(axes)], _SIZE, high - low)
+    chosen = sides([panel], _SIZE) if motion is None else motion.sides(number, panel, lambda panels: sides(panels, _SIZE))
     leads = []
-    for written, placed in zip(
-        texts, beside(names, [line / dots - low for line in drawn_lines(axes)], _SIZE, high - low), strict=True
-    ):
-        if placed is None:
+    for written, each in zip(texts, placed(panel, chosen), strict=True):
+        if each is None:
             written.remove()
             continue
-        written.set_position(placed.place)
-        if placed.led:
-            leads.append(axes.transData.inverted().transform((placed.line + low) * dots))
+        written.set_position(each.place)
+        if each.led:
+            leads.append(axes.transData.inverted().transform((each.line + low) * dots))
     axes.add_collection(LineCollection(leads, colors=UNDEFORMED, linewidths=0.7, zorder=_NAME, gid="leads"), autolim=False)
 
 
@@ -68,9 +72,9 @@ def drawn_lines(axes: Axes) -> list[np.ndarray]:
     return found
 
 
-def _labels(moment: Configuration, tolerance: float) -> list[tuple[np.ndarray, str]]:
+def _labels(moment: Configuration, tolerance: float, motion: NamesOfMotion | None) -> list[tuple[np.ndarray, str]]:
     """Names of points, and which body is clamped where no named point is."""
-    named = names_by_place(moment, tolerance)
+    named = names_by_place(moment, tolerance, motion.moments if motion else ())
     for body, points in clamps(moment).items():
         if not any(np.hypot(*(points[0] - place)) < tolerance for place, _ in named):
             named.append((points[0], f"{body} clamped"))

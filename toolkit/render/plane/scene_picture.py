@@ -14,6 +14,7 @@ from matplotlib.patches import Rectangle
 
 from toolkit.foundation.units import unit
 from toolkit.render.colors import FRAME, INK
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.plane.configuration import Configuration
 from toolkit.render.plane.curves import shape_errors
 from toolkit.render.plane.look import Look, shown_stress
@@ -39,27 +40,29 @@ _FRAME_MARGIN = 0.02
 """Round the frame of the detail at least, relative to the main window."""
 
 
-def instant_figure(moment: Configuration, look: Look, width: float = WIDE, like: Figure | None = None) -> Figure:
-    """One instant: the scene, and beside it the detail where it moves most; laid out `like` another instant, if one is given."""
+def instant_figure(
+    moment: Configuration, look: Look, width: float = WIDE, like: Figure | None = None, motion: NamesOfMotion | None = None
+) -> Figure:
+    """One instant: the scene, and beside it the detail where it moves most; laid out `like` another instant of its motion, if given."""
     corners = instant_windows(look)
     ratios = [aspect(each) for each in corners]
     height = min((width - 0.9 * len(corners)) / sum(ratios), _TALLEST)
     with sheet(height + _room(look, 1, width), 1, len(corners), width, width_ratios=ratios) as (figure, axes):
         if look.detail is not None:
             axes[0, 1].set_title("detail (frame on the left)", loc="left")
-        _fill(figure, axes, [moment] * len(corners), corners, look, like)
+        _fill(figure, axes, [moment] * len(corners), corners, look, like, motion)
         if look.detail is not None:
             low, high = shown(axes[0, 1])
             axes[0, 0].add_patch(Rectangle(low, *(high - low), fill=False, edgecolor=FRAME))
     return figure
 
 
-def instants_alike(width: float = WIDE) -> Callable[[Configuration, Look], Figure]:
+def instants_alike(width: float = WIDE) -> Callable[[Configuration, Look, NamesOfMotion | None], Figure]:
     """`instant_figure` for one instant of a motion after the other, all laid out as the first, so that nothing moves but the scene."""
     first: list[Figure] = []
 
-    def figure(moment: Configuration, look: Look) -> Figure:
-        found = instant_figure(moment, look, width, *first)
+    def figure(moment: Configuration, look: Look, motion: NamesOfMotion | None) -> Figure:
+        found = instant_figure(moment, look, width, first[0] if first else None, motion)
         first[:] = first or [found]
         return found
 
@@ -102,6 +105,7 @@ def _fill(
     corners: list[np.ndarray],
     look: Look,
     like: Figure | None = None,
+    motion: NamesOfMotion | None = None,
 ) -> None:
     """Draw a moment into each of the axes, in its window, with what explains it, and names where there is room."""
     windows = dict(zip(axes.flat, corners, strict=False))
@@ -123,7 +127,7 @@ def _fill(
             word.set_text(str(entry.get_label()))
     for number, (panel, moment) in enumerate(zip(windows, moments, strict=True)):
         draw_scene(panel, moment, look)
-        write_names(panel, moment, bodies=not number)
+        write_names(panel, moment, bodies=not number, motion=motion, number=number)
 
 
 def color_bar(figure: Figure, axes: list[Axes], colors: Normalize, label: str) -> None:

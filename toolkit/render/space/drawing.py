@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,9 @@ import numpy as np
 from toolkit.bodies.spatial.rigid import SpatialRigidBody, SpatialRod
 from toolkit.loads.spatial.spring_damper import SpatialSpringDamper
 from toolkit.render.colors import ROD, SUPPORT, UNDEFORMED
-from toolkit.render.label_places import Name, beside
+from toolkit.render.label_places import Name, Panel, Side, panel_of, placed, sides
 from toolkit.render.moment import names_by_place
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.sheet import SIGNED, UNSIGNED
 from toolkit.render.space import parts
 from toolkit.render.space.arrows import arrows
@@ -33,8 +35,10 @@ _MOVED = 0.25
 """Of a tube's radius: a body that has moved less hides its undeformed shape."""
 
 
-def draw_spatial_scene(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> Any:
-    """Everything at one instant in one panel; returns an actor that the colour bar belongs to, or None."""
+def draw_spatial_scene(
+    panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None = None
+) -> Any:
+    """Everything at one instant, alone or of a motion, in one panel; returns an actor that the colour bar belongs to, or None."""
     _draw_undeformed(panel, moment, look)
     actor = _draw_bodies(panel, moment, look)
     _draw_rods(panel, moment, look)
@@ -43,7 +47,7 @@ def draw_spatial_scene(panel: SpatialPanel, moment: SpatialConfiguration, look: 
     _draw_arrows(panel, moment, look)
     if look.view.triads:
         _draw_triads(panel, moment, look)
-    _write_names(panel, moment, look)
+    _write_names(panel, moment, look, motion)
     return actor
 
 
@@ -148,11 +152,16 @@ def _draw_triads(panel: SpatialPanel, moment: SpatialConfiguration, look: Spatia
             panel.draw_front(parts.arrow(origin, direction * look.extent / 14, 0.5 * look.radius, 1), color=color, **SHINE)
 
 
-def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook) -> None:
+def _write_names(panel: SpatialPanel, moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None) -> None:
     """Names of points, off everything that is drawn; a line leads to a name that is not beside its point."""
-    named = names_by_place(moment, look.radius / 2)
+    named = names_by_place(moment, look.radius / 2, motion.moments if motion else ())
     names = [Name(name, panel.pixel(point), panel.letter * np.array([0.3 * len(name) + 0.1, 0.5])) for point, name in named]
-    for each in beside(names, [], panel.letter, np.array(panel.place[2:]), panel.covered(), _REACHES):
+    seen = panel_of(names, [], panel.letter, np.array(panel.place[2:]), panel.covered())
+
+    def choose(panels: Sequence[Panel]) -> list[Side]:
+        return sides(panels, panel.letter, _REACHES)
+
+    for each in placed(seen, choose([seen]) if motion is None else motion.sides(panel.number, seen, choose)):
         if each is None:
             continue
         panel.write(each.name.text, each.place)

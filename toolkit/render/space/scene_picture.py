@@ -10,6 +10,7 @@ import numpy as np
 
 from toolkit.foundation.units import unit
 from toolkit.loads.spatial.gravity import SpatialGravity
+from toolkit.render.motion.names import NamesOfMotion
 from toolkit.render.round_numbers import even
 from toolkit.render.space.body_shape import body_shape
 from toolkit.render.space.camera import Camera
@@ -30,11 +31,13 @@ _FOOT = 12
 """Height of the space below the panels, in letters."""
 
 
-def draw_spatial_instant(moment: SpatialConfiguration, look: SpatialLook, path: Path, width: int) -> None:
-    """One instant."""
+def draw_spatial_instant(
+    moment: SpatialConfiguration, look: SpatialLook, motion: NamesOfMotion | None, path: Path, width: int
+) -> None:
+    """One instant, alone or of a motion."""
     letters, height = width // 70, round(0.65 * width)
     place: Place = (letters, _FOOT * letters, width - 2 * letters, height - (_FOOT + 3) * letters)
-    _draw(path, (width, height), [place], [moment], look, letters)
+    _draw(path, (width, height), [place], [moment], look, letters, motion)
 
 
 def draw_spatial_overview(moments: Sequence[SpatialConfiguration], look: SpatialLook, path: Path, width: int) -> None:
@@ -51,6 +54,7 @@ def _draw(
     moments: Sequence[SpatialConfiguration],
     look: SpatialLook,
     letters: int,
+    motion: NamesOfMotion | None = None,
 ) -> None:
     camera = Camera.framing(look.points, places[0][2] / places[0][3], _MARGIN, look.view.perspective)
     actor = None
@@ -59,7 +63,7 @@ def _draw(
         for panel in panels:
             panel.open()
         for panel, moment in zip(panels, moments, strict=True):
-            actor = draw_spatial_scene(panel, moment, look) or actor
+            actor = draw_spatial_scene(panel, moment, look, motion) or actor
             head_line(panel, ",  ".join(spatial_caption(moment, look)))
         lowest = [panel for panel in panels if panel.place[1] == places[-1][1]]
         lowest[0].scale_bar(unit(moments[0].scene.units, "length"))
