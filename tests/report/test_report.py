@@ -421,6 +421,16 @@ def test_a_report_explains_the_methods_that_it_has_and_takes_what_takes_seconds(
     assert list(judge(slow, lambda *_: None, everything=True).judges) == list(JUDGES)
 
 
+def test_a_report_leaves_out_differences_for_which_a_model_lacks_other_numbers_unless_they_are_asked_for():
+    scene = read_scene(WING.parents[1] / "flexible_crank" / "scene.toml", {"solver.end_time": "7.5", "solver.step": "0.5"})
+    name = "E"
+    found = direct(scene, [name], "transient")
+    plain = Material(found.solution, collect(found))
+    assert list(judge(plain, lambda *_: None).judges) == ["complex-step"]
+    with pytest.raises(InputError, match="fixed at 7e\\+10"):
+        judge(plain, lambda *_: None, everything=True)
+
+
 def test_a_variable_without_influence_has_no_colours_of_round_off():
     """The mass of a rod in an equilibrium without weight."""
     found = direct(read_scene(WING), ["bodies.body2.density"], "static")

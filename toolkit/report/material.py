@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
+from toolkit.foundation.errors import InputError
 from toolkit.foundation.spread import spread
 from toolkit.render.motion.animation import MOST_FRAMES
 from toolkit.render.pictures import chosen_steps
@@ -84,7 +85,15 @@ class Material:
 
 
 def judge(material: Material, progress: Progress, everything: bool = False) -> Material:
-    """The same material with the gradients of numerical methods: of all on request, else of those that take seconds."""
+    """The same material with the gradients of numerical methods: of all on request, else of those that take seconds.
+
+    Without that request a method is also left out that needs other numbers than the files of reduced models hold.
+
+    Raises
+    ------
+    ToolkitError
+        A method that was asked for could not be run; says why.
+    """
     names = list(material.results.variables)
     kind: Kind = "transient" if material.moving else "static"
     if not names:
@@ -98,7 +107,13 @@ def judge(material: Material, progress: Progress, everything: bool = False) -> M
     seconds = material.results.run["wall_primal"] or 0.0
     runs = {"forward-difference": len(names) + 1, "central-difference": 2 * len(names) + 1}
     affordable = [method for method in JUDGES if everything or quick.get(method, seconds * runs.get(method, 0) <= PATIENCE)]
-    judges = {method: run(method) for method in affordable}
+    judges = {}
+    for method in affordable:
+        try:
+            judges[method] = run(method)
+        except InputError:
+            if everything:
+                raise
     return Material(material.solution, material.results, judges, _certificate(material, kind, judges, progress))
 
 

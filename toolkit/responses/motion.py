@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Callable
 from typing import Annotated, Any, Literal
 
@@ -27,6 +28,10 @@ class MarkerResponse(OnePoint):
     def at(self, solution: Solution, step: int) -> Partials:
         """Value and partial derivatives at one step."""
         return self.instants(solution)(step)
+
+    @abstractmethod
+    def instants(self, solution: Solution) -> Callable[[int], Partials]:
+        """The same step by step, with what all steps need prepared once."""
 
     def pose(self, states: MarkerStates, q: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Pose (p,), 3 or 12 numbers, its derivatives by the coordinates (p, n_q) and by the design (p, n_x)."""
