@@ -282,7 +282,7 @@ def test_command_builds_a_frame_and_rests_when_nothing_changed(path, monkeypatch
     assert run(monkeypatch, str(path), "--parameter", "x_B=0.1") == 0
     assert load(path.with_suffix(".h5")).nominal["x_B"] == 0.1
     assert run(monkeypatch, str(path), "--parameter", "x_Q=0.1") == 1
-    assert "has no parameter 'x_Q'; there are youngs_modulus_steel" in capsys.readouterr().err
+    assert "has no parameter 'x_Q', did you mean 'x_D'" in capsys.readouterr().err
     assert Path(path.with_suffix(".h5")).exists()
 
 
