@@ -133,6 +133,7 @@ def describe_interface(point: InterfacePoint, length: str) -> dict[str, Any]:
 def describe_scene(scene: Scene) -> dict[str, Any]:
     """Names and kinds of all parts, the declared design variables, all numbers that could be one, and what makes one ask."""
     from toolkit.foundation.files.outside_files import outside_files
+    from toolkit.scene.cut_scene import written
     from toolkit.sensitivity.preparation import responses_of
     from toolkit.validity.description.frame_choice import frame_choices
 
@@ -141,7 +142,7 @@ def describe_scene(scene: Scene) -> dict[str, Any]:
     except ToolkitError:  # which is said below
         frames = {}
     outside = outside_files(scene.directory / "scene", scene.read_files())
-    groups: dict[str, Mapping[str, Any]] = {"bodies": scene.bodies, "joints": scene.joints, "loads": scene.loads}
+    groups: dict[str, Mapping[str, Any]] = {"bodies": written(scene).bodies, "joints": scene.joints, "loads": scene.loads}
     return {
         "units": scene.units,
         "dimension": scene.dimension,
