@@ -13,6 +13,7 @@ from preprocessing.basis.basis_choice import BasisChoice
 from tests.frames.test_cut_bodies import EI, SECTION, STRAIGHT, cantilever, in_space
 from tests.frames.test_cut_wing import WING, wing
 from tests.models.beam_models import save_beam
+from toolkit.command_line.commands.inspection import describe_scene
 from toolkit.foundation.errors import InputError
 from toolkit.scene.scene import Scene
 from toolkit.sensitivity.preparation import prepare, solve
@@ -102,6 +103,7 @@ def test_one_frame_stays_where_it_is_enough():
     model = ffrf.compile(automatic(wing(1), "skin"))
     run = model.statics({"M_t": 4200.0})  # the number is that of the scene as it is written
     assert run.verdict.measures["frames"]["skin"]["frames"] == 4
+    assert describe_scene(run.solution.system.scene)["bodies"]["skin"] == "flexible"
     weak = automatic(wing(1), "skin").with_number("loads.drive.torque", 42.0)
     said = ffrf.compile(weak).statics().verdict.measures["frames"]["skin"]
     assert said["frames"] == 1
