@@ -12,12 +12,12 @@ from toolkit.equations.equations import allocate_work
 from toolkit.foundation.errors import InputError
 from toolkit.joints.kernels.planar.joint_kernel import change_number, evaluate_planar_joint
 from toolkit.joints.kernels.records import CURVED, DESIGN
-from toolkit.markers.poses import update_pose_designs, update_poses
 from toolkit.responses.forces.least_squares_forces import least_squares_forces
 from toolkit.responses.forces.spatial_joint_force import spatial_joint_force
 from toolkit.responses.instant import Instant, magnitude
 from toolkit.responses.response import Partials
 from toolkit.scene.space import PLANE, SPACE, Space
+from toolkit.system.marker_states import marker_states
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
 
@@ -103,13 +103,9 @@ def _planar_force(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(f_x, f_y, torque) of joint number j and its derivatives (3, n_q), (3, n_lam), (3, n_x)."""
     plan = system.plan
-    work, markers = allocate_work(plan, system.dtype), plan.markers
-    rest: np.ndarray = np.zeros(system.n, system.dtype)
-    padded = np.concatenate([q, rest[system.n_q :]])
-    acc = np.concatenate([rest[: system.n_q], lam])
-    for function in (update_poses, update_pose_designs):
-        system.run(function, markers.plane, markers.frames, markers, work.markers, padded, rest, rest, work.scratch)
-    system.run(evaluate_planar_joint, system.functions[0], plan.joints, j, work.markers, acc, work.joint)
+    work, markers, state = allocate_work(plan, system.dtype), plan.markers, marker_states(system, q)
+    acc: np.ndarray = np.concatenate([np.zeros(system.n_q, system.dtype), lam])
+    system.run(evaluate_planar_joint, system.functions[0], plan.joints, j, state, acc, work.joint)
     rows = slice(plan.joints.row[j] - system.n_q, plan.joints.row[j] - system.n_q + plan.joints.n_rows[j])
     force_lam: np.ndarray = np.zeros((3, system.n - system.n_q), system.dtype)
     force_lam[:, rows] = -work.joint.slope[: plan.joints.n_rows[j], 0, :3].T
@@ -120,9 +116,9 @@ def _planar_force(
         m = plan.joints.marker[j, side]
         by_pose = stiffness[:, 3 * side : 3 * side + 3]
         for k in range(markers.start[m], markers.start[m + 1]):
-            force_q[:, markers.coordinate[k]] += by_pose @ work.markers.B[k]
+            force_q[:, markers.coordinate[k]] += by_pose @ state.B[k]
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
-            force_x[:, markers.design_variable[d]] += np.real(by_pose @ work.markers.y_x[d])
+            force_x[:, markers.design_variable[d]] += np.real(by_pose @ state.y_x[d])
     for d in range(plan.joints.of[j, DESIGN], plan.joints.of[j, DESIGN + 1]):
         of_row = acc[plan.joints.row[j] + plan.joints.design[d, 1]]
         system.run(change_number, plan.joints, j, d, of_row, np.zeros(3), work.joint)

@@ -7,12 +7,14 @@ With f = g_z^T lam, conjugate to the pose (r, e_1, e_2, e_3) of marker a:
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from toolkit.equations.equations import Work, allocate_work
 from toolkit.joints.kernels.records import DESIGN
 from toolkit.joints.kernels.spatial.joint_kernel import NUMBERS, change_spatial_number, evaluate_spatial_joint
-from toolkit.markers.poses import update_pose_designs, update_poses
+from toolkit.system.marker_states import marker_states
 from toolkit.system.system import System
 
 
@@ -20,12 +22,9 @@ def spatial_joint_force(
     system: System, j: int, q: np.ndarray, lam: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """(F, M) of joint number j (6,), and its derivatives (6, n_q), (6, n_lam), (6, n_x); q (n_q,), lam (n_lam,)."""
-    plan, work = system.plan, allocate_work(system.plan, system.dtype)
-    joints, markers, state = plan.joints, plan.markers, work.markers
-    rest: np.ndarray = np.zeros(system.n, system.dtype)
-    padded, acc = np.concatenate([q, rest[system.n_q :]]), np.concatenate([rest[: system.n_q], lam])
-    for function in (update_poses, update_pose_designs):
-        system.run(function, markers.plane, markers.frames, markers, state, padded, rest, rest, work.scratch)
+    plan, work, state = system.plan, allocate_work(system.plan, system.dtype), marker_states(system, q)
+    joints, markers = plan.joints, plan.markers
+    acc: np.ndarray = np.concatenate([np.zeros(system.n_q, system.dtype), lam])
     system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, work.joint)
     value = _wrench(work.joint.pose[0], work.joint.force[0])
     rows, count = joints.row[j] - system.n_q, joints.n_rows[j]
@@ -37,9 +36,9 @@ def spatial_joint_force(
     for side in range(2):
         m = joints.marker[j, side]
         for k in range(markers.start[m], markers.start[m + 1]):
-            by_q[:, markers.coordinate[k]] += _change(system, j, side, state.B[k].copy(), acc, work)
+            by_q[:, markers.coordinate[k]] += _change(system, j, side, state.B[k].copy(), acc, state, work.joint)
         for d in range(markers.design_start[m], markers.design_start[m + 1]):
-            by_x[:, markers.design_variable[d]] += np.real(_change(system, j, side, state.y_x[d].copy(), acc, work))
+            by_x[:, markers.design_variable[d]] += np.real(_change(system, j, side, state.y_x[d].copy(), acc, state, work.joint))
     return value, by_q, by_lam, by_x
 
 
@@ -49,9 +48,9 @@ def _wrench(z: np.ndarray, f: np.ndarray) -> np.ndarray:
     return -np.concatenate([f[:3], torque])
 
 
-def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, work: Work) -> np.ndarray:
+def _change(system: System, j: int, side: int, y: np.ndarray, acc: np.ndarray, state: Any, joint: Any) -> np.ndarray:
     """Derivative of (F, M) in a direction y of one marker's pose: with y as its rate, the joint's kernel gives g_zz y."""
-    state, joint, joints = work.markers, work.joint, system.plan.joints
+    joints = system.plan.joints
     for k in range(2):
         state.rate[joints.marker[j, k]] = y if k == side else 0
     system.run(evaluate_spatial_joint, system.functions[0], joints, j, state, acc, joint)
