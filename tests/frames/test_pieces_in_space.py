@@ -223,6 +223,14 @@ def test_to_the_scene_it_stays_one_body(bar):
     assert written(cut) == bar
 
 
+def test_parts_of_several_pieces_are_reduced_without_loss_under_forces_at_points(folder, bar):
+    """The coordinates between are those at rest, whatever the number of modes."""
+    rest = pulled(0.5 * STIFFNESS) + f"[responses]\n{WHERE}"
+    few = ffrf.compile(bar_scene(folder, 'frame = "grounded", frames = 2, modes_per_frame = 0', rest)).statics()
+    for name, value in ffrf.compile(bar).statics().values.items():
+        assert few.values[name] == pytest.approx(value, rel=1e-8, abs=1e-9)  # statics end at 1e-10 of the size
+
+
 def test_pictures_show_one_surface_without_steps(folder, bar):
     """Faces of elements at the cut keep their size where parts meet, one clamp is drawn, and stress is told everywhere."""
     solution = solve_statics(compile_scene(bar))

@@ -101,7 +101,7 @@ def _stress(sums: Sums, operator: np.ndarray, elements: np.ndarray, rows: np.nda
     components = len(operator) // len(elements) if len(elements) else 1
     every = (components * rows[:, None] + np.arange(components)).ravel()
     found = sums.stress(operator[every], np.repeat(elements[rows], components) - sums.own.start)
-    return found.reshape(len(rows), components, -1)
+    return found.reshape(len(rows), components, sums.psi.shape[1])
 
 
 def _coordinates(nodes: np.ndarray, chord: np.ndarray) -> np.ndarray:
