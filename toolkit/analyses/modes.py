@@ -63,7 +63,7 @@ def solve_modes(solution: Solution, count: int | None = None) -> Modes:
     squares, shapes = squares[order], told_apart(squares[order], shapes[:, order], weights)
     frequencies = np.sign(squares) * np.sqrt(np.abs(squares)) / (2 * np.pi)
     damped = cautions_of_damping(dense["A_v"][:n_q, :n_q], mass, squares[:count], shapes[:, :count])
-    raised = cautions_of_raised(solution, squares[:count], shapes[:, :count])
+    raised = cautions_of_raised(solution, frequencies[:count])
     named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
     coarse = too_fast_for_elements(system.scene, named, doubt=False)
     return Modes(

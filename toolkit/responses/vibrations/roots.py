@@ -11,7 +11,6 @@ from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
 from toolkit.solvers.free_motions import free_motions
 from toolkit.solvers.roots import all_roots, refined
-from toolkit.system.system import System
 
 SAME = 1e-6
 """Part of the largest by which two vibrations that are one differ: then neither has a derivative of its own."""
@@ -28,8 +27,13 @@ class Vibration(NamedTuple):
     alone: bool
 
 
-def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callable[[complex], float]) -> Vibration:
+def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: Callable[[complex], float]) -> Vibration:
     """The vibration of a number, from 1 on, of those whose `slowness` is no nan, in its order.
+
+    Parameters
+    ----------
+    weights : (n_q,)
+        What makes coordinates comparable, see `numbering.weights`.
 
     Raises
     ------
@@ -38,15 +42,9 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     SingularSystemError
         The joints leave no motion.
     """
-    n_q = system.n_q
-    J = pencil.stiffness[n_q:, :n_q]
-    Z = free_motions(J, system.weights[:n_q])
-    if not Z.shape[1]:
-        raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
-    reduced = Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
+    Z, reduced = free_pencil(weights, pencil)
     values, left, right = all_roots(*reduced)
-    known = [k for k in range(len(values)) if np.isfinite(slowness(complex(values[k])))]
-    order = sorted(known, key=lambda k: slowness(complex(values[k])))
+    order = _order(values, slowness)
     if len(order) < number:
         raise InputError(f"there are {len(order)} vibrations about this equilibrium; number = {number} is none of them.")
     k = order[number - 1]
@@ -56,8 +54,29 @@ def find_vibration(system: System, pencil: Pencil, number: int, slowness: Callab
     s, u, w = refined(*reduced, values[k], right[:, k], left[:, k])
     u, w = Z @ u, Z @ w
     whole = s * s * pencil.mass + s * pencil.damping + pencil.stiffness
+    J = pencil.stiffness[len(weights) :, : len(weights)]
     u, w = (_with_multipliers(J, each, matrix) for each, matrix in ((u, whole), (w, whole.T)))
     return Vibration(s, u, w, w @ (2 * s * pencil.mass + pencil.damping) @ u, alone=True)
+
+
+def all_vibrations(weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float]) -> np.ndarray:
+    """s of all of them, in the order of their numbers."""
+    values = all_roots(*free_pencil(weights, pencil)[1])[0]
+    return values[_order(values, slowness)]
+
+
+def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:
+    """Motions that the joints allow, (n_q, n_free), and the matrices of these."""
+    n_q = len(weights)
+    Z = free_motions(pencil.stiffness[n_q:, :n_q], weights)
+    if not Z.shape[1]:
+        raise SingularSystemError("the joints leave no motion, so nothing vibrates. Remove a joint or a driver.")
+    return Z, Pencil(*(Z.T @ each[:n_q, :n_q] @ Z for each in pencil))
+
+
+def _order(values: np.ndarray, slowness: Callable[[complex], float]) -> list[int]:
+    slow = {k: slowness(complex(value)) for k, value in enumerate(values)}
+    return sorted((k for k in slow if np.isfinite(slow[k])), key=lambda k: slow[k])
 
 
 def _with_multipliers(J: np.ndarray, motion: np.ndarray, matrix: np.ndarray) -> np.ndarray:
