@@ -12,6 +12,7 @@ from tests.frames.test_cut_bodies import ARC, SECTION, agree, cantilever, in_spa
 from tests.frames.test_cut_in_space import CROOKED, SPUN, SWING
 from tests.models.beam_models import save_beam
 from tests.models.spatial_chains import chain_scene, save_chain
+from toolkit.analyses.modes import solve_modes, undeformed
 from toolkit.foundation.errors import InputError
 from toolkit.responses.stress.stress import stress_field
 from toolkit.responses.vibrations.vibration import DampingRatio, Frequency
@@ -232,6 +233,31 @@ def test_vibrations_about_a_spin_and_the_end_of_a_motion_are_told_too(tmp_path, 
         found = models[1].modes(count=7)
         assert raised_frequencies(few.solution, found.frequencies)[6] == pytest.approx(told["f7"], abs=1e-6)  # of the same roots
         assert any("too high, or missing" in each.text for each in found.verdict.warnings)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("words", ["", ", modes_per_frame = 0"])
+def test_motions_that_nothing_holds_are_zero_and_counted_once(tmp_path, dimension, words):
+    """Six in space, three in the plane, of responses as of modes: what round-off leaves of their double roots are no vibrations."""
+    free = 3 * dimension - 3
+    save_chain(tmp_path, np.column_stack([np.linspace(0, 1, 9), np.zeros((9, dimension - 1))]), damping=1e-4)
+    asked = "".join(f'f{k} = {{ type = "frequency", number = {k}, when = "end" }}\n' for k in (1, free, free + 1, free + 2))
+    asked += 'z = { type = "damping-ratio", when = "end" }\n'
+    scene = chain_scene(
+        tmp_path, f"frames = 2{words}", f"[responses]\n{asked}[solver]\nend_time = 0.01\nstep = 0.005\n", dimension
+    )
+    modes = solve_modes(undeformed(compile_scene(scene)), free + 2)
+    run = ffrf.compile(scene).simulate()
+    assert np.all(modes.frequencies[:free] == 0)
+    assert run.values["f1"] == run.values[f"f{free}"] == 0
+    for k in (free + 1, free + 2):
+        assert run.values[f"f{k}"] == pytest.approx(modes.frequencies[k - 1], rel=1e-4)  # damped a little
+    assert run.values["z"] == pytest.approx(
+        1e-4 / 2 * 2 * np.pi * modes.frequencies[free], rel=1e-3
+    )  # damping by stiffness alone
+    told = changed_vibrations(run.solution)
+    assert set(told) == ({f"f{free + 1}", f"f{free + 2}", "z"} if words else set())
+    assert all(0 < part < 0.01 for part in told.values())
 
 
 def test_what_a_spin_leaves_out_is_told(tmp_path):

@@ -21,6 +21,8 @@ from toolkit.solvers.spin.steady_state import steady_state
 from toolkit.solvers.static.equilibrium import LEVELS
 from toolkit.system.solution import Solution
 from toolkit.system.system import System
+from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.bodies.reduced.raised_frequencies import cautions_of_raised
 from toolkit.validity.judge import judge
 
@@ -107,7 +109,9 @@ def spinning_modes(solution: Solution, count: int | None = None) -> Modes:
     frequencies, ratios = np.insert(frequencies, place, [0.0] * zeros), np.insert(ratios, place, [0.0] * zeros)
     columns = [_scaled(shapes[k], system.weights[:n_q]) for k in order]
     columns[place:place] = [np.zeros(n_q)] * zeros
-    cautions = [*_cautions(np.array(roots)), *cautions_of_raised(solution, frequencies[:count])]
+    named = {f"mode {k + 1}": float(each) for k, each in enumerate(frequencies[:count])}
+    coarse = [*too_fast_for_elements(system.scene, named, doubt=False), *cautions_of_few_shapes(system.scene, named, doubt=False)]
+    cautions = [*_cautions(np.array(roots)), *cautions_of_raised(solution, frequencies[:count]), *coarse]
     return Modes(frequencies[:count], np.column_stack(columns)[:, :count], Verdict.of(cautions), ratios[:count])
 
 

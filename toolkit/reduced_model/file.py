@@ -34,7 +34,7 @@ ORIGIN = ("inputs", "source", "changes")
 """The same, which a model has that was built from files."""
 JUDGED = ("stress_errors", "stress_error_at")
 """The same, which a model has whose mesh was judged."""
-OPTIONAL = (*ORIGIN, *JUDGED)
+OPTIONAL = (*ORIGIN, *JUDGED, "left_out")
 
 PARTS: dict[str, Any] = {
     "invariants": Invariants,

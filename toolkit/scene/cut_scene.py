@@ -216,7 +216,7 @@ def _model(scene: Scene, name: str, body: Any) -> ReducedModel:
             "which parts with frames of their own are made. "
             + (
                 "Build it again with ffrf-preprocess."
-                if "identity" in model.basis
+                if model.keeps_all
                 else 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
             )
         )

@@ -23,6 +23,7 @@ from toolkit.sensitivity.sizes import variable_sizes
 from toolkit.system.solution import Solution
 from toolkit.validity.bodies.coarse_vibrations import too_fast_for_elements
 from toolkit.validity.bodies.reduced.changed_vibrations import cautions_of_changed
+from toolkit.validity.bodies.reduced.few_shapes import cautions_of_few_shapes
 from toolkit.validity.judge import cautions, measures
 from toolkit.validity.motion.motion import SUSPICIOUS
 from toolkit.validity.motion.noisy_forces import NOISY, noise_at, noise_of_joints, noisy_forces
@@ -151,8 +152,10 @@ class Result:
     def _of_vibrations(self) -> Iterator[Caution]:
         """Those that the elements of a body are too long for, or that shapes which parts leave out change."""
         scene = self.solution.system.scene
-        asked = {f: self.values[f] for f, each in scene.responses.items() if isinstance(each, Frequency) and f in self.values}
+        responses = {f: each for f, each in scene.responses.items() if f in self.values}
+        asked = {f: self.values[f] for f, each in responses.items() if isinstance(each, Frequency)}
         yield from too_fast_for_elements(scene, asked, doubt=True)
+        yield from cautions_of_few_shapes(scene, asked, doubt=True)
         yield from cautions_of_changed(self.solution)
 
     def _undefined(self) -> Iterator[Caution]:

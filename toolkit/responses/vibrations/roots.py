@@ -10,10 +10,15 @@ import numpy as np
 from toolkit.foundation.errors import InputError, SingularSystemError
 from toolkit.responses.vibrations.pencil import Pencil
 from toolkit.solvers.free_motions import free_motions
-from toolkit.solvers.roots import all_roots, refined
+from toolkit.solvers.roots import all_roots, is_zero, refined
 
 SAME = 1e-6
 """Part of the largest by which two vibrations that are one differ: then neither has a derivative of its own."""
+
+
+CLOSE = 0.01
+"""Part of a slow root by which Rayleigh's quotient moves it at most: the round-off of one of 1e-7 of the fastest is 5e-3 of it, while one
+that is round-off goes half the way to zero, or anywhere."""
 
 
 class Vibration(NamedTuple):
@@ -43,7 +48,7 @@ def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: C
         The joints leave no motion.
     """
     Z, reduced = free_pencil(weights, pencil)
-    values, left, right = all_roots(*reduced)
+    values, left, right = _without_round_off(reduced, *all_roots(*reduced))
     order = _order(values, slowness)
     if len(order) < number:
         raise InputError(f"there are {len(order)} vibrations about this equilibrium; number = {number} is none of them.")
@@ -61,8 +66,29 @@ def find_vibration(weights: np.ndarray, pencil: Pencil, number: int, slowness: C
 
 def all_vibrations(weights: np.ndarray, pencil: Pencil, slowness: Callable[[complex], float]) -> np.ndarray:
     """s of all of them, in the order of their numbers."""
-    values = all_roots(*free_pencil(weights, pencil)[1])[0]
+    reduced = free_pencil(weights, pencil)[1]
+    values = _without_round_off(reduced, *all_roots(*reduced))[0]
     return values[_order(values, slowness)]
+
+
+def _without_round_off(
+    pencil: Pencil, values: np.ndarray, left: np.ndarray, right: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Roots with their vectors, with one s = 0 for every motion that nothing holds, of whose two roots round-off leaves anything near zero.
+
+    A slow vibration is known from these by Rayleigh's quotient, which leaves it where it is.
+    """
+    small = np.flatnonzero([is_zero(s, np.abs(values).max(initial=0)) for s in values])
+    zero = [k for k in small if not _stays(pencil, values[k], right[:, k], left[:, k])]
+    values[zero] = 0.0
+    kept = np.delete(np.arange(len(values)), zero[: len(zero) - len(zero) // 2])
+    return values[kept], left[:, kept], right[:, kept]
+
+
+def _stays(pencil: Pencil, s: complex, u: np.ndarray, w: np.ndarray) -> bool:
+    with np.errstate(all="ignore"):
+        found = refined(*pencil, s, u, w)[0]
+    return bool(abs(found - s) < CLOSE * abs(s))
 
 
 def free_pencil(weights: np.ndarray, pencil: Pencil) -> tuple[np.ndarray, Pencil]:

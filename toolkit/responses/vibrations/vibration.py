@@ -118,7 +118,7 @@ class OfVibration(Response):
         system, pencil = solution.system, any_pencil_of(solution)
         found = find_vibration(system.weights[: system.n_q], real_pencil(pencil), self.number, self.slowness)
         s, u, w = found.s, found.right, found.left
-        if solution.steps and system.compiled:
+        if solution.steps and system.compiled and s:
             refuse_unsteady(solution, abs(s))
         if not found.alone:
             return self._one_of_two(solution, s)
@@ -137,9 +137,9 @@ class OfVibration(Response):
 
 
 class Frequency(OfVibration):
-    """Frequency of a vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is unstable.
-    About an equilibrium at rest it is without dampers; about a steady spin, and at the end of a motion, it is with dampers, seen
-    from the frame that spins.
+    """Frequency of a vibration about an equilibrium, in cycles per time: those of `ffrf modes`. Negative where the equilibrium is unstable;
+    motions that nothing holds have zero, each once. About an equilibrium at rest it is without dampers; about a steady spin, and at
+    the end of a motion, it is with dampers, seen from the frame that spins.
     """
 
     kind = "frequency"
@@ -153,7 +153,7 @@ class Frequency(OfVibration):
         """Im s of a pair of roots, - Re s where it is real; one of each pair."""
         vibrates = abs(s.imag) > SAME * abs(s)
         one = s.imag if vibrates else s.real
-        return (one if vibrates else -one) / (2 * np.pi) if one >= 0 else np.nan
+        return (one if vibrates else 0.0 - one) / (2 * np.pi) if one >= 0 else np.nan
 
     def slowness(self, s: complex) -> float:
         """The frequency, so that what is unstable comes first."""
