@@ -37,7 +37,7 @@ class CutScene(Scene):
 
     def body(self, name: str) -> Body:
         """One body, or part of one."""
-        found = self.all_bodies()
+        found = _with_parts_of(Itself(self.bodies))
         return found[name] if name in found else super().body(name)
 
     def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
