@@ -136,7 +136,7 @@ def _check_attributes(model: ReducedModel, path: Path) -> None:
             _refuse(path, name, f"is {value!r} instead of a text")
     if foreign := set(model.source) - set(model.inputs):
         _refuse(path, f"source/{min(foreign)}", "is not among its inputs")
-    for group in ("changes", "stress_errors", "stress_error_at", "face_errors"):
+    for group in ("changes", "left_out", "stress_errors", "stress_error_at", "face_errors"):
         for name, value in getattr(model, group).items():
             if not isinstance(value, (int, float)):
                 _refuse(path, f"{group}/{name}", f"is {value!r} instead of a number")

@@ -159,6 +159,9 @@ class ReducedModel:
     inputs, source, changes
         Each of these files by its place relative to the model's own file; the text of the TOML file among them; and what the command
         changed in it. Empty for a model that was built from no files.
+    left_out
+        Of a basis of few shapes: the slowest vibration of the shapes that it leaves out, in cycles per time, inf if there are none; under
+        the name `interface` if its interface points are held in them, `frame` if its frame is alone. Empty where nobody has found it out.
     stress_errors, stress_error_at
         Of a meshed body: load cases of its own with the error of their stress in the energy norm, as it is estimated from the mesh, and
         where most of the largest is made. Empty where nobody has estimated it.
@@ -196,6 +199,9 @@ class ReducedModel:
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
+    left_out: dict[str, float] = field(
+        default_factory=dict
+    )  # what is held -> slowest frequency of the shapes that the basis lacks
     stress_errors: dict[str, float] = field(
         default_factory=dict
     )  # load case -> estimated error of the mesh, in parts of the stress
@@ -228,6 +234,11 @@ class ReducedModel:
     def n_f(self) -> int:
         """Number of elastic coordinates."""
         return len(self.invariants.stiffness)
+
+    @property
+    def keeps_all(self) -> bool:
+        """Whether its elastic coordinates are all those of the nodes, or all but those that its frame takes up."""
+        return any(words in self.basis for words in ("identity on", "all coordinates"))
 
     @property
     def label(self) -> str:

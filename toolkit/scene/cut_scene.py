@@ -37,7 +37,7 @@ class CutScene(Scene):
 
     def body(self, name: str) -> Body:
         """One body, or part of one."""
-        found = self.all_bodies()
+        found = _with_parts_of(Itself(self.bodies))
         return found[name] if name in found else super().body(name)
 
     def pieces(self, names: Iterable[str] | None = None) -> tuple[str, ...]:
@@ -237,7 +237,7 @@ def _kept_by(model: ReducedModel) -> str:
             f"A solid in space is cut into groups of elements: name groups of its mesh in [pieces] of {toml} and build it again, or leave "
             "`frames` out, as solids in the plane must."
         )
-    if "identity" in model.basis:
+    if model.keeps_all:
         return "Build it again with ffrf-preprocess."
     return 'It keeps shapes and not all nodal coordinates: build it with kind = "full" in its [basis], or leave `frames` out.'
 
