@@ -94,7 +94,7 @@ def _eigen(stiffness: np.ndarray, mass: np.ndarray, terms: float) -> tuple[np.nd
 def _slow_ones_again(
     stiffness: np.ndarray, mass: np.ndarray, squares: np.ndarray, shapes: np.ndarray, terms: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The slowest modes anew among themselves (Rayleigh and Ritz), without the round-off of the fastest ones."""
+    """The slowest modes anew among themselves (Rayleigh and Ritz): round-off of the fastest may make free ones unstable."""
     slow = np.abs(squares) < SLOW * np.abs(squares).max()
     if slow.any():
         own = shapes[:, slow]

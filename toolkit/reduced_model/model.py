@@ -13,6 +13,7 @@ from toolkit.foundation.errors import InputError
 from toolkit.reduced_model.dependence import Derivatives, Polynomial
 from toolkit.reduced_model.elements import Elements, SpatialElements
 from toolkit.reduced_model.parts.interior import Interior
+from toolkit.reduced_model.parts.pieces import Pieces
 from toolkit.reduced_model.parts.spin import Spin
 from toolkit.reduced_model.spatial_model import SpatialInvariants, Surface, SurfaceLoad
 
@@ -164,6 +165,9 @@ class ReducedModel:
     stress_errors, stress_error_at
         Of a meshed body: load cases of its own with the error of their stress in the energy norm, as it is estimated from the mesh, and
         where most of the largest is made. Empty where nobody has estimated it.
+    face_errors
+        Of a solid in pieces, under forces and moments at its interface points, against its mesh without cuts; positive where it is too
+        soft. "least" and "largest" are those under all of them at once.
     bytes_read
         Part that was read -> its bytes in the file, 0 if the file has no such part.
     """
@@ -191,6 +195,7 @@ class ReducedModel:
     surface: Surface | None = None  # of spatial bodies
     surface_loads: dict[str, SurfaceLoad] | None = None  # name of a surface -> unit pressure on it
     spin: Spin | None = None  # of bodies whose file asks for it
+    pieces: Pieces | None = None  # of solids in pieces, which are `elements`
     inputs: dict[str, str] = field(default_factory=dict)  # file that it was built from, beside the model's -> its SHA-256
     source: dict[str, str] = field(default_factory=dict)  # the one of them that describes the body -> its text
     changes: dict[str, float] = field(default_factory=dict)  # parameter -> value other than that of the text
@@ -203,6 +208,9 @@ class ReducedModel:
     stress_error_at: dict[str, float] = field(
         default_factory=dict
     )  # axis -> coordinate of the place where the largest of them is made
+    face_errors: dict[str, float] = field(
+        default_factory=dict
+    )  # force or moment -> by how much faces between pieces change what it moves, in parts of that
     inputs_from: Path | None = field(default=None, compare=False)  # folder that the names of `inputs` start from
     path: Path | None = field(default=None, compare=False)
     bytes_read: dict[str, int] = field(default_factory=dict, compare=False)

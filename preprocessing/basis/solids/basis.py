@@ -144,7 +144,7 @@ def _with_interface(
     averaged = tuple(name for name in rows if name not in free.rigid)
     border = sparse.vstack([sparse.csr_array((0, stiffness.shape[0])), *(rows[name] for name in averaged)], format="csr")
     inner = _first_of(stiffness, inside)
-    if turn is not None and not free.rigid:
+    if free.floats:
         inner = supported(inner, [rows[name][:, :inside] for name in averaged])
     system = held_system(inner, border[:, :inside], places[:inside])
     unit = np.eye(n_held)
