@@ -25,6 +25,9 @@ class SolidMesh:
     in_file: np.ndarray | None = None  # (n_nodes,) number of each node in its file, rising, if some of the file were left out
     faces: Mapping[str, frozenset] = field(default_factory=dict)  # name of a group -> corners of its faces, if it has any
     n_file: int = 0  # nodes in the file
+    volumes: Mapping[str, Mapping[str, np.ndarray]] = field(
+        default_factory=dict
+    )  # name of a group -> its elements by kind, as `blocks`, if it has any
 
     @property
     def motions(self) -> int:
