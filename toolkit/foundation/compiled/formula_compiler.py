@@ -8,6 +8,8 @@ from numba.core.compiler import Compiler, Flags
 from numba.core.compiler_machinery import PassManager
 from numba.core.typed_passes import NopythonRewrites
 
+from toolkit.foundation.compiled.known_typing import known_typing
+
 NEEDLESS = (NopythonRewrites,)
 """Steps that are left out: this one joins operations with whole arrays, whose results would have to be allocated."""
 
@@ -43,7 +45,7 @@ class FormulaCompiler(Compiler):
 
     def __init__(self, typing: Any, target: Any, library: Any, arguments: Any, result: Any, flags: Flags, names: Any) -> None:
         known = _KNOWN.setdefault(flags.summary(), KnownFlags(flags))
-        super().__init__(typing, target, library, arguments, result, known, names)
+        super().__init__(known_typing(typing), target, library, arguments, result, known, names)
 
     def define_pipelines(self) -> list[PassManager]:
         """Those of numba, without what is needless."""
