@@ -44,12 +44,17 @@ class Squares:
         return Values(f, df, np.empty(0), np.empty((0, len(self.top))), curvature)
 
 
-def searched(residuals: Residuals, start: np.ndarray, **options: Any) -> Found:
-    """A search from a start, of variables between 0 and 1."""
+def nowhere(_: np.ndarray) -> bool:
+    """Every design can be solved."""
+    return False
+
+
+def searched(residuals: Residuals, start: np.ndarray, fails: Callable[[np.ndarray], bool] = nowhere, **options: Any) -> Found:
+    """A search from a start, of variables between 0 and 1, in which designs fail where it is said."""
 
     def solve(lane: int, design: np.ndarray, _: bool) -> Evaluation:
         r, r_z = residuals(design)
-        return Evaluation(lane, design, "", r[None], r_z[None], (), 0.0)
+        return Evaluation(lane, design, "a wall" if fails(design) else "", r[None], r_z[None], (), 0.0)
 
     program: Any = Squares(np.ones(len(start)), SearchOptions(**options))
     evaluator: Any = solve

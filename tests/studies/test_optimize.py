@@ -607,6 +607,11 @@ def test_python_and_the_command_give_the_same_optimum(tmp_path):
     assert price["price"] == pytest.approx(-1 / force_slope(height(36.0)), rel=1e-6)
     assert record["wall_s"] > 0
     assert json.loads((tmp_path / "out" / "optimum.json").read_text()) == record
+    head, *rows = ((tmp_path / "out" / "history.csv").read_text()).splitlines()
+    assert head == "search,design,loads.push.force.y,rise,failed because"
+    assert len(rows) == found.evaluations
+    best = min(rows, key=lambda row: float(row.split(",")[3])).split(",")
+    assert [float(each) for each in best[2:4]] == [found.variables["loads.push.force.y"], found.design.values[0, 0]]
     drawn = {file.relative_to(tmp_path / "out").as_posix() for file in (tmp_path / "out").rglob("*.png")}
     assert {"history.png", "before/step-0.png", "after/step-0.png"} <= drawn
 

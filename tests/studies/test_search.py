@@ -12,6 +12,7 @@ from toolkit.studies.optimization.optimality import Optimality
 from toolkit.studies.optimization.program import Values
 from toolkit.studies.optimization.promise import promised
 from toolkit.studies.optimization.search.curvature import LONGEST
+from toolkit.studies.optimization.search.cuts import Cuts
 from toolkit.studies.optimization.search.end_rule import LITTLE, EndRule
 from toolkit.studies.optimization.search.renewal import MANY, REACHES, Renewal
 from toolkit.studies.study.search_options import Search as SearchOptions
@@ -45,6 +46,44 @@ def test_a_search_that_is_cut_short_on_the_floor_says_that_it_is_no_optimum():
     assert not said
 
 
+def test_the_interior_point_method_takes_the_curvature_of_a_bent_valley():
+    """With limits as curved as the identity, and a barrier by slopes alone, it stood 9 per cent above the least after 100 designs."""
+    found = searched(valley, np.array([0.3, 0.1]), method="trust-constr")
+    assert (found.arrived, found.evaluations < 100) == (True, True)
+    assert found.best is not None
+    assert found.best.values[0] @ found.best.values[0] == pytest.approx(0.01, rel=SearchOptions().optimality)
+
+
+@pytest.mark.parametrize("start", [(0.1, 0.9), (0.1, 0.6)])
+def test_a_search_goes_around_a_wall_whose_cut_leads_the_wrong_way(monkeypatch, start):
+    """The plane in front of a failed design leaves the optimum behind it: a search that may never pass it stays there."""
+
+    def slope(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([z[0] - 0.9, 3 * (z[1] - 0.5), 0.1]), np.array([[1.0, 0.0], [0.0, 3.0], [0.0, 0.0]])
+
+    def wall(z: np.ndarray) -> bool:
+        return 0.4 < z[0] < 0.8 and z[1] > 0.52
+
+    found = searched(slope, np.array(start), wall, method="mma")
+    assert (found.arrived, found.failed) == (True, 1)
+    assert found.best is not None
+    assert found.best.design == pytest.approx([0.9, 0.5], abs=1e-3)
+    monkeypatch.setattr(Cuts, "release", lambda *_: None)
+    assert not searched(slope, np.array(start), wall, method="mma").arrived
+
+
+def test_only_planes_at_which_a_search_stands_are_forgotten():
+    cuts = Cuts()
+    assert cuts.add(np.zeros(2), np.array([1.0, 0.0]))
+    assert cuts.add(np.zeros(2), np.array([0.0, 1.0]))
+    cuts.release(np.array([0.49, 0.3]))
+
+    def flat(z: np.ndarray) -> Values:
+        return Values(0.0, np.zeros(2), np.empty(0), np.empty((0, 2)))
+
+    assert cuts.around(flat)(np.array([0.9, 0.3])).c == pytest.approx([0.2])
+
+
 def quadratic(z: np.ndarray, curvature: np.ndarray, least: np.ndarray, c: np.ndarray, dc: np.ndarray) -> Values:
     off = z - least
     return Values(off @ curvature @ off / 2, curvature @ off, c, dc, curvature)
@@ -63,7 +102,7 @@ def test_what_a_quadratic_program_promises_is_all_that_it_holds(z, gain):
     """(z_0 - 2)^2 + (z_1 - 2)^2 with z_0 + z_1 <= 1 and z between 0 and 1."""
     at = np.array(z)
     values = quadratic(at, 2 * np.eye(2), np.full(2, 2.0), np.array([1 - at.sum()]), np.array([[-1.0, -1.0]]))
-    assert promised(at, np.ones(2), values) == pytest.approx(gain, rel=1e-9, abs=1e-12)
+    assert promised(at, 1 - at, values) == pytest.approx(gain, rel=1e-9, abs=1e-12)
 
 
 def test_where_the_floor_is_flat_bounds_say_how_far_it_falls():
@@ -71,10 +110,14 @@ def test_where_the_floor_is_flat_bounds_say_how_far_it_falls():
     z, top, slope = np.full(3, 0.25), np.ones(3), np.array([0.0, -0.1, 0.02])
     curvature = np.diag([1e4, 1e-3, 0.0])
     values = Values(1.0, slope, np.empty(0), np.empty((0, 3)), curvature)
-    assert promised(z, top, values) == pytest.approx(0.1 * 0.75 - 0.5e-3 * 0.75**2 + 0.02 * 0.25, rel=1e-6)  # FLATTEST 1e4 / 1e-3
-    assert promised(z, top, values._replace(curvature=np.zeros((3, 3)))) == pytest.approx(0.08, rel=1e-3)  # round-off / FLATTEST
-    assert promised(z, top, values._replace(df=np.zeros(3))) == 0.0
-    assert promised(z, top, values._replace(curvature=None)) == 0.0
+    assert promised(z, top - z, values) == pytest.approx(
+        0.1 * 0.75 - 0.5e-3 * 0.75**2 + 0.02 * 0.25, rel=1e-6
+    )  # FLATTEST 1e4 / 1e-3
+    assert promised(z, top - z, values._replace(curvature=np.zeros((3, 3)))) == pytest.approx(
+        0.08, rel=1e-3
+    )  # round-off / FLATTEST
+    assert promised(z, top - z, values._replace(df=np.zeros(3))) == 0.0
+    assert promised(z, top - z, values._replace(curvature=None)) == 0.0
 
 
 def left(residual: float, gain: float = 0.0, violation: float = 0.0) -> Optimality:
@@ -86,6 +129,8 @@ def test_conditions_are_met_where_slopes_and_gain_and_violations_are_small():
     assert not left(2e-3).met(1e-3, 1e-6)
     assert not left(1e-4, 2e-3).met(1e-3, 1e-6)
     assert not left(1e-4, 0.0, 2e-6).met(1e-3, 1e-6)
+    assert left(0.4, 1e-9).met(1e-3, 1e-6)  # all designs stand at the optimum, so that its slopes are as large as others
+    assert not left(0.4, 1e-5).met(1e-3, 1e-6)
 
 
 MET, FAR = left(1e-4), left(1e-1)

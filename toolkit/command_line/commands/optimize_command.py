@@ -26,7 +26,8 @@ def optimize(
     starts: Annotated[int | None, typer.Option(min=1, help="How many searches, instead of the study's.")] = None,
     evaluations: Annotated[int | None, typer.Option(min=1, help="Most designs of one search, instead of the study's.")] = None,
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of all designs, the JSON file and the pictures.")
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder of all designs, the JSON file, the table and the pictures."),
     ] = Path("optimum"),
     pictures: Annotated[bool, typer.Option(help="Whether the history, and the design before and after, are drawn.")] = True,
     as_json: AsJson = False,
@@ -46,7 +47,7 @@ def optimize(
         described = described.model_copy(update={"search": search})
     with naming_study_lines(study):
         problem = problem_of(described)
-    folder = prepare_folder(output, "optimum.json", "history.png", "history.svg", "before", "after")
+    folder = prepare_folder(output, "optimum.json", "history.csv", "history.png", "history.svg", "before", "after")
     compile_before(problem.scene, problem.kind, described.search.gradients == "adjoint", quiet)
     with naming_study_lines(study), bar("designs", quiet) as progress:
         found = optimized(problem, folder, progress)
@@ -67,11 +68,13 @@ def _checked(changed: dict[str, Any]) -> dict[str, Any]:
 
 
 def _keep(found: Optimum, record: dict[str, Any], folder: Path, pictures: bool, quiet: bool) -> None:
-    """Write the JSON file, and the pictures where they can be drawn."""
+    """Write the JSON file, the table of all designs, and the pictures where they can be drawn."""
     from toolkit.foundation.files.replaced_file import write_whole
+    from toolkit.results.csv_tables import write_csv
 
     write_whole(folder / "optimum.json", json.dumps(record, indent=1, allow_nan=False).encode())
-    files = [folder / "optimum.json", *(_draw(found, folder, quiet) if pictures else [])]
+    table = write_csv(folder / "history.csv", *found.history)
+    files = [folder / "optimum.json", table, *(_draw(found, folder, quiet) if pictures else [])]
     if not quiet:
         typer.echo(f"{', '.join(map(str, files))} are written.", err=True)
 

@@ -18,6 +18,8 @@ from toolkit.studies.optimization.promise import promised
 
 ROUND_OFF = 1e-12
 """Part of the objective that no derivative decides."""
+SURELY = 1e-3
+"""Part of what may be left to gain, below which slopes are not asked."""
 NOTHING = 1e-4
 """Objective, in parts of its scale, beside which smaller ones are none: a mean of squares may end at zero."""
 
@@ -49,8 +51,10 @@ class Optimality(NamedTuple):
     gain: float = 0.0
 
     def met(self, optimality: float, feasibility: float) -> bool:
-        """Whether nothing of size is left."""
-        return self.residual <= optimality and self.gain <= optimality and self.violation <= feasibility
+        """Whether nothing of size is left; where next to nothing is to be gained, slopes need not be small beside those of other designs,
+        all of which may stand at the optimum."""
+        flat = self.residual <= optimality or 0 < self.gain <= SURELY * optimality
+        return flat and self.gain <= optimality and self.violation <= feasibility
 
 
 def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float) -> Optimality:
@@ -65,5 +69,5 @@ def optimality_of(program: Program, z: np.ndarray, found: Values, typical: float
     scale = max(float(np.max(np.abs(found.df))), typical, ROUND_OFF * abs(found.f), np.finfo(float).tiny)
     violation = max(0.0, float(np.max(-constraints)))
     m = len(found.c)
-    gain = promised(z, program.top, found) / max(abs(found.f), NOTHING * scale)
+    gain = promised(z, program.top - z, found) / max(abs(found.f), NOTHING * scale)
     return Optimality(float(np.max(left)) / scale, violation, multipliers[:m], multipliers[m:].reshape(2, n), gain)

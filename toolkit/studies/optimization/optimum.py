@@ -124,6 +124,20 @@ class Optimum:
         }
 
     @property
+    def history(self) -> tuple[list[str], list[list[Any]]]:
+        """Head and rows of a table of all designs in the order in which every search solved them: number of the search and of its design,
+        variables, responses, and why it failed."""
+        labels = [by_case(self.problem.cases, name) for name in self.problem.responses]
+        head = ["search", "design", *self.problem.variables, *(label for each in labels for label in each), "failed because"]
+        rows = []
+        for k in range(len(self.searches)):
+            solved = [each for each in self.solved if each.lane // 2 == k]
+            for number, each in enumerate(solved, 1):
+                values = [""] * (len(head) - 3 - len(each.design)) if each.failed else each.values.T.ravel().tolist()
+                rows.append([k + 1, number, *each.design.tolist(), *values, each.reason])
+        return head, rows
+
+    @property
     def scene(self) -> Scene:
         """The scene at the optimum, in the first case: `compile` takes it."""
         return scene_at(self.problem, next(iter(self.problem.cases)), self.design.design)

@@ -18,8 +18,16 @@ FLATTEST = 1e-12
 how far to go there."""
 
 
-def promised(z: np.ndarray, top: np.ndarray, values: Values) -> float:
-    """The gain at z, in units of the scaled objective; zero where the objective tells no curvature."""
+def promised(down: np.ndarray, up: np.ndarray, values: Values) -> float:
+    """The gain, in units of the scaled objective; zero where the objective tells no curvature.
+
+    Parameters
+    ----------
+    down, up
+        How far every variable may go down and up, (n,); infinite where it has no bound.
+    values
+        The functions.
+    """
     steep = float(np.max(np.abs(values.df)))
     if values.curvature is None or steep == 0:
         return 0.0
@@ -27,9 +35,11 @@ def promised(z: np.ndarray, top: np.ndarray, values: Values) -> float:
     axes = directions / np.sqrt(np.maximum(curved, FLATTEST * max(curved[-1], steep)))
     slope = values.df @ axes
     length = float(np.sqrt(slope @ slope))
-    rows = np.vstack([values.dc.reshape(-1, len(z)), np.eye(len(z)), -np.eye(len(z))]) @ axes
-    slack = np.maximum(np.concatenate([values.c, z, top - z]), 0.0)  # what is violated a little may stay so
-    x = _shortest(rows, (rows @ slope - slack) / length)
+    n = len(down)
+    slack = np.maximum(np.concatenate([values.c, down, up]), 0.0)  # what is violated a little may stay so
+    limits = np.isfinite(slack)
+    rows = np.vstack([values.dc.reshape(-1, n), np.eye(n), -np.eye(n)])[limits] @ axes
+    x = _shortest(rows, (rows @ slope - slack[limits]) / length)
     return 0.5 * length**2 * max(0.0, 1.0 - float(x @ x))
 
 

@@ -9,6 +9,7 @@ from scipy.optimize import BFGS, Bounds, NonlinearConstraint, minimize
 
 from toolkit.studies.optimization.methods.functions import Functions, Visited
 from toolkit.studies.optimization.program import Values
+from toolkit.studies.optimization.promise import promised
 
 INSIDE, KEPT = 1e-5, 1e-6
 """How far within its bounds the interior-point method begins, and above which a constraint counts as kept at its first design."""
@@ -35,15 +36,16 @@ def slsqp(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray
 
 
 def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.ndarray, visited: Visited, most: int) -> None:
-    """An interior-point method with a trust region (Byrd, Hribar and Nocedal, 1999), with the curvature of the objective where it is told;
-    arguments as of `slsqp`, but that z lies inside of its bounds."""
+    """An interior-point method with a trust region (Byrd, Hribar and Nocedal, 1999), with the curvature of the objective where it is told,
+    and none of the constraints then: what is learned of these begins with the identity, which in variables where the objective is round
+    is as much as all of it. Arguments as of `slsqp`, but that z lies inside of its bounds."""
     first, bounded = functions(z), bool(np.all(np.isfinite([low, high])))
     constraint = NonlinearConstraint(
         lambda z: functions(z).c,
         0.0,
         np.inf,
         jac=lambda z: functions(z).dc,
-        hess=BFGS(),
+        hess=BFGS() if first.curvature is None else lambda z, _: np.zeros((len(z), len(z))),
         keep_feasible=first.c > KEPT,
     )
 
@@ -74,16 +76,19 @@ def trust_constr(functions: Functions, z: np.ndarray, low: np.ndarray, high: np.
 
 
 def _barrier(first: Values, z: np.ndarray, low: np.ndarray, high: np.ndarray) -> float:
-    """Less than the barrier mu whose minimum z is nearest to: df = mu sum of dc_i / c_i in the least squares."""
+    """The barrier mu to begin with. Where curvature tells what there is to gain, m mu, which m constraints leave of the objective, is that;
+    else it is less than the one whose minimum z is nearest to: df = mu sum of dc_i / c_i in the least squares."""
     n, bounded = len(z), np.isfinite(low)
     c = np.concatenate([first.c, (z - low)[bounded], (high - z)[bounded]])
+    if first.curvature is not None:
+        return float(np.clip(promised(z - low, high - z, first) / max(1, len(c)), *BARRIERS))
     dc = np.vstack([first.dc.reshape(-1, n), np.eye(n)[bounded], -np.eye(n)[bounded]])
     kept = c > KEPT
     push = np.sum(dc[kept] / c[kept, None], axis=0)
     return float(np.clip(DECAY * (first.df @ push) / max(push @ push, np.finfo(float).tiny), *BARRIERS))
 
 
-FIRST_STEP, PENALTY = 1.0, 1e-4
+FIRST_STEP, PENALTY = 0.3, 1e-4
 """Radius of the first step, in which a constraint that changes by all of itself counts as one; and what a violation costs at first: at 1,
 SciPy's default, changes of constraints that are not active outweigh those of the objective, and steps become small."""
 DECAY, BARRIERS = 0.2, (1e-7, 1e-3)

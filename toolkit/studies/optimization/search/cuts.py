@@ -7,6 +7,8 @@ from the last design z_0 that could. A box about z_0 would stop the search in al
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from toolkit.studies.optimization.methods.functions import Functions
@@ -14,16 +16,25 @@ from toolkit.studies.optimization.program import Values
 
 BACK = 0.5
 """Part of the way to a failed design up to which a search may go."""
+STANDS = 0.05
+"""Distance to a plane, in parts of that way, below which a search stands at it."""
 NEAREST = 1e-5
 """Length of that way, in parts of the variables' ranges, below which nothing is left of it."""
+
+
+class Plane(NamedTuple):
+    """normal . z <= limit, half-way along a way of some length."""
+
+    normal: np.ndarray
+    limit: float
+    length: float
 
 
 class Cuts:
     """Planes, none at first."""
 
     def __init__(self) -> None:
-        self._normals: list[np.ndarray] = []
-        self._limits: list[float] = []
+        self._planes: list[Plane] = []
 
     def add(self, good: np.ndarray, failed: np.ndarray) -> bool:
         """Cut off a failed design, which was sought from a good one; whether they are far enough from each other."""
@@ -31,15 +42,18 @@ class Cuts:
         length = float(np.sqrt(way @ way))
         if length < NEAREST:
             return False
-        self._normals.append(way / length)
-        self._limits.append(BACK * length + float(good @ way) / length)
+        self._planes.append(Plane(way / length, BACK * length + float(good @ way) / length, length))
         return True
+
+    def release(self, z: np.ndarray) -> None:
+        """Forget the planes at which a search stands: what failed once, far behind them, is no reason to stay there."""
+        self._planes = [each for each in self._planes if each.limit - each.normal @ z > STANDS * each.length]
 
     def around(self, functions: Functions) -> Functions:
         """The functions with the planes as further constraints."""
-        if not self._normals:
+        if not self._planes:
             return functions
-        normals, limits = np.array(self._normals), np.array(self._limits)
+        normals, limits = np.array([each.normal for each in self._planes]), np.array([each.limit for each in self._planes])
 
         def within(z: np.ndarray) -> Values:
             found = functions(z)

@@ -111,12 +111,14 @@ class Search:
             except DesignFailedError as failure:
                 if not cuts.add(self.last if self.last is not None else z, failure.z):
                     return "designs all around cannot be solved: it stands at the edge of what can"
+                curvature = self._turned(method)
                 continue
             except Renewed:
                 if until is not None and len(done) >= until:
                     raise
                 self.renewal.adapt(METHODS[method], len(done) - before)
                 self.last = self.explored.stand()
+                cuts.release(self.last)
                 curvature = self._turned(method)
                 continue
             if self.rule.met:
