@@ -10,7 +10,7 @@ from preprocessing.basis.solids.ties import freedom
 from preprocessing.recipes.build_model import read_recipe
 from preprocessing.recipes.solids.named_mesh import named_mesh
 from preprocessing.recipes.solids.pieces.cut_mesh import cut_mesh
-from tests.models.solid_bodies import box
+from tests.models.solid_bodies import box, rectangle, write_body
 from tests.models.solid_pieces import write_bar
 from toolkit.foundation.errors import InputError
 
@@ -113,7 +113,7 @@ def test_what_are_no_pieces_is_refused(cells, pieces, groups, message):
         ("interface_points.grip.box = [1, -1.5, 0.5, 1, 1.5, 0.5]\n", r"group 'one' has 3 ends .* instead of two"),
         ("interface_points.again.group = 'left'\n", r"interface points 'root' and 'again' are at the same nodes, the clamp"),
         ('basis.kind = "static"\n', r"\[pieces\] keep all motions of their ends"),
-        ("pressure_surfaces.side.group = 'left'\n", r"\[pieces\] are those of a spatial mesh without \[pressure_surfaces\]"),
+        ("pressure_surfaces.side.group = 'left'\n", r"\[pieces\] are those of a mesh without \[pressure_surfaces\]"),
     ],
 )
 def test_points_and_tables_that_pieces_cannot_have_are_refused(cells, more, message):
@@ -134,3 +134,11 @@ def test_pieces_need_a_clamp_and_a_point_at_the_other_end(cells):
         path.write_text(text.replace(left_out, ""))
         with pytest.raises(InputError, match=message):
             chain(path)
+
+
+def test_solids_in_the_plane_have_no_pieces(tmp_path):
+    path = write_body(tmp_path, rectangle("quad", (2, 1), 1.0, 0.2), more="")
+    text = path.read_text()
+    path.write_text(text[: text.index("[basis]")] + '[pieces]\ngroups = ["one", "two"]\n')
+    with pytest.raises(InputError, match=r"pieces are cut out of spatial meshes. Leave \[pieces\] out"):
+        chain(path)

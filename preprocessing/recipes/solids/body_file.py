@@ -70,13 +70,9 @@ class BodyFile(Table):
     def _cut(self) -> str:
         if self.pieces is None:
             return ""
-        foreign = {
-            "matrices": self.matrices is not None,
-            "section": self.section is not None,
-            "pressure_surfaces": bool(self.pressure_surfaces),
-        }
+        foreign = {"matrices": self.matrices is not None, "pressure_surfaces": bool(self.pressure_surfaces)}
         if names := [f"[{name}]" for name, given in foreign.items() if given]:
-            return f"[pieces] are those of a spatial mesh without {' and '.join(names)}; leave one of them out"
+            return f"[pieces] are those of a mesh without {' and '.join(names)}; leave one of them out"
         if self.clamp is None:
             return (
                 "[pieces] begin at a clamp, to which the frame of the whole body is tied; add [clamp] with the nodes at one end"

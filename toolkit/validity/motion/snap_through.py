@@ -103,8 +103,9 @@ def _static(solution: Solution, place: float, inputs: Inputs | None = None) -> t
     forces[n_q:] = balancing_forces(system, terms)
     terms = system.evaluate(inputs, q, rest, forces)
     residual, matrix = terms.inertial + terms.applied, static_array(system, terms)
-    held = dead_inertia(system, q, residual)
-    return residual, matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr()), forces
+    if (held := dead_inertia(system, q, residual)) is not None:
+        matrix = matrix + (held.toarray() if isinstance(matrix, np.ndarray) else held.tocsr())
+    return residual, matrix, forces
 
 
 def _state(solution: Solution, place: float) -> tuple[float, np.ndarray]:

@@ -7,11 +7,9 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from scipy import sparse
-from scipy.sparse.csgraph import connected_components
 
 from preprocessing.mesh.faces import BoundaryFaces, faces_of
-from preprocessing.mesh.solid_mesh import SolidMesh
+from preprocessing.mesh.solid_mesh import SolidMesh, lumps
 from preprocessing.recipes.solids.body_tables import TiedRegion
 from preprocessing.recipes.solids.named_mesh import NamedMesh
 from toolkit.foundation.errors import InputError
@@ -106,17 +104,14 @@ def _nodes_of(blocks: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def _refuse_apart(mesh: SolidMesh, group: str, blocks: Mapping[str, np.ndarray]) -> None:
-    count = _clusters(len(mesh.nodes), [each for each in blocks.values()])
+    count = _count_of_lumps(mesh, [*blocks.values()])
     if count > 1:
         raise InputError(f"group {group!r} consists of {count} lumps that share no nodes. Make a group of each.")
 
 
-def _clusters(n: int, members: list[np.ndarray]) -> int:
-    """Into how many the nodes of some elements or faces fall that share none."""
-    pairs = np.concatenate([np.column_stack([np.repeat(b[:, 0], b.shape[1]), b.ravel()]) for b in members])
-    graph = sparse.coo_array((np.ones(len(pairs)), pairs.T), shape=(n, n))
-    label = connected_components(graph, directed=False)[1]
-    return len(np.unique(label[pairs[:, 0]]))
+def _count_of_lumps(mesh: SolidMesh, members: list[np.ndarray]) -> int:
+    """Into how many some elements or faces fall."""
+    return len(np.unique(lumps(len(mesh.nodes), members)[np.concatenate([each.ravel() for each in members])]))
 
 
 def _ends(named: NamedMesh, blocks: Mapping[str, Mapping[str, np.ndarray]], nodes: Mapping[str, np.ndarray]) -> list[End]:
@@ -148,9 +143,9 @@ def _ends(named: NamedMesh, blocks: Mapping[str, Mapping[str, np.ndarray]], node
 def _refuse_no_face(mesh: SolidMesh, groups: tuple[str, str], faces: BoundaryFaces) -> None:
     """Refuse groups that meet in an edge or in several faces."""
     members = [each for each in faces.faces.values() if len(each)]
-    lumps = _clusters(len(mesh.nodes), members) if members else 0
-    if lumps != 1:
-        where = f"in {lumps} faces" if lumps else "in nodes, but in no whole face of an element,"
+    count = _count_of_lumps(mesh, members) if members else 0
+    if count != 1:
+        where = f"in {count} faces" if count else "in nodes, but in no whole face of an element,"
         raise InputError(
             f"groups {groups[0]!r} and {groups[1]!r} meet {where} and not in one. Cut the body across, into a chain."
         )

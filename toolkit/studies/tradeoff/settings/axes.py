@@ -63,6 +63,7 @@ def read_axes(scene: Scene, text: str | None) -> dict[str, list[Choice]]:
         found[name] = _choices(scene, name, given)
     if not found:
         raise InputError(f"--axes names nothing; available: {', '.join(available())}.")
+    frame_axes.refuse_idle(scene, found)
     return found
 
 
@@ -70,7 +71,7 @@ def _choices(scene: Scene, name: str, given: Sequence[str]) -> list[Choice]:
     if name in skin_axes.AXES:
         return skin_axes.choices(scene, name, given)
     if name in frame_axes.AXES:
-        return frame_axes.choices(scene, given)
+        return frame_axes.choices(scene, name, given)
     maker = {"step": _steps, "baumgarte": _baumgarte}.get(name, _options)
     values = [_value(text) for text in given] if given else None
     return unlike(maker(scene, name, values))

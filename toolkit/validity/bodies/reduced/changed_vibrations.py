@@ -17,8 +17,9 @@ UNDAMPED = 1e-9
 """Damping ratio that is round-off."""
 HELD = 1e-6
 """Part of the fastest vibration below which one is the round-off of a motion that nothing holds."""
-NEAR = 0.01
-"""Part of a frequency by which two vibrations differ that may change places."""
+NEAR, LEFT = 0.01, 3e-4
+"""Parts of a frequency by which two vibrations differ at most that may change places, if it is off by as much; and which it may always be
+off by, see `richer_pencil`."""
 
 
 def changed_vibrations(solution: Solution) -> dict[str, float]:
@@ -43,7 +44,8 @@ def _part(response: OfVibration, s: complex, true: np.ndarray) -> float:
     if response.number > len(true):
         return np.inf
     wanted = true[response.number - 1]
-    numbers = np.array([response.of(each) for each in true[np.abs(true - wanted) <= NEAR * abs(wanted)]])
+    reach = np.clip(abs(s - wanted), LEFT * abs(wanted), NEAR * abs(wanted))
+    numbers = np.array([response.of(each) for each in true[np.abs(true - wanted) <= reach]])
     zero = UNDAMPED if isinstance(response, DampingRatio) else HELD * np.abs(true).max() / (2 * np.pi)
     value = response.of(s)
     if np.abs(numbers).min() <= zero:

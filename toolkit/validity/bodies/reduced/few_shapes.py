@@ -115,5 +115,6 @@ def _speeded(scene: Scene, body: str) -> float:
 
 
 def _slowest(stiffness: np.ndarray, mass: np.ndarray) -> float:
-    found: np.ndarray = eigvalsh(np.real(stiffness), np.real(mass), subset_by_index=[0, 0])
-    return float(found[0])
+    last = len(stiffness) - 1
+    found: np.ndarray = eigvalsh(np.real(mass), np.real(stiffness), subset_by_index=[last, last])
+    return float(1 / found[0])
